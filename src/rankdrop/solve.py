@@ -32,13 +32,13 @@ _CORRECTIONS = 8
 _EARLY = 3  # steps of a curve before which it is not closed
 
 
-def shortest(a: Array, f: Array) -> Array:
+def shortest(a: Array, f: Array, cut: float = CUT) -> Array:
     """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
     if a.shape[1] == 1:  # a·f/|a|², ten times as fast
         square = (a[:, 0] ** 2).sum(axis=1)
         return np.asarray(a[:, 0] * np.where(square > _SMALLEST**2, f[:, 0] / np.maximum(square, 1e-300), 0.0)[:, None])
     u, s, vt = np.linalg.svd(a, full_matrices=False)
-    keep = s > np.maximum(CUT * s[:, :1], _SMALLEST)
+    keep = s > np.maximum(cut * s[:, :1], _SMALLEST)
     inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)
     return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))
 
@@ -101,6 +101,7 @@ def newton(
     step: float = 0.5,
     still: float = 1e-14,
     box: Array | None = None,
+    cut: float = CUT,
 ) -> Array:
     """Gauss–Newton with the shortest step, capped, from every start until it is solved or stands still.
 
@@ -113,6 +114,7 @@ def newton(
         step: longest step, in scaled coordinates.
         still: a start whose step gets shorter has arrived.
         box: (2, n) least and largest q; None for no limits.
+        cut: singular values of A below this share of the largest are not inverted.
 
     Returns:
         (N, n) end points; whether they are solutions is for the caller to say.
@@ -122,7 +124,7 @@ def newton(
         going, f, a = residuals(q)
         a = a[going] if scale is None else a[going] * scale
         move = np.zeros_like(q)
-        move[going] = -shortest(a, f[going]) if along is None else -shortest(a @ along, f[going]) @ along.T
+        move[going] = -shortest(a, f[going], cut) if along is None else -shortest(a @ along, f[going], cut) @ along.T
         return move
 
     return iterate(shortest_step, starts, iterations=iterations, longest=step, still=still, scale=scale, box=box)

@@ -10,7 +10,7 @@ given in mm and the same arm given in m are one arm here, to the last bit; with 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import floor, log10
 from typing import Any, TypeVar
@@ -49,25 +49,14 @@ DECIMALS = 14
 """Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""
 
 
-@dataclass(frozen=True, eq=False)
-class UnitRobot(Robot):
-    """An arm with its lengths divided by 10 to the power of `exponent`.
-
-    Attributes:
-        exponent: of the unit, in the unit of length that the arm was given in.
-    """
-
-    exponent: int = 0
-
-
-_made: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()  # a robot never changes
-_in_metres: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()
+_made: WeakKeyDictionary[Robot, Robot] = WeakKeyDictionary()  # a robot never changes
+_in_metres: WeakKeyDictionary[Robot, Robot] = WeakKeyDictionary()
 _counted: WeakKeyDictionary[Robot, int] = WeakKeyDictionary()
 
 
-def in_units(robot: Robot) -> UnitRobot:
+def in_units(robot: Robot) -> Robot:
     """The arm in its own unit of length; itself where it is in it already. Made once for each robot."""
-    if isinstance(robot, UnitRobot):
+    if robot.exponent is not None:
         return robot
     made = _made.get(robot)
     if made is None:
@@ -75,19 +64,18 @@ def in_units(robot: Robot) -> UnitRobot:
     return made
 
 
-def _with_exponent(robot: Robot, power: int) -> UnitRobot:
-    plain = _rounded(scaled(robot, -power))
-    return UnitRobot(**{one.name: getattr(plain, one.name) for one in fields(Robot)}, exponent=power)
+def _with_exponent(robot: Robot, power: int) -> Robot:
+    return replace(_rounded(scaled(robot, -power)), exponent=power)
 
 
 def exponent(robot: Robot) -> int:
     """Of the arm's unit of length: 10 to this power is nearest to the reach, by its logarithm."""
-    return robot.exponent if isinstance(robot, UnitRobot) else round(log10(reach(robot)))
+    return round(log10(reach(robot))) if robot.exponent is None else robot.exponent
 
 
 def task_in_units(task: Task, robot: Robot) -> Task:
     """The task of an arm for `in_units(robot)`: its length scale and its reference point in that unit."""
-    power = 0 if isinstance(robot, UnitRobot) else -exponent(robot)
+    power = -exponent(robot) if robot.exponent is None else 0
     return _moved_task(task, power)
 
 
@@ -102,12 +90,12 @@ def _moved_task(task: Task, power: int) -> Task:
 
 def into_units(robot: Robot, q: ArrayLike) -> Array:
     """Configurations (..., n) of an arm as those of `in_units(robot)`: slides in its unit."""
-    return _slid(robot, q, 0 if isinstance(robot, UnitRobot) else -exponent(robot))
+    return _slid(robot, q, -exponent(robot) if robot.exponent is None else 0)
 
 
 def out_of_units(robot: Robot, q: ArrayLike) -> Array:
     """Configurations (..., n) of `in_units(robot)` as those of the arm itself."""
-    return _slid(robot, q, 0 if isinstance(robot, UnitRobot) else exponent(robot))
+    return _slid(robot, q, exponent(robot) if robot.exponent is None else 0)
 
 
 def as_given(robot: Robot, q: ArrayLike) -> Array:
@@ -117,7 +105,7 @@ def as_given(robot: Robot, q: ArrayLike) -> Array:
 
 def given_exponent(robot: Robot) -> int:
     """Power of ten by which lengths of a robot are told larger than they stand there: that of `in_units`, else 0."""
-    return robot.exponent if isinstance(robot, UnitRobot) else 0
+    return robot.exponent or 0
 
 
 def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
@@ -141,7 +129,7 @@ def metre_exponent(robot: Robot) -> int:
     At one configuration σ is that of joint rates in rad/s and m/s, as GR and AM have it: of an arm in mm, its slides'
     rates would count a thousandfold. So it is looked at as if its numbers were metres.
     """
-    return 0 if isinstance(robot, UnitRobot) else counted_exponent(robot)
+    return counted_exponent(robot) if robot.exponent is None else 0
 
 
 def in_metres(robot: Robot) -> Robot:
@@ -176,8 +164,7 @@ def counted(robot: Robot) -> float:
     1 m for an arm given in metres, as AM have it. What is told must not depend on the unit, so it is the power of 1000
     nearest to the reach: 1 for a reach from 0.032 to 31.6, 1000 for an arm given in mm.
     """
-    power = exponent(robot) if isinstance(robot, UnitRobot) else 0
-    return 10.0 ** (counted_exponent(robot) - power)
+    return 10.0 ** (counted_exponent(robot) - given_exponent(robot))
 
 
 def counted_length(robot: Robot) -> float:

@@ -129,8 +129,8 @@ def check_exact(name: str, unit: str) -> None:
     assert [one.id for one in metres.families] == [one.id for one in other.families]
     for mine, theirs in zip(metres.families, other.families, strict=True):
         assert (mine.name, mine.dimension, mine.rank_check) == (theirs.name, theirs.dimension, theirs.rank_check)
-        assert mine.in_units(metres.chain).texts == theirs.in_units(other.chain).texts
-        assert mine.witness == pytest.approx(out_of_units(metres.robot, theirs.in_units(other.chain).witness), abs=1e-9)
+        assert mine.in_units(metres.robot).texts == theirs.in_units(other.robot).texts
+        assert mine.witness == pytest.approx(out_of_units(metres.robot, theirs.in_units(other.robot).witness), abs=1e-9)
         assert list(mine.lost_words) == [in_metres(one, power) for one in theirs.lost_words]
         if metres.letters:
             assert mine.texts == theirs.texts

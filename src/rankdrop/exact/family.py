@@ -7,12 +7,12 @@ from functools import cached_property
 from math import pi, remainder
 
 from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Order, Pin, place_of
 from rankdrop.robot.model import Robot
-from rankdrop.units import into_units
+from rankdrop.units import exponent, into_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +53,16 @@ class ExactFamily:
     shifts: tuple[float, ...]
     pieces: tuple[ZeroSet, ...]
 
-    def in_units(self, chain: Chain) -> ExactFamily:
-        """The family in the arm's own unit of length: its equations and its witness are those of `chain.own`."""
+    def in_units(self, robot: Robot) -> ExactFamily:
+        """A family of an arm as one of `units.in_units(robot)`: its equations and its witness."""
+        power = exponent(robot)
         return replace(
             self,
-            conditions=tuple(Condition(one.ring, chain.own_polynomial(one.polynomial)) for one in self.conditions),
-            witness=tuple(float(x) for x in into_units(chain.robot, self.witness)),
-            numbers=chain.own_numbers,
+            conditions=tuple(
+                Condition(one.ring, polynomial_in_units(one.polynomial, self.numbers, power)) for one in self.conditions
+            ),
+            witness=tuple(float(x) for x in into_units(robot, self.witness)),
+            numbers=numbers_in_units(self.numbers, power),
         )
 
     def pinned(self, robot: Robot) -> tuple[Pin, ...]:

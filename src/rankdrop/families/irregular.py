@@ -47,6 +47,7 @@ from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import decompose
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
+from rankdrop.solve import iterate
 
 WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
 SHARED = 5  # points that must share a value
@@ -179,19 +180,17 @@ def inspect_doubled(problem: Problem, q: Array) -> tuple[Inspection, Mask]:
     if len(q) > each:  # of a long arm: so many points at once
         parts = [inspect_doubled(problem, q[first : first + each]) for first in range(0, len(q), each)]
         return joined([part for part, _ in parts]), np.concatenate([good for _, good in parts])
-    at, step = np.array(q, dtype=np.float64), np.zeros(len(q))
-    moving = np.arange(len(q))  # a point whose step is no longer than `SETTLED` has arrived
-    for _ in range(ROUNDS):
-        if not len(moving):
-            break
-        local = _second(problem, at[moving], scale)
-        slopes, values = _equations(local)
+    length = np.zeros(len(q))  # of the last step of each
+
+    def step(at: Array, moving: NDArray[np.intp]) -> Array:
+        slopes, values = _equations(_second(problem, at, scale))
         delta = -(np.linalg.pinv(slopes, rcond=CLEAR) @ values[..., None])[..., 0]
-        step[moving] = np.linalg.norm(delta, axis=1)
-        at[moving] += delta * np.minimum(1.0, FAR / np.maximum(step[moving], 1e-300))[:, None] * scale
-        moving = moving[step[moving] >= SETTLED]
+        length[moving] = np.linalg.norm(delta, axis=1)
+        return np.asarray(delta)
+
+    at = iterate(step, q, iterations=ROUNDS, longest=FAR, still=SETTLED, scale=scale)
     sigma = problem.sigma(at)
-    good = (step < SETTLED) & (np.linalg.norm((at - q) / scale, axis=1) < FAR)
+    good = (length <= SETTLED) & (np.linalg.norm((at - q) / scale, axis=1) < FAR)
     good &= sigma[:, problem.rank] <= problem.tolerances.singular
     at = np.where(good[:, None], at, q)
     sigma = np.where(good[:, None], sigma, problem.sigma(q))

@@ -38,6 +38,7 @@ from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import block, generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
+from rankdrop.solve import iterate
 from rankdrop.task import Task
 
 EXACT = 1e-13
@@ -427,13 +428,14 @@ def _zeros(waves: Waves, slope: bool) -> tuple[NDArray[np.int64], Array]:
     angle = np.angle(roots[which, place])
     numbers = np.arange(-degree, degree + 1)
     coefficients = waves[rows[which]][:, order]
-    for _ in range(4):  # Newton, real
-        turn = np.exp(1j * angle[:, None] * numbers)
-        value, rate = (coefficients * turn).sum(axis=1).real, (coefficients * turn * 1j * numbers).sum(axis=1).real
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(rate != 0.0, value / rate, 0.0)
-        angle = angle - np.clip(step, -1e-3, 1e-3)
-    return rows[which], angle
+
+    def step(at: Array, active: NDArray[np.intp]) -> Array:
+        """Newton's, of a real variable."""
+        waves = coefficients[active] * np.exp(1j * at * numbers)
+        value, rate = waves.sum(axis=1).real, (waves * 1j * numbers).sum(axis=1).real
+        return np.asarray(-np.divide(value, rate, out=np.zeros_like(rate), where=rate != 0.0)[:, None])
+
+    return rows[which], iterate(step, angle[:, None], iterations=4, longest=1e-3)[:, 0]
 
 
 def _ad(screw: Array) -> Array:

@@ -43,7 +43,7 @@ from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
-from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
+from rankdrop.units import in_units, into_units, out_of_units, task_in_units
 
 Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
@@ -164,7 +164,7 @@ def refine(
     _, seed, threads = check_numbers(1, seed, threads)
     resolved = resolve_task(task, robot)
     rows, _ = configurations(robot, q0)
-    here = isinstance(robot, UnitRobot)
+    here = robot.exponent is not None
     found = _refined(
         in_units(robot), rows if here else into_units(robot, rows), corank, task_in_units(resolved, robot), seed,
         limits=limits, method=method, iterations=iterations, step=step, tie=tie, history=history, threads=threads,

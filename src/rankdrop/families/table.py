@@ -49,7 +49,6 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import (
-    UnitRobot,
     in_metres,
     in_units,
     into_units,
@@ -104,7 +103,7 @@ def families(
         >>> [(family.dimension, str(family.equations[0])) for family in found.families]
         [(3, 'sin θ2')]
     """
-    if not isinstance(cloud.robot, UnitRobot):
+    if cloud.robot.exponent is None:
         inner = families(
             _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
             threads=threads, progress=progress, wanted=wanted, near_misses=near_misses, memory=memory,

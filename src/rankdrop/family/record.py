@@ -21,7 +21,7 @@ import numpy as np
 from rankdrop.family.equation import Equation, System, pretty_angle
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
-from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
+from rankdrop.units import exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,7 +349,7 @@ def family_in_metres(family: Family, robot: Robot) -> Family:
 
 
 def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Family:
-    if isinstance(robot, UnitRobot) or not power or not slides_of(robot):
+    if robot.exponent is not None or not power or not slides_of(robot):
         return family
     return replace(
         family,

@@ -22,7 +22,7 @@ from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, t
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach, travel_limits
 from rankdrop.task import Task
-from rankdrop.units import UnitRobot, in_units, task_in_units
+from rankdrop.units import in_units, task_in_units
 
 STRUCTURE_SEED = 20231
 """Of the configurations that tell what holds almost everywhere."""
@@ -203,7 +203,7 @@ def generic_rank(robot: Robot, task: Task) -> int:
     """
     ranks = handles_of(robot).ranks
     key = (task.frame, task.rows, task.scale(robot))
-    if key not in ranks and not isinstance(robot, UnitRobot):
+    if key not in ranks and robot.exponent is None:
         ranks[key] = generic_rank(in_units(robot), task_in_units(task, robot))
     elif key not in ranks:
         sigma = singular_values(robot, structural_sample(robot, task, 64), task)

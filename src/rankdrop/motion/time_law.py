@@ -45,7 +45,9 @@ from rankdrop.motion.time_law_record import (
     UNDECIDED,
     Through,
 )  # fmt: skip
+from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import newton
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
@@ -54,6 +56,7 @@ _SPAN = 0.1  # of σ to either side [rad]: four digits of a fifth-order term are
 _POINTS = 12  # on each side
 _NOTHING = 1e-7  # coefficients of s(σ), u·ξ and the quadric below this are zero; finite motion leaves 1e-10
 _CLOSE = 1e-12
+_MOST = 30  # steps of Newton's method
 
 
 def through(
@@ -239,13 +242,14 @@ class _Path:
     def _solved(self, q: Array, s: float) -> Array | None:
         """Configuration at s near a first guess, by Newton's method with least change."""
         target = self._target(s)
-        for _ in range(30):
-            e = self.aim.error(target, (q * self.scale)[None])[0]
-            if np.linalg.norm(e) <= _CLOSE:
-                return q
-            jacobian = task_jacobian(self.robot, q * self.scale, self.task) * self.scale
-            q = q + np.linalg.lstsq(jacobian, e, rcond=1e-12)[0]
-        return None
+
+        def missed(q: Array) -> tuple[Mask, Array, Array]:
+            e = self.aim.error(target, q * self.scale)
+            slope = task_jacobian(self.robot, q * self.scale, self.task) * self.scale
+            return np.linalg.norm(e, axis=1) > _CLOSE, -e, slope
+
+        found = newton(missed, q[None], iterations=_MOST, step=np.inf, cut=1e-12)
+        return None if missed(found)[0][0] else np.asarray(found[0])
 
     def _followed(self, e: Array) -> tuple[Array, Array, Array, float]:
         """σ, s, joints on the curve whose kernel part is σ e, and the deviation from the path; s(0) = 0."""
@@ -265,17 +269,18 @@ class _Path:
     def _corrected(self, y: Array, wanted: Array) -> Array:
         """Newton's method on: the tool is on the path at s, and the kernel part of q − q(0) is as wanted."""
         n = self.robot.n
-        for _ in range(30):
+
+        def missed(rows: Array) -> tuple[Mask, Array, Array]:
+            y = rows[0]
             q, s = y[:n] * self.scale, y[n] / self.size
             e = np.concatenate([self.aim.error(self._target(s), q[None])[0],
                                 wanted - self.kernel.T @ (y[:n] - self.q / self.scale)])  # fmt: skip
-            if np.linalg.norm(e) <= _CLOSE:
-                break
             slope = -(self.xi + s * self.curve)[:, None] / self.size
             top = np.hstack([task_jacobian(self.robot, q, self.task) * self.scale, slope])
             bottom = np.hstack([self.kernel.T, np.zeros((self.kernel.shape[1], 1))])
-            y = y + np.linalg.lstsq(np.vstack([top, bottom]), e, rcond=1e-13)[0]
-        return y
+            return np.array([np.linalg.norm(e) > _CLOSE]), -e[None], np.vstack([top, bottom])[None]
+
+        return np.asarray(newton(missed, y[None], iterations=_MOST, step=np.inf, cut=1e-13)[0])
 
     def _off(self, joints: Array, s: Array) -> float:
         """Largest distance of the tool from the path, in the rows of the task."""

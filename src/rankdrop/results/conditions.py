@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
-from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.record import Check
@@ -92,7 +93,6 @@ class Conditions:
         left: what was not finished, in words.
         seconds: spent.
         settings: what was asked for.
-        chain: the arm over the exact ring, in which conditions are polynomials.
         determinants: the determinant of the Jacobian, or its minors, in factors; None where no steps were asked for.
         anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
     """
@@ -117,9 +117,14 @@ class Conditions:
     left: tuple[str, ...]
     seconds: float
     settings: ConditionSettings
-    chain: Chain
     determinants: Determinants | None = None
     anew: Callable[[], Conditions] | None = None
+
+    @cached_property
+    def chain(self) -> Chain:
+        """The arm over the exact ring, in which conditions are polynomials: made for whoever asks."""
+        made = exact_chain(self.robot, self.task, lengths=self.settings.lengths)
+        return made if self.letters else replace(made, letters={}, written={})  # with letters it took too long
 
     @property
     def verified(self) -> bool:

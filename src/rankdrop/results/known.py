@@ -30,7 +30,7 @@ import numpy as np
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.exact.writing.notation import Step
@@ -254,14 +254,13 @@ def _task(task: Task) -> Record:
 
 
 def from_stored(
-    record: Record, robot: Robot, task: Task, chain: Chain, *, anew: Callable[[], Conditions] | None = None
+    record: Record, robot: Robot, task: Task, *, anew: Callable[[], Conditions] | None = None
 ) -> Conditions:
     """The derivation of a record made by `to_stored`.
 
     Args:
         record: as it was stored.
         robot, task: the arm asked about: the same joints, lengths and frames as those it was derived for.
-        chain: that arm made exact, with letters where it has them.
         anew: derives it once more, for what the record does not hold.
 
     Raises:
@@ -271,17 +270,14 @@ def from_stored(
         raise ResultFileError("these are not conditions that can be read", got=repr(record.get("schema")),
                               allowed=SCHEMA)  # fmt: skip
     try:
-        return _read(record, robot, task, chain, anew)
+        return _read(record, robot, task, anew)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         what = f"no entry {error}" if isinstance(error, KeyError) else str(error)
         raise ResultFileError("the stored conditions are damaged", where=robot.name, got=what) from error
 
 
-def _read(
-    record: Record, robot: Robot, task: Task, chain: Chain, anew: Callable[[], Conditions] | None
-) -> Conditions:
-    if not record["letters"]:
-        chain = replace(chain, letters={}, written={})  # with letters it took longer than it might
+def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Conditions] | None) -> Conditions:
+    ring = cache(lambda: ring_of(robot, record["letters"]))  # made for the first polynomial: not all arms have one
     return Conditions(
         robot=robot,
         task=task,
@@ -292,7 +288,7 @@ def _read(
         method=record["method"],
         reason=record["reason"],
         steps=restored(tuple[Step, ...], record["steps"]),
-        families=tuple(_family(one, chain) for one in record["families"]),
+        families=tuple(_family(one, ring, record) for one in record["families"]),
         lowest=record["lowest"],
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(record["not_real"]),
@@ -303,12 +299,11 @@ def _read(
         left=tuple(record["left"]),
         seconds=0.0,
         settings=replace(restored(ConditionSettings, record["settings"]), version=VERSION),
-        chain=chain,
         anew=anew,
     )
 
 
-def _family(record: Record, chain: Chain) -> ExactFamily:
+def _family(record: Record, ring: Callable[[], Ring], whole: Record) -> ExactFamily:
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
@@ -317,15 +312,15 @@ def _family(record: Record, chain: Chain) -> ExactFamily:
         dimension=record["dimension"],
         codimension=record["codimension"],
         pins=tuple(AnglePin(joint, tuple(values)) for joint, values in record["pins"]),
-        conditions=tuple(Condition(chain.ring, _polynomial(chain.ring, terms)) for terms in record["polynomials"]),
+        conditions=tuple(Condition(ring(), _polynomial(ring(), terms)) for terms in record["polynomials"]),
         free=tuple(record["free"]),
         coupled=tuple(record["coupled"]),
         reality=record["reality"],
         witness=tuple(record["witness"]),
         lost_words=tuple(record["lost_words"]),
         rank_check=restored(Check, record["rank_check"]),
-        numbers=chain.numbers,
-        shifts=tuple(float(x) for x in chain.shifts),
+        numbers=dict(whole["letters"]),
+        shifts=tuple(whole["shifts"]),
         pieces=(),
     )
     written: dict[str, Any] = {
@@ -393,7 +388,7 @@ def known_conditions(
     """
     resolved = resolve_task(task, robot)
     record = shipped_conditions_record(robot, resolved)
-    return None if record is None else from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
+    return None if record is None else from_stored(record, robot, resolved, anew=anew)
 
 
 def shipped_conditions(name: str) -> Conditions:
@@ -408,8 +403,7 @@ def shipped_conditions(name: str) -> Conditions:
         allowed = ", ".join(conditions_names())
         raise ResultFileError("no conditions of this arm are shipped", got=repr(name), allowed=allowed)
     robot = open_robot(name)
-    chain = exact_chain(robot)
-    return from_stored(record, robot, chain.task, chain)
+    return from_stored(record, robot, resolve_task(None, robot))
 
 
 def conditions_names() -> tuple[str, ...]:

@@ -8,14 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
-
-from rankdrop.exact.family import ExactFamily
-from rankdrop.family.record import Check
-from rankdrop.robot.model import Robot
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rankdrop.results.analysis import Analysis
+    from rankdrop.results.conditions import Conditions
 
 VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
     "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
@@ -52,41 +49,7 @@ class Verdict:
         return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
 
 
-class _Derived(Protocol):
-    """What is read of an exact derivation."""
-
-    @property
-    def families(self) -> Sequence[ExactFamily]: ...
-    @property
-    def explained(self) -> Check: ...
-    @property
-    def disagreements(self) -> Sequence[str]: ...
-    @property
-    def left(self) -> Sequence[str]: ...
-    @property
-    def complete(self) -> bool: ...
-    @property
-    def interrupted(self) -> bool: ...
-    @property
-    def generic_rank(self) -> int: ...
-    @property
-    def lowest(self) -> int: ...
-
-
-class _Explained(Protocol):
-    """What is read of an explanation."""
-
-    @property
-    def robot(self) -> Robot: ...
-    @property
-    def verdict(self) -> str: ...
-    @property
-    def reason(self) -> str: ...
-    @property
-    def disagreements(self) -> Sequence[str]: ...
-
-
-def of_analysis(analysis: Analysis, derived: _Derived | None = None) -> Verdict:
+def of_analysis(analysis: Analysis, derived: Conditions | None = None) -> Verdict:
     """The verdict on an analysis.
 
     Args:
@@ -102,7 +65,7 @@ def of_analysis(analysis: Analysis, derived: _Derived | None = None) -> Verdict:
     return _failed(wrong, claims) or Verdict(VERIFIED, claims, sentence)
 
 
-def of_conditions(derived: _Derived, tested: str = "exact") -> Verdict:
+def of_conditions(derived: Conditions, tested: str = "exact") -> Verdict:
     """The verdict on an exact derivation.
 
     Args:
@@ -138,12 +101,6 @@ def of_conditions(derived: _Derived, tested: str = "exact") -> Verdict:
     return Verdict(UNCHECKED, claims, f"Derived exactly: {count}; {tail}{asked}.")
 
 
-def of_explanation(explanation: _Explained) -> str:
-    """The sentence of one configuration; its word is `Explanation.verdict`."""
-    differ = "; two methods differ on a detail, told at the end" if explanation.disagreements else ""
-    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
-
-
 def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | None:
     """The worst of what is wrong gives the word; the first of each kind is told, with the number of the others."""
     if not wrong:
@@ -157,7 +114,7 @@ def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | 
     return Verdict(word, claims, f"{_SAID[word]}: {'; '.join(texts)}.")
 
 
-def _agrees(analysis: Analysis, derived: _Derived | None = None) -> bool:
+def _agrees(analysis: Analysis, derived: Conditions | None = None) -> bool:
     beside = analysis.exact is not None and analysis.exact.agrees
     return beside or (derived is not None and of_conditions(derived).holds)
 
@@ -183,7 +140,7 @@ def _wrong(analysis: Analysis) -> Iterator[tuple[str, str]]:
         yield INCOMPLETE, f"exact conditions were asked for and not derived, {comparison.reason}"
 
 
-def _all(analysis: Analysis, derived: _Derived | None) -> str:
+def _all(analysis: Analysis, derived: Conditions | None) -> str:
     """What an analysis found, everything in it being as it should be."""
     comparison = analysis.exact
     if _agrees(analysis):
@@ -203,16 +160,16 @@ def _all(analysis: Analysis, derived: _Derived | None) -> str:
     return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points; {exactly}"
 
 
-def _disagreements(derived: _Derived | None) -> Sequence[str]:
+def _disagreements(derived: Conditions | None) -> Sequence[str]:
     """Of an unfinished derivation it says nothing that a point lies on none of its families."""
     return () if derived is None or not derived.complete else derived.disagreements
 
 
-def _met(derived: _Derived) -> bool:
+def _met(derived: Conditions) -> bool:
     return derived.explained.tested == derived.explained.agree
 
 
-def _left(derived: _Derived) -> str:
+def _left(derived: Conditions) -> str:
     left = derived.left
     return left[0] if len(left) == 1 else f"{len(left)} things were left unfinished, told at the end"
 

@@ -134,6 +134,8 @@ class Robot:
         notes: what a reader of the description should be told (choices made, things tolerated).
         about: one line for lists ("7-DoF arm, spherical shoulder and wrist").
         lengths: letters and their values [m]: exact conditions write lengths of ± such a value with its letter.
+        exponent: of an arm in its own unit of length (`rankdrop.units`): its lengths are those of the arm that was
+            given, divided by 10 to this power. None for an arm as it was given.
     """
 
     name: str
@@ -146,6 +148,7 @@ class Robot:
     notes: tuple[str, ...] = ()
     about: str = ""
     lengths: tuple[tuple[str, float], ...] = ()
+    exponent: int | None = None
 
     def __post_init__(self) -> None:
         where = f"robot {self.name!r}"

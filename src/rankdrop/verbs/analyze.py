@@ -108,7 +108,7 @@ def join(
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
         return list(found), Comparison(NOT_DERIVED, exact, seconds, reason)
-    families = [family.in_units(derived.chain) for family in derived.families]
+    families = [family.in_units(robot) for family in derived.families]
     problem = Problem(in_units(robot), task_in_units(task, robot), tolerances=tolerances, limits=limits)
     agreement = match(problem, rows, families, seed=seed)
     parted: list[CorankFamilies] = []

@@ -92,7 +92,6 @@ def derived(
         left=tuple(left),
         seconds=monotonic() - begun,
         settings=asked,
-        chain=chain,
     )
 
 
@@ -238,7 +237,7 @@ def _cloud(
     """
     tested = agree = 0
     over = []
-    here = [family.in_units(chain) for family in families]
+    here = [family.in_units(chain.robot) for family in families]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
@@ -326,7 +325,7 @@ def _settled(
     corank = tree.generic_rank - rank
     for k in sorted(set(corank[low].tolist())):
         here = q[low & (corank == k)]
-        known = [family.in_units(chain).equations for family in families if family.corank >= k]
+        known = [family.in_units(chain.robot).equations for family in families if family.corank >= k]
         _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
         if len(over):
             return False

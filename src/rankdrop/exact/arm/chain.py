@@ -5,8 +5,9 @@ Poses are 4 × 4 matrices of reduced trigonometric polynomials.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 
@@ -19,7 +20,7 @@ from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, named_lengths, sections
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import BODY, WORLD_ALIGNED, Task, resolve_task
-from rankdrop.units import UnitRobot, exponent, in_units, task_in_units
+from rankdrop.units import exponent, in_units, task_in_units
 
 Matrix = list[list[Polynomial]]
 
@@ -70,6 +71,31 @@ WIDE = 8
 the sets of lower rank bind four freedoms and more, of as many conditions in letters."""
 
 
+def ring_of(robot: Robot, letters: Iterable[str]) -> Ring:
+    """The ring that an arm's screws live in; joints are numbered from 1."""
+    kinds = [joint.kind for joint in robot.joints]
+    revolute, prismatic = (
+        [i for i, kind in enumerate(kinds, 1) if kind is wanted] for wanted in (JointKind.REVOLUTE, JointKind.PRISMATIC)
+    )
+    return Ring(revolute, prismatic, tuple(letters))
+
+
+def numbers_in_units(numbers: Mapping[str, float], power: int) -> dict[str, float]:
+    """Values of letters in a unit of 10 to a power: they are decimals, and are moved as such."""
+    return {name: float(Decimal(repr(value)).scaleb(-power)) for name, value in numbers.items()}
+
+
+def polynomial_in_units(f: Polynomial, letters: Container[str], power: int) -> Polynomial:
+    """A polynomial of either ring, in lengths and slides of a unit of 10 to a power."""
+    names = f.context().names()
+    lengths = [i for i, name in enumerate(names) if name in letters or name[0] == "q"]
+    if not power or f == 0 or not any(f.degrees()[i] for i in lengths):
+        return f
+    ten, made = flint().fmpq(10), f.context()
+    moved = {e: c * ten ** (power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
+    return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
+
+
 @dataclass(frozen=True)
 class Chain:
     """A robot made exact.
@@ -100,10 +126,8 @@ class Chain:
 
     @cached_property
     def ring(self) -> Ring:
-        """The ring its screws live in; joints are numbered from 1."""
-        revolute = [i for i, s in enumerate(self.sections, 1) if s.kind is JointKind.REVOLUTE]
-        prismatic = [i for i, s in enumerate(self.sections, 1) if s.kind is JointKind.PRISMATIC]
-        return Ring(revolute, prismatic, tuple(self.letters))
+        """The ring its screws live in."""
+        return ring_of(self.robot, self.letters)
 
     @cached_property
     def shifts(self) -> Array:
@@ -121,7 +145,7 @@ class Chain:
         return exponent(self.robot)
 
     @property
-    def own(self) -> UnitRobot:
+    def own(self) -> Robot:
         """The robot in its own unit."""
         return in_units(self.robot)
 
@@ -133,18 +157,11 @@ class Chain:
     @cached_property
     def own_numbers(self) -> dict[str, float]:
         """The letters' values in the arm's own unit."""
-        unit = Fraction(10) ** self.power
-        return {name: float(value / unit) for name, value in self.letters.items()}
+        return numbers_in_units(self.numbers, self.power)
 
     def own_polynomial(self, f: Polynomial) -> Polynomial:
         """A polynomial of either ring, in lengths and slides of the arm's own unit."""
-        names = f.context().names()
-        lengths = [i for i, name in enumerate(names) if name in self.letters or name[0] == "q"]
-        if not self.power or f == 0 or not any(f.degrees()[i] for i in lengths):
-            return f
-        ten, made = flint().fmpq(10), f.context()
-        moved = {e: c * ten ** (self.power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
-        return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
+        return polynomial_in_units(f, self.letters, self.power)
 
     @property
     def tip(self) -> tuple[Fraction, Fraction, Fraction]:

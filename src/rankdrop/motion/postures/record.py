@@ -68,19 +68,19 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A path between two solutions of one pose, proven free of singularities.
+    """A path between two solutions of one pose, or any two configurations, proven free of singularities.
 
     Attributes:
         q: (T, n) corners [rad, m], straight lines in joint space between them; the end is a solution up to whole turns.
-        own: it starts at the configuration that was asked about.
         clearance: the smallest |det J| at sample points of it, J without unit.
         evaluations: enclosures that the proof took.
+        own: it starts at the configuration that was asked about.
     """
 
     q: Array
-    own: bool
     clearance: float
     evaluations: int
+    own: bool = False
 
 
 @dataclass(frozen=True, eq=False)

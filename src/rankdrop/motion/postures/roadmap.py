@@ -17,6 +17,7 @@ from rankdrop.certify.ball import settings_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import joint_scale, limit_box, sample, sampling_box
 from rankdrop.motion.curve import curve
+from rankdrop.motion.postures.record import Change
 from rankdrop.motion.prove import prove
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -36,21 +37,6 @@ _TRIES = 3  # ways that are tried where the proof of one fails
 _SHORTER = 0.5  # share of the smallest |det J| that a shorter way keeps
 
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Way:
-    """A path between two configurations, proven free of singularities.
-
-    Attributes:
-        q: (T, n) corners; straight lines in joint space between them.
-        clearance: the smallest |det J| at its sample points, J without unit.
-        evaluations: enclosures that the proof took.
-    """
-
-    q: Array
-    clearance: float
-    evaluations: int
 
 
 @dataclass(eq=False)
@@ -91,7 +77,7 @@ class Roadmap:
         edges = np.unique(np.sort(np.array(joined, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
         self._edges, self._weights = self._kept(self._nodes, edges)
 
-    def ways(self, q: Array) -> dict[tuple[int, int], Way]:
+    def ways(self, q: Array) -> dict[tuple[int, int], Change]:
         """Ways between some configurations: enough of them that all that are joined are joined through these.
 
         Args:
@@ -108,7 +94,7 @@ class Roadmap:
         new += [(i, j) for i in range(k) for j in range(i) if signs[i] == signs[j]]
         edges, weights = self._kept(nodes, np.array(new, dtype=np.int64).reshape(-1, 2))
         edges, weights = np.concatenate([edges, self._edges + k]), np.concatenate([weights, self._weights])
-        found: dict[tuple[int, int], Way] = {}
+        found: dict[tuple[int, int], Change] = {}
         groups = list(range(k))
         for i in range(k):
             for j in range(i + 1, k):
@@ -120,7 +106,7 @@ class Roadmap:
                     groups = [groups[i] if g == groups[j] else g for g in groups]
         return found
 
-    def _way(self, nodes: Array, edges: Index, weights: Array, ends: tuple[int, int], q: Array) -> Way | None:
+    def _way(self, nodes: Array, edges: Index, weights: Array, ends: tuple[int, int], q: Array) -> Change | None:
         usable = np.ones(len(edges), dtype=np.bool_)
         for _ in range(_TRIES):
             chain = _widest(len(nodes), edges[usable], weights[usable], *ends)
@@ -135,7 +121,7 @@ class Roadmap:
             usable &= np.array([tuple(sorted(pair)) not in on_it for pair in edges.tolist()])
         return None
 
-    def _proven(self, corners: Array, start: Array, end: Array) -> Way | None:
+    def _proven(self, corners: Array, start: Array, end: Array) -> Change | None:
         """The way through corners, the joints that do not matter going evenly from start to end; None if not proven."""
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
         share = length / length[-1] if length[-1] > 0 else np.linspace(0.0, 1.0, len(corners))
@@ -146,7 +132,7 @@ class Roadmap:
         if found.slivers or not found.complete:
             return None
         pairs = np.stack([np.arange(len(q) - 1), np.arange(1, len(q))], axis=1)
-        return Way(q, float(self._least(q[pairs[:, 0]] / self.scale, q[pairs[:, 1]] / self.scale).min()),
+        return Change(q, float(self._least(q[pairs[:, 0]] / self.scale, q[pairs[:, 1]] / self.scale).min()),
                    found.evaluations)  # fmt: skip
 
     def _unwound(self, corners: Array) -> Array:

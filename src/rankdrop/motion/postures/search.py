@@ -21,7 +21,7 @@ from rankdrop.kinematics import check_robot, one_configuration, pose
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.motion.inverse import apart, check_square, determinants, regular, solutions
 from rankdrop.motion.postures.record import Change, Postures, PosturesSettings, Solved
-from rankdrop.motion.postures.roadmap import Roadmap, Way
+from rankdrop.motion.postures.roadmap import Roadmap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
@@ -143,12 +143,12 @@ class _Search:
             q = _inside(robot, q)
         own = np.array([np.abs(apart(robot, place, row)).max() for row in q])
         q = np.concatenate([place[None], q[own > 1e-6]]) if len(q) else place[None]
-        ways: dict[tuple[int, int], Way] = {}
+        ways: dict[tuple[int, int], Change] = {}
         if not self.decision.impossible and len(q) > 1:
             ways = self._roadmap().ways(q)
         for (i, _), way in ways.items():
             if self.change is None or (i == 0, way.clearance) > (self.change.own, self.change.clearance):
-                self.change = Change(way.q, i == 0, way.clearance, way.evaluations)
+                self.change = replace(way, own=i == 0)
         aspect = _grouped(len(q), ways)
         sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
         return Solved(q, aspect, sign, (), near_cusp)
@@ -184,7 +184,7 @@ def _out(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
     return replace(solved, q=q, names=names)
 
 
-def _grouped(count: int, ways: dict[tuple[int, int], Way]) -> tuple[int, ...]:
+def _grouped(count: int, ways: dict[tuple[int, int], Change]) -> tuple[int, ...]:
     """Number of the aspect of each solution, from 1; each its own but for those that ways join."""
     group = list(range(count))
     for i, j in ways:

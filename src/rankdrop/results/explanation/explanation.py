@@ -28,8 +28,7 @@ from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
 from rankdrop.results.explanation.data import AT_LIMIT, Asked, Blame, ExplainSettings, Far, Lost
 from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.explanation.parts import blame_at, disagreements, incidences_at, lost_of, turned_task
-from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of
-from rankdrop.results.verdict import of_explanation
+from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of, sentence_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
@@ -43,7 +42,7 @@ def explanation_to_dict(explanation: Explanation) -> Record:
     return {
         **heading(SCHEMA),
         **_head(explanation),
-        "sentence": of_explanation(explanation),
+        "sentence": sentence_of(explanation),
         **plain(explanation.rank),
         "nearly_lost": explanation.nearly_lost,
         "focus": explanation.focus.tolist(),

@@ -32,7 +32,6 @@ from rankdrop.results.explanation.words import (
     wrench_text,
 )
 from rankdrop.results.known import shipped_conditions_record
-from rankdrop.results.verdict import of_explanation
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.task import TIP, Task
@@ -47,6 +46,12 @@ _FEWER = "a task with fewer rows (planar, position, …) asks only for what the 
 _TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]"
 _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
+
+
+def sentence_of(explanation: Explanation) -> str:
+    """What may be claimed of one configuration; its word is `Explanation.verdict`."""
+    differ = "; two methods differ on a detail, told at the end" if explanation.disagreements else ""
+    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
 
 
 def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
@@ -70,7 +75,7 @@ def _hint(explanation: Explanation) -> Iterator[Section]:
 def _answer(explanation: Explanation, full: bool) -> Iterator[Section]:
     yield from _hint(explanation)
     lines = (*_warnings(explanation), *answer(explanation))
-    yield Section(of_explanation(explanation), "", lines, notes=explanation.robot.notes, tone=TONE[explanation.verdict])
+    yield Section(sentence_of(explanation), "", lines, notes=explanation.robot.notes, tone=TONE[explanation.verdict])
 
 
 def _verdict(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -92,7 +97,7 @@ def _verdict(explanation: Explanation, full: bool) -> Iterator[Section]:
     if any(joint.unit == "rad" for joint in joints):
         rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(explanation.q, joints, strict=True))))
     yield Section(
-        of_explanation(explanation), "", tuple(lines),
+        sentence_of(explanation), "", tuple(lines),
         ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
         tone=TONE[explanation.verdict],
     )  # fmt: skip
@@ -254,7 +259,7 @@ def _fuller(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _last(explanation: Explanation, full: bool) -> Iterator[Section]:
-    yield Section(of_explanation(explanation), tone=TONE[explanation.verdict])
+    yield Section(sentence_of(explanation), tone=TONE[explanation.verdict])
 
 
 def _deg(value: float, unit: str) -> str:

@@ -128,7 +128,7 @@ def details_html(found: Explanation) -> str:
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
         if found.verdict != "singular":
-            lines.append(f"<span style='{_QUIET}'>about to be lost:</span>")
+            lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
         lines += [_lost_line(seen) for seen in found.lost.seen[:_FRAMES]]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "

@@ -41,7 +41,7 @@ PAGE = ROOT / "docs" / "arms.md"
 KEPT = ROOT / "build" / "arms"
 PROCESSES = 2
 _REASON = 160  # characters of a reason that a cell of a table may have
-HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near", "CPU s")
+HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near")
 
 INTRODUCTION = """# Arms
 
@@ -54,8 +54,6 @@ their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
 - **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
   and agree with what was found; else why not.
 - **near**: structure that the arm misses by little, where there is some.
-- **CPU s**: processor seconds of `rankdrop analyze` and of `rankdrop conditions`, one after the other, nothing taken
-  from what is shipped. Rows of the catalogue are read from what is shipped, where exact conditions are; they have none.
 """
 
 
@@ -84,8 +82,7 @@ class Row:
         """The cells of its line in the table."""
         exact = self.exact if self.fine else f"{self.exact}; exit codes {self.analyze_exit}, {self.conditions_exit}: " \
                                              f"{self.reason}"  # fmt: skip
-        cpu = f"{self.analyze_cpu:.1f} + {self.conditions_cpu:.1f}" if self.analyze_cpu else "–"
-        return (f"`{self.name}`", self.about, self.families, self.explained, exact, self.near, cpu)
+        return (f"`{self.name}`", self.about, self.families, self.explained, exact, self.near)
 
 
 def row_of(name: str, about: str, robot: Robot) -> Row:
@@ -188,7 +185,8 @@ def measure(task: tuple[str, str]) -> str:
     folder = KEPT / kind
     folder.mkdir(parents=True, exist_ok=True)
     replace_file(folder / f"{name}.json", json.dumps(asdict(row), ensure_ascii=False, indent=1).encode())
-    return f"{name}: {' | '.join(row.cells()[2:])}"
+    spent = f"{row.analyze_cpu:.1f} + {row.conditions_cpu:.1f} s CPU"
+    return f"{name}: {' | '.join(row.cells()[2:])} | {spent}"
 
 
 def kept(kind: str, name: str) -> Row | None:
@@ -205,7 +203,7 @@ def tasks() -> list[tuple[str, str]]:
 
 def table(rows: Iterable[Row]) -> list[str]:
     """The rows in Markdown."""
-    lines = [f"| {' | '.join(HEADS)} |", "|---|---|---|---|---|---|---|"]
+    lines = [f"| {' | '.join(HEADS)} |", "|---|---|---|---|---|---|"]
     return lines + [f"| {' | '.join(row.cells())} |" for row in rows]
 
 

@@ -19,12 +19,13 @@ from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
 from rankdrop.families import posed
+from rankdrop.family import Family
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
 from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
-from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
+from rankdrop.robot import CatalogEntry, lost_told, near_ideal, reach, search_catalog
 from rankdrop.text import joint_cell, joint_symbol
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
@@ -76,7 +77,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
         f"| {family.id} | {_cell(family.name)} | "
         + " | ".join(_cell(joint_cell(family, number, str(joint.kind)).replace("\n", " "))
                      for number, joint in enumerate(robot.variables, start=1))
-        + f" | {family.dimension} | {_cell('; '.join(family.lost_words))} |"
+        + f" | {family.dimension} | {_cell(_lost(family))} |"
         for family in found.families[:_MOST]
     ]  # fmt: skip
     table = "\n".join([
@@ -97,14 +98,29 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
         f'<a href="{entry.name}-report.html">The report: the arm in 3-D, conditions, workspace</a>' if report else "",
         f"```console\nrankdrop analyze {entry.name}\nrankdrop report {entry.name}\nrankdrop view {entry.name}\n```",
         "× any value; c coupled with others: `rankdrop conditions " + entry.name + "` has the formula. Values in rad, "
-        "with degrees where they are not simple.",
+        "with degrees where they are not simple. What is lost at one configuration, in base and tool axes: `rankdrop "
+        f"explain {entry.name} --deg --q …`.",
         table + more,
+        _cell(lost_told(robot, [text for family in found.families[:_MOST] for text in _kept(family)])),
         near.line if near is not None else "",
         "Alike, with families of the same names: "
         + ", ".join(f"[{one.name}]({one.name}.md)" for one in alike[:12]) + "." if alike else "",
         f"Numbers: {entry.source}" if entry.source else "",
     ]
     return _ORPHAN + "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _kept(family: Family) -> list[str]:
+    """The lost motions that are the same everywhere on a family."""
+    return [text for text in family.lost_words if "at the witness" not in text]
+
+
+def _lost(family: Family) -> str:
+    """What is lost on a family; of what changes along it only how many directions."""
+    told, rest = _kept(family), len(family.lost_words) - len(_kept(family))
+    if rest:
+        told.append(f"{rest} direction{'s' * (rest > 1)} that change{'s' * (rest == 1)} along the family")
+    return "; ".join(told)
 
 
 def _maker(entry: CatalogEntry) -> str:

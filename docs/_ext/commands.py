@@ -12,7 +12,7 @@ from sphinx.util.typing import ExtensionMetadata
 
 from rankdrop.cli.main import app as commands
 
-WIDTH = 100
+WIDTH = 84  # what a page shows without being scrolled
 
 
 def names() -> list[str]:

@@ -21,6 +21,7 @@ from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.family.equation import System
+from rankdrop.local.lines import fault
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import (
@@ -34,7 +35,7 @@ from rankdrop.results.known import (
     shipped_conditions,
     shipped_record,
 )
-from rankdrop.robot.model import Robot, coarse_fingerprint
+from rankdrop.robot.model import Array, Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import BODY, resolve_task
@@ -42,6 +43,8 @@ from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 
 QUICK = ("planar3r", "puma560")
+WORTH = 0.15
+"""An example stays unless another one is better by this much of `fault`."""
 ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in structures()]
 
 
@@ -78,6 +81,42 @@ def test_the_example_of_a_family_is_of_no_other_one(name):
             same = [it for it in families if it.id in systems and it.corank == one.corank and it is not one]
             at = np.array([one.witness])
             assert all(np.abs(systems[it.id].values(at)).max() > 1e-6 for it in same), one.id
+
+
+@pytest.mark.slow
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", robot_names())
+def test_an_example_in_a_bad_posture_has_no_better_one_inside_the_limits(name):
+    """Members inside the limits by construction: conditions solved for u in q = middle + half travel · sin u."""
+    found = shipped_conditions(name) if name in conditions_names() else shipped(name)
+    task = resolve_task(None, found.robot)
+    for one in found.families:
+        least = fault(found.robot, np.array([one.witness]))[0] - WORTH
+        if least > 0.0 and one.equations:
+            inside = members_inside(Problem(found.robot, task, one.corank), System(one.equations))
+            assert not len(inside) or fault(found.robot, inside).min() >= least, one.id
+
+
+def members_inside(problem: Problem, system: System, count: int = 1000) -> Array:
+    """(≤ count, n) configurations of exactly the problem's rank, inside the limits, that solve the conditions."""
+    robot, rng = problem.robot, np.random.default_rng(14)
+    turns = robot.periodic & (robot.upper - robot.lower > 2 * np.pi)
+    low = np.where(turns, -np.pi, np.maximum(robot.lower, -np.pi))
+    high = np.where(turns, np.pi, np.minimum(robot.upper, np.pi))
+    middle, half = (low + high) / 2, (high - low) / 2
+    u = np.arcsin(rng.uniform(-1.0, 1.0, (count, robot.n)))
+    for _ in range(80):
+        value, slope = system.linear(middle + half * np.sin(u))
+        slope = slope * (half * np.cos(u))[:, None]
+        damped = (1e-10 + 1e-3 * (value**2).sum(axis=1))[:, None, None] * np.eye(value.shape[1])
+        back = np.linalg.solve(slope @ slope.transpose(0, 2, 1) + damped, value[:, :, None])
+        step = -(slope.transpose(0, 2, 1) @ back)[:, :, 0]
+        u += step * np.minimum(1.0, 0.5 / np.maximum(np.linalg.norm(step, axis=1), 1e-12))[:, None]
+    q, solved = system.solve(middle + half * np.sin(u))
+    solved &= ((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1)
+    sigma = problem.sigma(q)
+    here = sigma[:, problem.rank] <= problem.tolerances.singular
+    return q[solved & here & ((sigma[:, problem.rank - 1] if problem.rank else 1.0) > 1e-3)]
 
 
 def test_a_file_that_other_code_made_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

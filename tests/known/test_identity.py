@@ -18,6 +18,7 @@ from rankdrop.verbs.explain import explain
 STARTS = 1500
 SIMPLE = {"π": 180.0, "π/2": 90.0, "−π/2": -90.0}
 LONG = ("iiwa14", "canadarm2", "fetch8")
+PLAIN = ("puma560", "ur5e")
 pytestmark = pytest.mark.shipped
 
 
@@ -43,8 +44,9 @@ def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(n
     assert named(one.families) == named(other.families) == named(shipped(name).families)
 
 
-@pytest.mark.slow_at("ur5e")
-@pytest.mark.parametrize("name", ["ur5e", "puma560"])
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=() if x in PLAIN else pytest.mark.by_hand) for x in conditions_names()]
+)
 def test_every_face_calls_a_family_the_same(name):
     found, derived = shipped(name), shipped_conditions(name)
     expected = {one.id: one.name for one in found.families}

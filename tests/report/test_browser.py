@@ -237,6 +237,17 @@ def test_what_is_downloaded_is_what_the_page_holds(browser: Browser, pages: dict
 
 
 @pytest.mark.slow
+def test_pictures_on_paper_are_not_wider_than_their_columns(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.window(700, 900)
+    browser.open(pages["almarkhi4"])
+    wide = "Math.max(...[...document.querySelectorAll('canvas')].map((one) => one.width / one.height))"
+    before = browser.run(wide)
+    browser.run("dispatchEvent(new Event('beforeprint'))")
+    assert browser.run(wide) <= 1.26 < before
+    browser.run("dispatchEvent(new Event('afterprint'))")
+    assert browser.run(wide) == before
+
+
 def test_print_keeps_ids_legends_and_bars(browser: Browser, pages: dict[str, Path]) -> None:
     browser.window(*LAPTOP)
     browser.open(pages["stanford"])

@@ -38,7 +38,7 @@ def analyze(
     latex: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Find every family of singular configurations of an arm, of every corank.
+    """Find the families of singular configurations of an arm, of every corank.
 
     Per family: the values of its pinned joints, × for a free joint, c for a
     coupled one (the condition follows the table), its dimension, the

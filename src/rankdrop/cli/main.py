@@ -59,7 +59,7 @@ try:
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
 
-_HELP = f"""Kinematic singularities of robot arms: every family, of every corank, with its conditions.
+_HELP = f"""Kinematic singularities of robot arms: the families, of every corank, with their conditions.
 
 For example:
     rankdrop analyze pa10

@@ -256,20 +256,20 @@ def _drawn(
     )  # fmt: skip
 
 
-def _creases_told(found: Search) -> Search:
+def _creases_told(cloud: Search) -> Search:
     """Descents that ended for want of a fall: at a local minimum, or on a crease where another direction leads on."""
-    stuck = np.flatnonzero(found.outcome == Outcome.NEAR_MISS)
-    if found.method == "lm" or not len(stuck):
-        return found
-    least = stays_up(found.problem, found.q[stuck])
-    outcome = found.outcome.copy()
+    stuck = np.flatnonzero(cloud.outcome == Outcome.NEAR_MISS)
+    if cloud.method == "lm" or not len(stuck):
+        return cloud
+    least = stays_up(cloud.problem, cloud.q[stuck])
+    outcome = cloud.outcome.copy()
     outcome[stuck[~least]] = Outcome.CREASE
-    return replace(found, outcome=_frozen(outcome))
+    return replace(cloud, outcome=_frozen(outcome))
 
 
-def _out_of_units(found: Search, robot: Robot, task: Task) -> Search:
+def _out_of_units(cloud: Search, robot: Robot, task: Task) -> Search:
     """A search made in the arm's own unit of length, told in that of `robot`."""
-    return replace(found, robot=robot, task=task, q=_frozen(out_of_units(robot, found.q)))
+    return replace(cloud, robot=robot, task=task, q=_frozen(out_of_units(robot, cloud.q)))
 
 
 def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> tuple[list[_Part], bool]:

@@ -228,12 +228,12 @@ def _asked(text: str) -> tuple[Robot, Task, Analysis | None]:
     )
 
 
-def _record(found: PathCheck) -> Record:
-    near = min((one.closest.distance for one in found.stretches), default=float("inf"))
-    met = sum(one.verdict in (CROSSING, TOUCHING) for one in found.stretches)
+def _record(check: PathCheck) -> Record:
+    near = min((one.closest.distance for one in check.stretches), default=float("inf"))
+    met = sum(one.verdict in (CROSSING, TOUCHING) for one in check.stretches)
     return {
-        "verdict": found.verdict, "sentence": found.sentence, "rows": found.rows, "free_share": found.free_share,
-        "met": met, "nearest_rad": number_or_null(near), "name": found.stretches[0].name if found.stretches else "",
+        "verdict": check.verdict, "sentence": check.sentence, "rows": check.rows, "free_share": check.free_share,
+        "met": met, "nearest_rad": number_or_null(near), "name": check.stretches[0].name if check.stretches else "",
     }  # fmt: skip
 
 

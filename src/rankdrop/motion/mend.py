@@ -175,7 +175,7 @@ def mend_path(
         [('blend', 'free')]
     """
     _check(tool_tilt, base_shift, blend)
-    work = _Work(found, analysis, _limits(found, acceleration), progress)
+    work = _Mender(found, analysis, _limits(found, acceleration), progress)
     wants = {TILT: tool_tilt, SHIFT: base_shift, BLEND: blend}
     needed = not found.holds or work.breaks(found)
     try:
@@ -200,17 +200,17 @@ def _check(tool_tilt: float, base_shift: float, blend: float) -> None:
             raise OptionError("the bound is out of range", where=name, got=repr(value), allowed=words)
 
 
-def _limits(found: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
+def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
     """(n,) each: of rates and accelerations."""
     given = np.asarray(np.inf if acceleration is None else acceleration, dtype=np.float64)
-    if given.shape not in ((), (found.robot.n,)) or np.isnan(given).any() or not (given > 0.0).all():
+    if given.shape not in ((), (check.robot.n,)) or np.isnan(given).any() or not (given > 0.0).all():
         raise OptionError("an acceleration limit is above zero", where="acceleration", got=given.tolist(),
-                          allowed=f"one number, or {found.robot.n}, one for each joint")  # fmt: skip
-    return rate_limits(found.robot), np.array(np.broadcast_to(given, (found.robot.n,)))
+                          allowed=f"one number, or {check.robot.n}, one for each joint")  # fmt: skip
+    return rate_limits(check.robot), np.array(np.broadcast_to(given, (check.robot.n,)))
 
 
 @dataclass(eq=False)
-class _Work:
+class _Mender:
     """Remedies of one path, as they are found."""
 
     found: PathCheck

@@ -90,7 +90,7 @@ class Proof:
 
 
 @dataclass(eq=False)
-class _Work:
+class _Spent:
     """What is spent, and what is left over."""
 
     budget: int
@@ -137,7 +137,7 @@ def prove(
         progress: told how many stretches are decided.
     """
     setting = chosen(robot, settings, path)
-    work = _Work(evaluations, len(path.control), progress)
+    work = _Spent(evaluations, len(path.control), progress)
     left = _runs(robot, setting, path, work)
     _halve(Along(robot, setting), _whole(path, left), work, singular)
     return Proof(tuple(_joined(work.left)), work.spent, setting, not work.interrupted)
@@ -151,7 +151,7 @@ def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
     return settings[int(np.argmax([np.log(np.maximum(one, 1e-6)).mean() for one in radii]))]
 
 
-def _runs(robot: Robot, setting: Setting, path: Curve, work: _Work) -> Index:
+def _runs(robot: Robot, setting: Setting, path: Curve, work: _Spent) -> Index:
     """Stretches that no box around a run of 2^k of them proves free."""
     tree = box_tree(path)
     nodes = np.zeros(1, dtype=np.int64)
@@ -178,7 +178,7 @@ def box_tree(path: Curve) -> list[tuple[Array, Array]]:
     return tree
 
 
-def _free(robot: Robot, setting: Setting, low: Array, high: Array, work: _Work) -> NDArray[np.bool_]:
+def _free(robot: Robot, setting: Setting, low: Array, high: Array, work: _Spent) -> NDArray[np.bool_]:
     """(P,) which boxes are proven free; those too wide to be are not tried."""
     centre = (low + high) / 2
     half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
@@ -200,7 +200,7 @@ def _whole(path: Curve, stretches: Index) -> Pieces:
     return Pieces(stretches, np.zeros(count), np.ones(count), path.control[stretches])
 
 
-def _halve(along: Along, pieces: Pieces, work: _Work, singular: float) -> None:
+def _halve(along: Along, pieces: Pieces, work: _Spent, singular: float) -> None:
     """Halve pieces of single stretches until they are free or narrow."""
     while len(pieces):
         work.tell(len(np.unique(pieces.stretch)))
@@ -226,7 +226,7 @@ def _together(parts: list[Pieces]) -> Pieces:
     return Pieces(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pieces.__dataclass_fields__))
 
 
-def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> tuple[Pieces, Pieces]:
+def _undecided(along: Along, pieces: Pieces, work: _Spent, singular: float) -> tuple[Pieces, Pieces]:
     """Those that are not free: to be halved, and as narrow as can be."""
     middle, chord, extra = straightened(pieces.control)
     scale, matters = along.setting.scale, along.setting.matters
@@ -262,7 +262,7 @@ def _stuck(along: Along, pieces: Pieces, enclosed: Enclosed, length: Array, sing
     return np.asarray(stuck)
 
 
-def _give_up(pieces: Pieces, work: _Work, *, finished: bool) -> None:
+def _give_up(pieces: Pieces, work: _Spent, *, finished: bool) -> None:
     rows = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
     work.left += [(*row, finished) for row in rows]
 

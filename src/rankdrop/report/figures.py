@@ -247,13 +247,15 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
 
 
 def _framed(axes: Any, points: Array, size: float) -> None:
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    half = max(float(np.ptp(points, axis=0).max()) / 2, 0.2 * size) + 0.12 * size
-    axes.set(
-        xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half),
-        zlim=(middle[2] - half, middle[2] + half),
-    )  # fmt: skip
-    axes.set_box_aspect((1, 1, 1), zoom=1.1)
+    """A box as large as what is drawn, its floor at the base or below it; lengths are the same along all axes."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    low[2] = min(low[2], 0.0)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2 + 0.08 * size, 0.2 * size)
+    middle[2] += half[2] - (high[2] - low[2]) / 2  # room above, not under the floor
+    (left, near, floor), (right, far, top) = middle - half, middle + half
+    axes.set(xlim=(left, right), ylim=(near, far), zlim=(floor, top))
+    axes.set_box_aspect(half, zoom=1.2)
+    axes.locator_params(nbins=5)
     axes.tick_params(labelsize=6)
     for name, set_name in (("x", axes.set_xlabel), ("y", axes.set_ylabel), ("z", axes.set_zlabel)):
         set_name(f"{name} [m]", fontsize=7)

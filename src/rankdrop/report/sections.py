@@ -25,7 +25,7 @@ from rankdrop.report.tables import scrolled
 from rankdrop.results import sampled, unseen
 from rankdrop.robot import Robot
 
-_WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
+_WIDE = 0.5  # a family whose tips are in more than this share of the cells that they could meet fills a region
 
 
 def slice_section(content: Content) -> str:
@@ -118,7 +118,7 @@ def workspace_section(content: Content) -> str:
         if not len(points):
             continue
         fills = spread(section, points) > _WIDE
-        words = "can occur anywhere in the workspace, it depends on the posture" if fills else "occurs at these places"
+        words = "can occur wherever there are dots, it depends on the posture" if fills else "occurs at these places"
         figures.append(
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"

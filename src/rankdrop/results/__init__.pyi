@@ -8,6 +8,7 @@ from .conditions import Conditions as Conditions
 from .conditions_text import arm_lines as arm_lines
 from .conditions_text import steps_text as steps_text
 from .covered import Covered as Covered
+from .explanation.data import Seen as Seen
 from .explanation.explanation import Explanation as Explanation
 from .explanation.explanation import far_to_dict as far_to_dict
 from .explanation.explanation import way_out_to_dict as way_out_to_dict

@@ -337,7 +337,8 @@ def _checks(conditions: Conditions, width: int | None) -> Iterator[Section]:
 def _unfinished(conditions: Conditions, width: int | None) -> Iterator[Section]:
     if conditions.left:
         lines = tuple(piece for one in conditions.left for piece in either(one, width))
-        yield Section("Not finished", "a longer --time-limit may finish it", lines)
+        ended = f"the exact derivation ended after {conditions.seconds:.1f} s; a longer --time-limit may finish it"
+        yield Section("Not finished", ended, lines)
 
 
 def _number(value: float, digits: int = 12) -> str:

@@ -113,13 +113,13 @@ def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
     return None
 
 
-def _out_of_metres(found: Analysis, robot: Robot) -> Analysis:
+def _out_of_metres(analysis: Analysis, robot: Robot) -> Analysis:
     """An analysis in metres as one of an arm in another unit."""
     power = metre_exponent(robot)
-    length = shifted(found.settings.length_scale, power)
+    length = shifted(analysis.settings.length_scale, power)
     return replace(
-        found, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in found.families),
-        task=replace(found.task, length_scale=length), settings=replace(found.settings, length_scale=length),
+        analysis, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in analysis.families),
+        task=replace(analysis.task, length_scale=length), settings=replace(analysis.settings, length_scale=length),
     )  # fmt: skip
 
 
@@ -165,17 +165,17 @@ def _same_task(shipped_task: Task, task: Task) -> bool:
     return shipped_task.rows == task.rows and (task.m == 6 or shipped_task.frame == task.frame)
 
 
-def _named_after(found: Analysis, robot: Robot) -> Analysis:
+def _named_after(analysis: Analysis, robot: Robot) -> Analysis:
     """The analysis with `robot` for its arm: pinned joints under its names, lost motions in its own link frames."""
     names = [joint.name for joint in robot.variables]
-    families = found.families
-    if names != [joint.name for joint in found.robot.variables]:
+    families = analysis.families
+    if names != [joint.name for joint in analysis.robot.variables]:
         families = tuple(_renamed(family, names) for family in families)
-    pairs = zip(robot.joints, found.robot.joints, strict=True)
-    moved = np.abs(robot.home - found.robot.home).max() > _SAME
+    pairs = zip(robot.joints, analysis.robot.joints, strict=True)
+    moved = np.abs(robot.home - analysis.robot.home).max() > _SAME
     if moved or any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
-        families = tuple(_retold(family, robot, found.task) for family in families)
-    return replace(found, robot=robot, families=families)
+        families = tuple(_retold(family, robot, analysis.task) for family in families)
+    return replace(analysis, robot=robot, families=families)
 
 
 def _retold(family: Family, robot: Robot, task: Task) -> Family:

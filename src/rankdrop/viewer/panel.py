@@ -12,7 +12,7 @@ from math import isfinite
 
 from rankdrop.family import Family
 from rankdrop.local import Circuit
-from rankdrop.results import Explanation, angle, angle_below, short
+from rankdrop.results import Explanation, Seen, angle, angle_below, short
 from rankdrop.viewer.live import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
@@ -26,6 +26,7 @@ CIRCUITS = (ORANGE, PURPLE, GREEN)
 """Of the circuits to blame, the smallest first; further ones take the last."""
 _STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.5em 0.6em;overflow-wrap:anywhere"
 _QUIET = "opacity:0.75"
+_FRAMES = 2  # base and tool; `explain` has the link as well
 
 
 def status_html(
@@ -126,13 +127,9 @@ def details_html(found: Explanation) -> str:
         names = ", ".join(_name(one.family) for one in found.met[:3])
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
-        what = "lost" if found.verdict == "singular" else "about to be lost"
-        lines.append(f"<span style='{_QUIET}'>{what}:</span> the tool can only move so that")
-        lines += [
-            f"{escape(', '.join(seen.constraints))} <span style='{_QUIET}'>in {escape(seen.axes)}"
-            f"{escape(''.join(f'; {one}' for one in seen.short if one))}</span>"
-            for seen in found.lost.seen
-        ]
+        if found.verdict != "singular":
+            lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
+        lines += [_lost_line(seen) for seen in found.lost.seen[:_FRAMES]]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
         f"{circuit_text(one)}"
@@ -141,6 +138,15 @@ def details_html(found: Explanation) -> str:
     if found.certified_radius:
         lines.append(f"<span style='{_QUIET}'>proven free of any:</span> {angle_below(found.certified_radius)}")
     return lines_html(lines)
+
+
+def _lost_line(seen: Seen) -> str:
+    """What is lost in one frame: what it comes to first, where that can be said, then what every motion obeys."""
+    exact = f"the tool can only move so that {escape(', '.join(seen.constraints))}"
+    told = escape(", ".join(one for one in seen.short if one))
+    return f"<span style='{_QUIET}'>in {escape(seen.axes)}:</span> " + (
+        f"{told}<br><span style='{_QUIET}'>{exact}</span>" if told else exact
+    )
 
 
 def circuit_text(circuit: Circuit) -> str:

@@ -74,11 +74,11 @@ class ShareTab:
             self._link = gui.add_text("link", "", hint="opens this page with the arm as it stands now")
             self._line = gui.add_text("command", "", hint="the same on any machine with rankdrop")
             self._copy = gui.add_html("")
+            own = gui.add_upload_button("open an arm of your own (.urdf, .toml)", mime_type=",".join(ROBOT_FILES))
+            self._opened = gui.add_html("")
             self._record = controls.button("record the session", self.record)
             self._told = gui.add_html("")
             controls.button("save the record as CSV", self._save, hint="for the tab Path, and for `rankdrop path`")
-            own = gui.add_upload_button("open an arm of your own (.urdf, .toml)", mime_type=",".join(ROBOT_FILES))
-            self._opened = gui.add_html("")
         own.on_upload(lambda event: controls.attempt(lambda: self.open(event.target.value)))
 
     def shown(self, now: Now, _source: object) -> None:

@@ -49,9 +49,9 @@ class TourTab:
                 gui.add_html(panel.message_html("No families are known for this arm: there is nothing to show."))
                 return
             stops = count(len(self.stops), "stop")
-            self._told = gui.add_html(panel.large_html("Singularities", f"{stops}: press next."))
             controls.button("next", lambda: self.go(1), colour="blue")
             controls.button("back", lambda: self.go(-1))
+            self._told = gui.add_html(panel.large_html("Singularities", f"{stops}: press next."))
 
     def go(self, steps: int) -> None:
         """To another stop, round and round."""

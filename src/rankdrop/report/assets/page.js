@@ -219,7 +219,9 @@ const solids = data.solids.map((one, i) => new SolidView(one, byId(`solid${i + 1
 
 const redraw = () => { swipes(); [arm, ...stills, ...solids].forEach((one) => one.draw()); };
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-addEventListener("beforeprint", redraw);
+const printing = (widest) => () => { Scene.widest = widest; redraw(); };
+addEventListener("beforeprint", printing(1.25));
+addEventListener("afterprint", printing(Infinity));
 new ResizeObserver(redraw).observe(document.body);
 const first = data.families.find((one) => one.standing === "inside" || one.standing === "");
 if (first) goTo(first.id, false);

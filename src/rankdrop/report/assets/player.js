@@ -229,7 +229,9 @@ const worst = data.stretches.find((one) => !one.free) || data.stretches[0];
 setX(worst.closest);
 const redraw = () => setX(state.x);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-addEventListener("beforeprint", redraw);
+const printing = (widest) => () => { Scene.widest = widest; redraw(); };
+addEventListener("beforeprint", printing(1.25));
+addEventListener("afterprint", printing(Infinity));
 new ResizeObserver(redraw).observe(document.body);
 
 window.rankdropPath = { data, state, setX, play, find, stretchAt, drawn: () => arm.state.q };

@@ -9,6 +9,8 @@ function mixed(hex, other, share) {
 }
 
 class Scene {
+  static widest = Infinity; // of width to height: wide pictures are small in the columns of a printed page
+
   constructor(canvas, view = {}) {
     this.canvas = canvas;
     this.view = { turn: -0.9, tilt: 0.42, zoom: 1, ...view };
@@ -50,8 +52,8 @@ class Scene {
 
   begin() {
     const box = this.canvas.getBoundingClientRect(), dots = Math.max(2, window.devicePixelRatio || 1);
-    this.width = box.width || this.canvas.width;
     this.height = box.height || this.canvas.height;
+    this.width = Math.min(box.width || this.canvas.width, Scene.widest * this.height);
     this.canvas.width = Math.round(this.width * dots);
     this.canvas.height = Math.round(this.height * dots);
     this.pen = this.canvas.getContext("2d");

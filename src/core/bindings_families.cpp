@@ -156,7 +156,7 @@ nb::object zeros(const Families& table, const In2& q, const ZeroSettings& settin
 }
 
 std::unique_ptr<FootSettings> make_foot_settings(int leading, int iterations, int returns, double still, double longest,
-                                                 double cut, double flattest, const std::vector<double>& target,
+                                                 double cut, double flattest, double farthest, const std::vector<double>& target,
                                                  const std::vector<double>& scale, const std::vector<int>& periodic,
                                                  const std::vector<int>& columns, const std::optional<In2>& limits) {
     const std::size_t n = target.size();
@@ -166,7 +166,7 @@ std::unique_ptr<FootSettings> make_foot_settings(int leading, int iterations, in
     for (const int column : columns)
         if (column < 0 || column >= static_cast<int>(n)) throw nb::value_error("column out of range");
     auto settings = std::make_unique<FootSettings>(
-        FootSettings{leading, iterations, returns, still, longest, cut, flattest, target, scale, periodic, columns, {}, {}});
+        FootSettings{leading, iterations, returns, still, longest, cut, flattest, farthest, target, scale, periodic, columns, {}, {}});
     if (limits) {
         settings->lower.assign(limits->data(), limits->data() + n);
         settings->upper.assign(limits->data() + n, limits->data() + 2 * n);
@@ -210,8 +210,8 @@ void bind_families(nb::module_& module) {
     module.def("zeros", &zeros, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<FootSettings>(module, "FootSettings")
         .def(nb::new_(&make_foot_settings), nb::kw_only(), nb::arg("leading"), nb::arg("iterations"), nb::arg("returns"),
-             nb::arg("still"), nb::arg("longest"), nb::arg("cut"), nb::arg("flattest"), nb::arg("target"), nb::arg("scale"),
-             nb::arg("periodic"), nb::arg("columns"), nb::arg("limits").none());
+             nb::arg("still"), nb::arg("longest"), nb::arg("cut"), nb::arg("flattest"), nb::arg("farthest"), nb::arg("target"),
+             nb::arg("scale"), nb::arg("periodic"), nb::arg("columns"), nb::arg("limits").none());
     module.def("feet", &feet, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<Watcher>(module, "Watcher")
         .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))

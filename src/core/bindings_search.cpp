@@ -102,12 +102,14 @@ nb::object nearest(const Chain& chain, const View& view, const In2& starts, cons
 // From anywhere to feet on the singular set, of a configuration, where one freedom of all six is lost by joints that move
 // one variable each.
 nb::object set_feet(const Chain& chain, const View& view, const In2& starts, const In1& centre, const In1& scale,
-                    double farthest) {
+                    const In1& turn, double farthest) {
     fit(chain, view, starts);
     SetFeetSettings settings;
-    settings.centre = numbers(centre), settings.scale = numbers(scale), settings.farthest = farthest;
+    settings.centre = numbers(centre), settings.scale = numbers(scale), settings.turn = numbers(turn);
+    settings.farthest = farthest;
     const std::size_t rows = starts.shape(0), n = static_cast<std::size_t>(chain.variables);
-    if (settings.centre.size() != n || settings.scale.size() != n) throw nb::value_error("one number for each variable");
+    if (settings.centre.size() != n || settings.scale.size() != n || settings.turn.size() != n)
+        throw nb::value_error("one number for each variable");
     bool plain = view.m == 6 && n >= 6 && n <= 20 && chain.joints.size() == n && rows <= 1'000'000;
     for (std::size_t a = 0; plain && a < 6; ++a)
         plain = view.row[a] == static_cast<int>(a) && view.factor[a] == view.factor[a < 3 ? 0 : 3];
@@ -115,12 +117,13 @@ nb::object set_feet(const Chain& chain, const View& view, const In2& starts, con
     if (!plain || view.factor[3] != 1.0) throw nb::value_error("all six rows of six to twenty joints, in order, one for each variable");
     Result<double> q({rows, n});
     Result<std::int8_t> met({rows});
+    Result<double> far({rows});
     if (rows > 0) std::memcpy(q.data(), starts.data(), sizeof(double) * rows * n);
     {
         nb::gil_scoped_release release;
-        kernels().set_feet(chain, view, settings, q.data(), static_cast<std::int64_t>(rows), met.data());
+        kernels().set_feet(chain, view, settings, q.data(), static_cast<std::int64_t>(rows), met.data(), far.data());
     }
-    return nb::make_tuple(q.give(), met.give());
+    return nb::make_tuple(q.give(), met.give(), far.give());
 }
 
 using In4 = nb::ndarray<const double, nb::ndim<4>, nb::c_contig, nb::device::cpu>;
@@ -159,7 +162,7 @@ void bind_search(nb::module_& module) {
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"),
                nb::kw_only(), nb::arg("threads") = 0);
     module.def("set_feet", &set_feet, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::kw_only(),
-               nb::arg("centre"), nb::arg("scale"), nb::arg("farthest"));
+               nb::arg("centre"), nb::arg("scale"), nb::arg("turn"), nb::arg("farthest"));
     module.def("promised", &promised, nb::arg("values"), nb::arg("tensor"), nb::arg("tau"), nb::arg("mixed"), nb::kw_only(),
                nb::arg("rounds"), nb::arg("effort"), nb::arg("exact"), nb::arg("threads") = 0);
 }

@@ -43,6 +43,35 @@ inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack
     return solve_damped_of<0>(normal, mu, b, n, l, x);
 }
 
+// x = M^-1 b for the symmetric M nearby that has no pivot below `flattest`: L diag(|d|) L^T. Of M (n x n) the lower part is
+// read, and written over.
+template <int N>
+inline void solve_convex(Pack* m, double flattest, const Pack* b, int n_, Pack* x) {
+    const int n = N ? N : n_;
+    for (int j = 0; j < n; ++j) {
+        Pack pivot = m[j * n + j];
+        for (int k = 0; k < j; ++k) pivot = pivot - m[j * n + k] * m[j * n + k] * m[k * n + k];
+        pivot = max(abs(pivot), fill(flattest));
+        m[j * n + j] = pivot;
+        const Pack inverse = fill(1.0) / pivot;
+        for (int i = j + 1; i < n; ++i) {
+            Pack sum = m[i * n + j];
+            for (int k = 0; k < j; ++k) sum = sum - m[i * n + k] * m[j * n + k] * m[k * n + k];
+            m[i * n + j] = sum * inverse;
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        Pack sum = b[i];
+        for (int k = 0; k < i; ++k) sum = sum - m[i * n + k] * x[k];
+        x[i] = sum;
+    }
+    for (int i = n - 1; i >= 0; --i) {
+        Pack sum = x[i] / m[i * n + i];
+        for (int k = i + 1; k < n; ++k) sum = sum - m[k * n + i] * x[k];
+        x[i] = sum;
+    }
+}
+
 inline Pack dot(const Pack* a, const Pack* b, int n) {
     Pack sum = fill(0.0);
     for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];

@@ -21,7 +21,6 @@ class Derivative {
         : chain_(chain), view_(view), n_(chain.variables), joints_(static_cast<int>(chain.joints.size())) {
         const std::size_t n = static_cast<std::size_t>(n_);
         columns_ = arena.take<Pack>(6 * chain.joints.size());
-        out_ = arena.take<Pack>(static_cast<std::size_t>(view.m) * n * n);
         bool* driven = arena.take<bool>(n);
         for (int j = 0; j < n_; ++j) driven[j] = false;
         shared_ = joints_ != n_;
@@ -29,16 +28,18 @@ class Derivative {
             shared_ = shared_ || driven[joint.variable];
             driven[joint.variable] = true;
         }
+        whole_ = view.m == 6 && !shared_;
+        for (int a = 0; a < view.m; ++a) whole_ = whole_ && view.row[a] == a && view.factor[a] == 1.0;
     }
 
-    // d J[a, i] / d q_k at [(a * n + i) * n + k]
-    Pack* at(const Placed& placed) {
+    // d J[a, i] / d q_k at out[(a * n + i) * n + k]
+    void at(const Placed& placed, Pack* out) {
+        out_ = out;
         for (int i = 0; i < joints_; ++i) see(placed, placed.screws[i], columns_ + 6 * i);
         if (shared_)
             for (int e = 0; e < view_.m * n_ * n_; ++e) out_[e] = fill(0.0);
         for (int k = 0; k < joints_; ++k)
             for (int i = k; i < joints_; ++i) pair(k, i);
-        return out_;
     }
 
   private:
@@ -80,6 +81,10 @@ class Derivative {
     void put(int i, int k, const Pack* slope) {
         Pack* slot = out_ + chain_.joints[static_cast<std::size_t>(i)].variable * n_ +
                      chain_.joints[static_cast<std::size_t>(k)].variable;
+        if (whole_) {  // the same numbers
+            for (int a = 0; a < 6; ++a, slot += n_ * n_) *slot = slope[a];
+            return;
+        }
         for (int a = 0; a < view_.m; ++a, slot += n_ * n_) {
             const Pack value = slope[view_.row[a]] * view_.factor[a];
             *slot = shared_ ? *slot + value : value;
@@ -90,7 +95,8 @@ class Derivative {
     const View& view_;
     const int n_, joints_;
     bool shared_;  // some variable drives several joints, or none
-    Pack *columns_, *out_;
+    bool whole_;   // all rows as they are, and every variable drives one joint
+    Pack *columns_, *out_ = nullptr;
 };
 
 }  // namespace rankdrop::RANKDROP_ISA

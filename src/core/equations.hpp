@@ -7,22 +7,28 @@
 
 namespace rankdrop::RANKDROP_ISA {
 
-// Adds `weight` times the second derivatives of one equation to the lower half of sum (n, n). A term is a wave w times a
-// monomial M of the slides:  d2(wM) = -w M m m^T + w' (m dM^T + dM m^T) + w d2M.
-inline void bend_at(const Families& table, int equation, const Pack* q, const Waves<Pack>& waves, Pack weight, Pack* sum) {
+// Adds the second derivatives of sum_e weight_e f_e, over the first `count` equations, to the lower half of sum (n, n). A
+// term is a wave w times a monomial M of the slides:  d2(wM) = -w M m m^T + w' (m dM^T + dM m^T) + w d2M. Waves of one angle
+// are added up first: equations of a family are made of the same ones. `amplitude` has room for every angle.
+inline void bend_at(const Families& table, int count, const Pack* q, const Waves<Pack>& waves, const Pack* weight,
+                    Pack* amplitude, Pack* sum) {
     const int n = table.variables;
     const auto add = [&](int a, int b, Pack value) {
         Pack& entry = sum[(a > b ? a : b) * n + (a > b ? b : a)];
         entry = entry + value;
     };
-    for (int t = table.terms[equation]; t < table.terms[equation + 1]; ++t) {
-        const int k = table.angle[t], first = table.turns[k], last = table.turns[k + 1];
-        const int* p = table.powers.data() + (std::size_t)t * n;
-        const Pack sine = waves.sine[table.node[t]], cosine = waves.cosine[table.node[t]];
-        const Pack wave = (cosine * table.a[t] + sine * table.b[t]) * weight;
-        Pack curve = -wave;
-        if (table.powered[t]) {
-            const Pack slope = (cosine * table.b[t] - sine * table.a[t]) * weight;
+    for (int k = 0; k < table.angles(); ++k) amplitude[k] = fill(0.0);
+    for (int e = 0; e < count; ++e)
+        for (int t = table.terms[e]; t < table.terms[e + 1]; ++t) {
+            const int k = table.angle[t], first = table.turns[k], last = table.turns[k + 1];
+            const int* p = table.powers.data() + (std::size_t)t * n;
+            const Pack sine = waves.sine[table.node[t]], cosine = waves.cosine[table.node[t]];
+            const Pack wave = (cosine * table.a[t] + sine * table.b[t]) * weight[e];
+            if (!table.powered[t]) {
+                amplitude[k] = amplitude[k] + wave;
+                continue;
+            }
+            const Pack slope = (cosine * table.b[t] - sine * table.a[t]) * weight[e];
             // the monomial, differentiated by the slides a and b; -1 for none
             const auto monomial = [&](int a, int b) {
                 Pack product = fill(1.0);
@@ -41,13 +47,13 @@ inline void bend_at(const Families& table, int equation, const Pack* q, const Wa
                 const Pack by = slope * monomial(a, -1);
                 for (int i = first; i < last; ++i) add(table.turning[i], a, by * table.m[i]);
             }
-            curve = curve * monomial(-1, -1);
+            amplitude[k] = amplitude[k] + wave * monomial(-1, -1);
         }
-        for (int i = first; i < last; ++i) {
-            const Pack part = curve * table.m[i];
-            for (int j = first; j <= i; ++j) add(table.turning[i], table.turning[j], part * table.m[j]);
+    for (int k = 0; k < table.angles(); ++k)
+        for (int i = table.turns[k]; i < table.turns[k + 1]; ++i) {
+            const Pack part = amplitude[k] * -table.m[i];
+            for (int j = table.turns[k]; j <= i; ++j) add(table.turning[i], table.turning[j], part * table.m[j]);
         }
-    }
 }
 
 // f_e and their gradients at one pack of configurations.
@@ -57,6 +63,7 @@ class Equations {
         const auto take = [&](int count) { return arena.take<Pack>(static_cast<std::size_t>(count)); };
         f = take(count_), slopes = take(count_ * table.variables);
         sine_ = take(table.nodes()), cosine_ = take(table.nodes()), phase_ = take(2 * table.phases());
+        amplitude_ = take(table.angles());
     }
 
     void at(const Pack* q) { at(q, count_); }
@@ -68,9 +75,10 @@ class Equations {
         for (int e = 0; e < count; ++e) f[e] = equation_at(table_, e, q, waves, slopes + e * table_.variables);
     }
 
-    // Adds `weight` times the second derivatives of equation e, at the q of `at`, to the lower half of sum (n, n).
-    void bend(int e, const Pack* q, Pack weight, Pack* sum) const {
-        bend_at(table_, e, q, Waves<Pack>{sine_, cosine_}, weight, sum);
+    // Adds the second derivatives of the first `count` equations, each times its weight, at the q of `at`, to the lower half
+    // of sum (n, n).
+    void bend(int count, const Pack* q, const Pack* weight, Pack* sum) const {
+        bend_at(table_, count, q, Waves<Pack>{sine_, cosine_}, weight, amplitude_, sum);
     }
 
     int count() const { return count_; }
@@ -87,7 +95,7 @@ class Equations {
   private:
     const Families& table_;
     const int count_;
-    Pack *sine_, *cosine_, *phase_;
+    Pack *sine_, *cosine_, *phase_, *amplitude_;
 };
 
 // Gauss–Newton with the shortest step −A⁺f along given directions, capped, in every lane until it is there.

@@ -2,6 +2,7 @@
 // x = (q - target) / scale, from many starts.
 #pragma once
 
+#include "damped.hpp"
 #include "equations.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -16,8 +17,8 @@ class FootFinder {
         w_ = take(wide * narrow), basis_ = take(narrow * narrow), sigma_ = take(wide), right_ = take(narrow * n_);
         kept_ = take(narrow), left_ = take(narrow * e);
         x_ = take(n_), free_ = take(n_), step_ = take(n_), normal_ = take(n_), slope_ = take(n_), lambda_ = take(e);
-        bend_ = take(n_ * n_), curved_ = take(n_ * n_), along_ = take(n_ * n_), product_ = take(n_ * n_), axes_ = take(n_ * n_);
-        size_ = take(n_), at_ = take(n_);
+        bend_ = take(n_ * n_), curved_ = take(n_ * n_), along_ = take(n_ * n_), product_ = take(n_ * n_);
+        at_ = take(n_);
     }
 
     // q (count, n) in and out: steps on the first `leading` equations until they stand still, whole turns taken off, then
@@ -40,7 +41,7 @@ class FootFinder {
             const Pack length = step(at_);
             for (int lane = 0; lane < W; ++lane) {
                 if (walk[lane] < 0) continue;
-                if (++rounds[lane] < set_.iterations && get(length, lane) > set_.still) continue;
+                if (++rounds[lane] < set_.iterations && get(length, lane) > set_.still && !too_far(lane, get(length, lane))) continue;
                 for (int j = 0; j < n_; ++j) q[walk[lane] * n_ + j] = get(at_[j], lane);
                 walk[lane] = -1;
             }
@@ -54,6 +55,18 @@ class FootFinder {
     }
 
   private:
+    // Whether a walk will end beyond `farthest`: Newton's short steps get shorter still
+    bool too_far(int lane, double length) const {
+        if (!(length < kSure)) return false;
+        double square = 0.0;
+        for (int j = 0; j < c_; ++j) {
+            const int at = set_.columns[j];
+            const double x = (get(at_[at], lane) - set_.target[at]) / set_.scale[at];
+            square += x * x;
+        }
+        return std::sqrt(square) - kSlack * length > set_.farthest;
+    }
+
     // One of Newton's steps, capped; how long it was before that
     Pack step(Pack* q) {
         newton(q);
@@ -118,7 +131,7 @@ class FootFinder {
 
     // -A+ f across the solutions, and along them to the nearest point of the quadratic model. With lambda = (A+)^T x the
     // Lagrangian |x|^2 / 2 - lambda . f has the second derivative C = 1 - sum lambda_i d2f_i; directions in which it is not
-    // convex are turned round, so that every step goes down: |PCP + 1 - P| is inverted, P the projector along the solutions.
+    // convex are turned round, so that every step goes down: PCP + 1 - P with |pivots| is inverted, P the projector along the solutions.
     void step_from(const Pack* q) {
         const Pack zero = fill(0.0);
         for (int j = 0; j < c_; ++j) {
@@ -135,7 +148,7 @@ class FootFinder {
             for (int e = 0; e < set_.leading; ++e) lambda_[e] = lambda_[e] + share * left_[i * set_.leading + e];
         }
         for (int k = 0; k < n_ * n_; ++k) bend_[k] = zero;
-        for (int e = 0; e < set_.leading; ++e) equations_.bend(e, q, lambda_[e], bend_);
+        equations_.bend(set_.leading, q, lambda_, bend_);
         for (int j = 0; j < c_; ++j)
             for (int k = 0; k < c_; ++k) {
                 const int a = set_.columns[j], b = set_.columns[k];
@@ -159,20 +172,14 @@ class FootFinder {
             Pack sum = zero;
             for (int k = 0; k < c_; ++k) {
                 sum = sum + along_[j * c_ + k] * step_[k];
+                if (k > j) continue;  // symmetric
                 Pack entry = fill(j == k ? 1.0 : 0.0) - along_[j * c_ + k];
                 for (int i = 0; i < c_; ++i) entry = entry + along_[j * c_ + i] * product_[i * c_ + k];
-                bend_[k * c_ + j] = entry;  // has been used; c_ <= n_
+                bend_[j * c_ + k] = entry;  // has been used; c_ <= n_
             }
             slope_[j] = sum;
         }
-        svd(bend_, c_, c_, kSearch, size_, axes_);  // symmetric: |M| has these right vectors and values
-        for (int j = 0; j < c_; ++j) step_[j] = zero;
-        for (int i = 0; i < c_; ++i) {
-            Pack share = zero;
-            for (int j = 0; j < c_; ++j) share = share + axes_[i * c_ + j] * slope_[j];
-            share = share / max(size_[i], fill(set_.flattest));
-            for (int j = 0; j < c_; ++j) step_[j] = step_[j] + axes_[i * c_ + j] * share;
-        }
+        solve_convex<0>(bend_, set_.flattest, slope_, c_, step_);
         for (int j = 0; j < c_; ++j) {
             Pack tangent = zero;
             for (int k = 0; k < c_; ++k) tangent = tangent + along_[j * c_ + k] * step_[k];
@@ -216,12 +223,14 @@ class FootFinder {
         }
     }
 
+    static constexpr double kSure = 0.1, kSlack = 2.0;  // as in set_feet.hpp
+
     const FootSettings& set_;
     const int n_, c_;
     int values_ = 0, counted_ = 0;
     Equations equations_;
     Pack *w_, *basis_, *sigma_, *right_, *kept_, *left_;
-    Pack *x_, *free_, *step_, *normal_, *slope_, *lambda_, *bend_, *curved_, *along_, *product_, *axes_, *size_, *at_;
+    Pack *x_, *free_, *step_, *normal_, *slope_, *lambda_, *bend_, *curved_, *along_, *product_, *at_;
 };
 
 }  // namespace rankdrop::RANKDROP_ISA

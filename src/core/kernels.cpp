@@ -76,12 +76,17 @@ void derivative(const Chain& chain, const View& view, const double* q, std::int6
     Arena arena;
     Placed at = placed_in(chain, arena);
     Derivative slopes(chain, view, arena);
-    Pack* x = take(arena, n);
+    Pack *x = take(arena, n), *slope = W == 1 ? nullptr : take(arena, size);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         forward(chain, view, x, at);
-        store(slopes.at(at), size, count, out + row * size, size);
+        if constexpr (W == 1) {
+            slopes.at(at, reinterpret_cast<Pack*>(out + row * size));  // a lane is a number
+            continue;
+        }
+        slopes.at(at, slope);
+        store(slope, size, count, out + row * size, size);
     }
 }
 
@@ -195,9 +200,9 @@ void nearest(const Chain& chain, const View& view, const NearestSettings& settin
 }
 
 void set_feet(const Chain& chain, const View& view, const SetFeetSettings& settings, double* q, std::int64_t count,
-              std::int8_t* met) {
+              std::int8_t* met, double* far) {
     Arena arena;
-    SetFeet(chain, view, settings, arena).run(q, (int)count, met);
+    SetFeet(chain, view, settings, arena).run(q, (int)count, met, far);
 }
 
 void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {

@@ -54,7 +54,8 @@ struct Kernels {
     void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
                     std::int64_t end, const NearestOutput&, const std::atomic<bool>& stop);
     // starts q (B, n) in and out; met (B): how each ended
-    void (*set_feet)(const Chain&, const View&, const SetFeetSettings&, double* q, std::int64_t count, std::int8_t* met);
+    void (*set_feet)(const Chain&, const View&, const SetFeetSettings&, double* q, std::int64_t count, std::int8_t* met,
+                     double* far);
     // (B, n) -> (B, joints + 2, 4, 4): base, every link, tip
     void (*links)(const Chain&, const double* q, std::int64_t begin, std::int64_t end, double* out);
     void (*monitor)(const Chain&, const View&, const Families&, const MonitorSettings&, const double* q, std::int64_t begin,

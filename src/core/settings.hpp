@@ -91,11 +91,13 @@ struct SetFeetSettings {
     double longest = 0.7;                    // step
     double flattest = 5e-2;                  // curvatures are taken for at least this
     double farthest = HUGE_VAL;              // feet beyond this are of no interest
+    double off = 1e-6;                       // sigma at a foot is at most this
     std::vector<double> centre;              // (n) the configuration whose feet are asked for
     std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
+    std::vector<double> turn;                // (n) a motion that is none: 2 pi for angles, 0 for lengths
 };
 
-enum Met : std::int8_t { kArrived = 0, kFarther = 1, kLost = 2 };
+enum Met : std::int8_t { kArrived = 0, kFarther = 1, kLost = 2, kNowhere = 3 };  // nowhere: where nothing is singular
 
 inline constexpr std::size_t kMostEquations = 200;  // that are solved together, or joints that may move: kMaxColumns of an SVD
 
@@ -118,6 +120,7 @@ struct FootSettings {
     double longest = 0.7;                    // step
     double cut = 1e-7;                       // singular values below this share of the largest are not inverted
     double flattest = 1e-2;                  // curvatures are taken for at least this
+    double farthest = HUGE_VAL;              // feet beyond this are of no interest
     std::vector<double> target;              // (n) the configuration to stay near to
     std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
     std::vector<int> periodic;               // (n) 1: a turn of 2 pi is no motion

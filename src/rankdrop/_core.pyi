@@ -92,8 +92,8 @@ def nearest(
 ) -> tuple[_A, _A, _A, NDArray[np.int32]]: ...
 
 def set_feet(
-    chain: Chain, view: View, starts: _A, *, centre: _A, scale: _A, farthest: float
-) -> tuple[_A, NDArray[np.int8]]: ...
+    chain: Chain, view: View, starts: _A, *, centre: _A, scale: _A, turn: _A, farthest: float
+) -> tuple[_A, NDArray[np.int8], _A]: ...
 
 class Families:
     @property
@@ -158,6 +158,7 @@ def zeros(families: Families, q: _A, settings: ZeroSettings, *, threads: int = 0
 class FootSettings:
     def __init__(
         self, *, leading: int, iterations: int, returns: int, still: float, longest: float, cut: float, flattest: float,
+        farthest: float,
         target: list[float], scale: list[float], periodic: list[int], columns: list[int], limits: _A | None
     ) -> None: ...
 

@@ -27,10 +27,11 @@ def test_solutions_solve(rng):
     assert (system.rank(q[solved]) == 2).mean() > 0.95
 
 
-def feet(system, leading, q, target, columns, iterations):
+def feet(system, leading, q, target, columns, iterations, farthest=np.inf):
     settings = _core.FootSettings(
         leading=leading, iterations=iterations, returns=2, still=1e-12, longest=0.7, cut=1e-7, flattest=1e-2,
-        target=target.tolist(), scale=[1.0] * len(target), periodic=[0] * len(target), columns=columns, limits=None,
+        farthest=farthest, target=target.tolist(), scale=[1.0] * len(target), periodic=[0] * len(target),
+        columns=columns, limits=None,
     )  # fmt: skip
     return _core.feet(system.compiled, np.ascontiguousarray(q), settings)
 
@@ -54,6 +55,11 @@ def test_steps_to_the_nearest_point_converge_quadratically(arm, rng):
     away *= 0.03 / np.linalg.norm(away, axis=1, keepdims=True)
     again = feet(system, leading, end + away, target, columns, 4)
     np.testing.assert_allclose(again, np.repeat(end, 10, axis=0), atol=1e-8)
+    # what leads farther than wanted is left at once, what does not goes on
+    length = np.linalg.norm(end[0] - target)
+    np.testing.assert_array_equal(feet(system, leading, end + away, target, columns, 4, 1.001 * length), again)
+    left = feet(system, leading, end + away, target, columns, 4, 0.5 * length)
+    assert (np.abs(left - end).max(axis=1) > 1e-12).all()
     # the way is normal to the zero set
     slope, way = system.jacobian(end)[0], (target - end[0])
     across = np.linalg.lstsq(slope.T, way, rcond=1e-7)[0] @ slope

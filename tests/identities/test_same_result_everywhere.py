@@ -83,8 +83,9 @@ def stepped() -> list[Array]:
         task = resolve_task("pose", robot)
         starts, centre = np.random.default_rng(6).uniform(-2, 2, (37, robot.n)), np.full(robot.n, 0.4)
         results += _core.set_feet(
-            chain_of(robot), task_view(robot, task), starts, centre=centre, scale=joint_scale(robot, task), farthest=2.0
-        )
+            chain_of(robot), task_view(robot, task), starts, centre=centre, scale=joint_scale(robot, task),
+            turn=2 * np.pi * robot.periodic, farthest=2.0,
+        )  # fmt: skip
     for name in ("gen3", "ur5"):
         known = shipped(name)
         assert known is not None

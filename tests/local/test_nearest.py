@@ -92,7 +92,8 @@ def test_newtons_steps_end_where_they_should(name: str, rng: np.random.Generator
         if np.linalg.svd(d, compute_uv=False).min() < 1e-2 or foot.distance > 1.5:
             continue  # families cross there or it is folded, and steps are as good as they get
         starts = np.array(foot.q) + 0.02 * rng.uniform(-1, 1, (8, robot.n)) * scale
-        ends, met = _core.set_feet(chain, view, starts, centre=q, scale=scale, farthest=np.inf)
+        turn = 2 * np.pi * robot.periodic
+        ends, met, _ = _core.set_feet(chain, view, starts, centre=q, scale=scale, turn=turn, farthest=np.inf)
         away = np.linalg.norm((ends - foot.q) / scale, axis=1)
         total += 8
         arrived += int(((met == 0) & (away < 1e-6)).sum())
@@ -103,8 +104,9 @@ def test_newtons_steps_end_where_they_should(name: str, rng: np.random.Generator
 def test_newtons_steps_are_for_six_rows_only() -> None:
     robot = open_robot("pa10")
     view = task_view(robot, resolve_task("position", robot))
+    zero = np.zeros(7)
     with pytest.raises(ValueError, match="all six rows"):
-        _core.set_feet(chain_of(robot), view, np.zeros((1, 7)), centre=np.zeros(7), scale=np.ones(7), farthest=1.0)
+        _core.set_feet(chain_of(robot), view, zero[None], centre=zero, scale=zero + 1, turn=zero, farthest=1.0)
 
 
 @pytest.mark.parametrize("name", [*ARMS[:5], "almarkhi4", "rpr", "rrprrr", "rrmrrrr", "rrrprrrrr"])

@@ -15,9 +15,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop.family.equation import REACHED
@@ -31,13 +32,33 @@ from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
-STARTS = 24
+STARTS, LATER = 24, 24  # around the configuration, and in the ball in which a nearer point must lie
 _RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
 _ITERATIONS = 25
-_STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
+_STILL = 1e-6  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
 _FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 _RETURNS = 3  # steps straight onto the family at the end
+
+
+_Draw = tuple[Array, list[NDArray[np.int64]]]
+
+
+@lru_cache(maxsize=64)
+def _draws(seed: int, moves: tuple[bool, ...], values: tuple[int, ...]) -> tuple[_Draw, _Draw]:
+    """Of the first starts and of the later ones: points (N, n) that fill balls evenly, over the joints that move.
+
+    First of several radii, then of radius 1; and for each pinned joint which of its values (N,).
+    """
+    rng = np.random.default_rng(seed)
+
+    def drawn(radii: Array) -> _Draw:
+        x = rng.standard_normal((len(radii), len(moves))) * np.array(moves)
+        x *= (radii * rng.random(len(radii)) ** (1 / sum(moves)) / _lengths(x))[:, None]
+        x[0] = 0
+        return x, [rng.integers(count, size=len(radii)) for count in values]
+
+    return drawn(np.resize(_RADII, STARTS)), drawn(np.ones(LATER))
 
 
 class Coupled:
@@ -50,46 +71,56 @@ class Coupled:
         # on more equations than are independent Newton stays where no residual gets smaller: these are walked alone too
         self.ways = [len(family.equations)]
         if 0 < robot.n - family.dimension < len(family.equations):
-            self.ways.append(robot.n - family.dimension)
+            self.ways.insert(0, robot.n - family.dimension)  # what comes later is left where it leads farther
         self.moves = family.system.moves
+        self.bounded = bool(np.isfinite(box[:, self.moves]).any())
         self.scale = problem.scale
         self.target = centre
-        self.rng = np.random.default_rng(seed)
+        self.draws = _draws(seed, tuple(self.moves.tolist()), tuple(len(joint.values) for joint in family.pinned))
+        self.pinned = [(joint.number - 1, self._options(joint)) for joint in family.pinned]
 
     def points(self) -> Array:
-        """Ends of all starts."""
-        starts = self._starts(np.resize(_RADII, STARTS))
-        first = np.concatenate([self._walk(starts, leading) for leading in self.ways])
-        solved = np.abs(self.family.system.values(first)).max(axis=1) <= REACHED
-        distance = _lengths((first - self.target) / self.scale)[solved]
-        if not len(distance) or distance.min() == 0:
-            return first
-        starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
-        return np.concatenate([first, *(self._walk(starts, leading) for leading in self.ways)])
+        """Ends of all starts, and where walks stood that led farther away than another had ended."""
+        first, late = self.draws
+        ends, nearest = self._ends(self._starts(first, 1.0), np.inf)
+        if nearest == 0 or not np.isfinite(nearest):
+            return ends
+        return np.concatenate([ends, self._ends(self._starts(late, 1.25 * nearest), nearest)[0]])
 
-    def _starts(self, radii: Array) -> Array:
+    def _ends(self, starts: Array, nearest: float) -> tuple[Array, float]:
+        """Ends of all starts; how far the nearest is of what solves the equations, or was before."""
+        ends = []
+        for leading in self.ways:
+            ends.append(self._walk(starts, leading, nearest))
+            solved = np.abs(self.family.system.values(ends[-1])).max(axis=1) <= REACHED
+            nearest = min(nearest, float(_lengths((ends[-1] - self.target) / self.scale)[solved].min(initial=np.inf)))
+        return np.concatenate(ends), nearest
+
+    def _starts(self, draw: _Draw, radius: float) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
-        x = self.rng.standard_normal((len(radii), self.robot.n)) * self.moves
-        x *= (radii * self.rng.random(len(radii)) ** (1 / self.moves.sum()) / _lengths(x))[:, None]
-        x[0] = 0
-        q = self.centre + x * self.scale
-        for joint in self.family.pinned:
-            j = joint.number - 1
-            periodic = bool(self.robot.periodic[j])
-            options = nearest_turns(np.array(joint.values), self.centre[j], periodic, self.box[:, j])
+        points, choices = draw
+        q = self.centre + points * (radius * self.scale)
+        for (j, options), choice in zip(self.pinned, choices, strict=True):
             if len(options):
-                options = options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)]
-                q[:, j] = options[self.rng.integers(len(options), size=len(q))]
-        return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]))
+                q[:, j] = options[choice % len(options)]
+        return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]) if self.bounded else q)
 
-    def _walk(self, q: Array, leading: int) -> Array:
-        """Newton steps of all starts on the first equations until they stand still, then straight onto the family."""
-        bounded = bool(np.isfinite(self.box[:, self.moves]).any())
+    def _options(self, joint: Pin) -> Array:
+        """Values of a pinned joint, those that are nearest."""
+        j = joint.number - 1
+        options = nearest_turns(np.array(joint.values), self.centre[j], bool(self.robot.periodic[j]), self.box[:, j])
+        return np.asarray(options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)])
+
+    def _walk(self, q: Array, leading: int, farthest: float) -> Array:
+        """Newton steps of all starts on the first equations until they stand still, then straight onto the family.
+
+        Those that lead farther away than that may end anywhere.
+        """
         settings = _core.FootSettings(
             leading=leading, iterations=_ITERATIONS, returns=_RETURNS, still=_STILL, longest=_LONGEST, cut=CUT,
-            flattest=_FLATTEST, target=self.target.tolist(), scale=self.scale.tolist(),
+            flattest=_FLATTEST, farthest=farthest, target=self.target.tolist(), scale=self.scale.tolist(),
             periodic=self.robot.periodic.astype(int).tolist(), columns=np.flatnonzero(self.moves).tolist(),
-            limits=np.ascontiguousarray(self.box) if bounded else None,
+            limits=np.ascontiguousarray(self.box) if self.bounded else None,
         )  # fmt: skip
         return _core.feet(self.family.system.compiled, q, settings, threads=1)
 

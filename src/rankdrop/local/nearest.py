@@ -51,7 +51,6 @@ _EVALUATIONS = 200
 _NEARLY = 1e-5  # share of the way that lies along the set at which all walks end: distances are off by its square
 _STILL = 1e-9  # of the nearest
 _FINEST = 8  # the nearest of them go on to the last digit
-_OFF = 1e-6  # σ at the end of Newton's steps, the last of which were shorter than 1e-4
 _ARRIVED, _LOST = 0, 2  # how the core says that Newton's steps ended
 _AGAIN = 4  # of the starts whose steps came to no end, so many walk from there,
 _NEAR = 1.5  # where that is no farther than so many times the nearest
@@ -177,20 +176,15 @@ def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
-_Draw = tuple[Array, Array, Array]
-
-
 @lru_cache(maxsize=16)
-def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple[_Draw, _Draw]:
-    """Points that fill balls evenly: ways (N, n) of the joints that move, how far to go along them (N, 1), and their
-    lengths (N, 1); first in balls of several radii, then in one of radius 1.
-    """
+def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple[Array, Array]:
+    """Points (N, n) that fill balls evenly, over the joints that move: first of several radii, then of radius 1."""
     rng = np.random.default_rng(seed)
 
-    def drawn(radii: Array) -> _Draw:
+    def drawn(radii: Array) -> Array:
         x = rng.standard_normal((len(radii), len(moves))) * np.array(moves)
         share = radii * rng.random((len(radii), 1)) ** (1 / max(1, sum(moves)))
-        return x, share, np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)
+        return np.asarray(x * (share / np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)))
 
     return drawn(np.resize(_RADII, (counts[0], 1))), drawn(np.ones((counts[1], 1)))
 
@@ -216,27 +210,26 @@ class _Walk:
     def distance(self, q: Array) -> float:
         return float(self.problem.length(q - self.centre))
 
-    def draws(self, seed: int, counts: tuple[int, int]) -> tuple[_Draw, _Draw]:
+    def draws(self, seed: int, counts: tuple[int, int]) -> tuple[Array, Array]:
         """Of the first starts, and of the rest."""
         moves = tuple((~self.problem.idle).tolist())
         return (_draws if sum(counts) <= _KEPT else _draws.__wrapped__)(seed, counts, moves)
 
-    def around(self, draw: _Draw) -> Array:
+    def around(self, draw: Array) -> Array:
         """q itself, and starts from balls of several radii around it."""
         starts = self._ball(draw, 1.0)
         starts[0] = self.centre
         return starts
 
-    def within(self, draw: _Draw, distance: float) -> Array:
+    def within(self, draw: Array, distance: float) -> Array:
         """Starts from the ball in which a nearer point must lie, or from wide ones where there is no point yet."""
         if distance == 0.0:
             return np.empty((0, self.problem.n))
         return self._ball(draw, _WIDER * distance if np.isfinite(distance) else max(_RADII))
 
-    def _ball(self, draw: _Draw, radius: float) -> Array:
+    def _ball(self, draw: Array, radius: float) -> Array:
         """Uniform in a ball around q, over the joints that matter."""
-        x, share, length = draw
-        return np.asarray(self.centre + x * (radius * share / length) * self.problem.scale)
+        return np.asarray(self.centre + draw * (radius * self.problem.scale))
 
     @property
     def nothing(self) -> tuple[Array, Array, int]:
@@ -270,13 +263,17 @@ class _Walk:
         """Where Newton's steps lead, no farther than that (C, n); the distances (C,); and where others got lost."""
         if not len(starts):
             return starts, np.empty(0), starts
-        problem = self.problem
-        q, met = _core.set_feet(
-            self.chain, self.view, starts, centre=self.centre, scale=problem.scale, farthest=farthest
-        )
-        ends = q[met == _ARRIVED]
-        ends = self._brought_near(ends[self._sigma(ends)[:, problem.rank] <= _OFF])
-        return ends, problem.length(ends - self.centre), q[met == _LOST]
+        q, met, far = _core.set_feet(
+            self.chain, self.view, starts, centre=self.centre, scale=self.problem.scale, turn=self._turn,
+            farthest=farthest,
+        )  # fmt: skip
+        arrived = met == _ARRIVED
+        return q[arrived], far[arrived], q[met == _LOST]
+
+    @cached_property
+    def _turn(self) -> Array:
+        """(n,) what brings a joint back to where it was [rad]; 0 for slides."""
+        return np.asarray(2 * np.pi * self.problem.robot.periodic)
 
     def walked(self, given: Array, starts: int, seed: int) -> tuple[Array, Array]:
         """The best ends (C, n) of starts that walk, and the distances of all (N,)."""

@@ -37,8 +37,16 @@ inline void set(Pack& x, int lane, double value) { x[lane] = value; }
 inline bool get(const Mask& x, int lane) { return x[lane] != 0; }
 inline Pack fill(double value) { return Pack{} + value; }
 using Rough = float __attribute__((vector_size(4 * RANKDROP_WIDTH)));
+#if RANKDROP_WIDTH == 8 && defined(__AVX512F__)  // compilers convert by halves, through memory
+inline Rough rough(const Pack& x) { return (Rough)_mm512_maskz_cvtpd_ps((__mmask8)0xFF, (__m512d)x); }
+inline Pack fine(const Rough& x) { return (Pack)_mm512_maskz_cvtps_pd((__mmask8)0xFF, (__m256)x); }
+#elif RANKDROP_WIDTH == 4 && defined(__AVX__)
+inline Rough rough(const Pack& x) { return (Rough)_mm256_cvtpd_ps((__m256d)x); }
+inline Pack fine(const Rough& x) { return (Pack)_mm256_cvtps_pd((__m128)x); }
+#else
 inline Rough rough(const Pack& x) { return __builtin_convertvector(x, Rough); }
 inline Pack fine(const Rough& x) { return __builtin_convertvector(x, Pack); }
+#endif
 // the power of two that brings x between 1 and 4 (zero and infinities: some power of two)
 inline Pack to_unit(const Pack& x) { return (Pack)(0x7FE0000000000000LL - ((Mask)x & 0x7FF0000000000000LL)); }
 #else
@@ -70,7 +78,14 @@ inline double sqrt(double x) { return std::sqrt(x); }
 inline bool any(bool mask) { return mask; }
 #endif
 inline Pack select(Mask mask, Pack yes, Pack no) { return mask ? yes : no; }
-inline Pack abs(Pack x) { return select(x < fill(0.0), -x, x); }
+#if RANKDROP_WIDTH > 1
+inline Pack abs(Pack x) { return (Pack)((Mask)x & 0x7FFFFFFFFFFFFFFFLL); }
+// x with its sign changed where those of a and b differ
+inline Pack turned(Pack x, Pack a, Pack b) { return (Pack)((Mask)x ^ (((Mask)a ^ (Mask)b) & ~0x7FFFFFFFFFFFFFFFLL)); }
+#else
+inline Pack abs(Pack x) { return std::fabs(x); }
+inline Pack turned(Pack x, Pack a, Pack b) { return std::signbit(a) != std::signbit(b) ? -x : x; }
+#endif
 inline Pack max(Pack a, Pack b) { return select(a > b, a, b); }
 inline Pack min(Pack a, Pack b) { return select(a < b, a, b); }
 
@@ -97,6 +112,16 @@ inline Pack sqrt(Pack x) {
     Pack y = x;
     for (int lane = 0; lane < W; ++lane) set(y, lane, std::sqrt(get(x, lane)));
     return y;
+#endif
+}
+
+inline Rough max(Rough a, Rough b) {
+#if RANKDROP_WIDTH == 8 && defined(__AVX512F__)
+    return (Rough)_mm256_max_ps((__m256)a, (__m256)b);
+#elif RANKDROP_WIDTH == 4 && defined(__AVX__)
+    return (Rough)_mm_max_ps((__m128)a, (__m128)b);
+#else
+    return a > b ? a : b;
 #endif
 }
 

@@ -70,11 +70,10 @@ inline Pack half_tangent(Pack d, Pack p) {
     const Pack size_d = abs(d), size_p = abs(p), unit = to_unit(max(size_d, size_p));
     const Rough rd = rough(size_d * unit), rp = rough(size_p * unit), floor = Rough{} + 1e-18f;
     // what is squared stays above the floor, of no account beside 1: subnormal numbers are slow
-    const Rough sd = rd > floor ? rd : floor, sp = rp > floor ? rp : floor;
+    const Rough sd = max(rd, floor), sp = max(rp, floor);
     const Rough t = rp / (rd + sqrt(sd * sd + sp * sp));  // |tan(angle)|, at most 1
-    const Rough st = t > floor ? t : floor;
-    const Pack h = fine(t / (1.0f + sqrt(1.0f + st * st)));
-    return select((d < fill(0.0)) ^ (p < fill(0.0)), -h, h);
+    const Rough st = max(t, floor);
+    return turned(fine(t / (1.0f + sqrt(1.0f + st * st))), d, p);
 }
 
 // In: w, `columns` columns of length `rows`. Out: w = U diag(sigma) with sigma descending, basis = the right vectors

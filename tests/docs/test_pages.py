@@ -35,7 +35,7 @@ def outputs() -> dict[str, str]:
     return {}
 
 
-@pytest.mark.slow_at("index-0", "start-1", "postures-6")
+@pytest.mark.slow_at("index-0", "start-1", "postures-6", "start-2")
 @pytest.mark.parametrize(
     ("page", "command", "shown"), SHOWN, ids=[f"{page.stem}-{i}" for i, (page, _, _) in enumerate(SHOWN)]
 )

@@ -96,6 +96,7 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert found.holds_modulo(points) == singular
 
 
+@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors")
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_every_numerically_found_singular_configuration_satisfies_a_condition(name: str, method: str) -> None:
     found = derived(name, method)

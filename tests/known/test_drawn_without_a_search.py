@@ -68,6 +68,7 @@ def test_every_family_is_met(name: str) -> None:
         assert not left, [(one.id, one.name) for one in left]
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_configuration_is_singular_and_on_a_family(name: str) -> None:
     robot = open_robot(name)

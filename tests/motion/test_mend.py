@@ -68,6 +68,7 @@ def test_every_remedy_is_proven_free_and_gains_distance() -> None:
     assert wrist().best is wrist().remedies[0]
 
 
+@pytest.mark.slow
 def test_a_flip_keeps_the_tool_path_and_is_another_branch() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[0]
     wanted = pose(robot, WRIST)

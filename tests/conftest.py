@@ -22,6 +22,16 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks `slow` what is run by hand or in a browser, and what a `slow_at` names: a value, or the id of a case."""
+    for item in items:
+        named = {word for mark in item.iter_markers("slow_at") for word in mark.args}
+        call = getattr(item, "callspec", None)
+        dear = call is not None and named & {call.id, *call.id.split("-"), *map(str, call.params.values())}
+        if dear or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(autouse=True)
 def _derived_anew(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tests are of derivations, not of the results that are shipped, unless they are marked `shipped`."""

@@ -125,6 +125,7 @@ def test_the_old_file_survives_a_full_disk(
     assert len(path.read_bytes()) > 2000
 
 
+@pytest.mark.slow
 def test_figures_survive_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
     [*written] = save_figures(("GR",), str(tmp_path))

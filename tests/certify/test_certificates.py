@@ -68,6 +68,7 @@ def judged(records, name, change=None, *, robot=None, seal=True):
     return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), robot)
 
 
+@pytest.mark.slow_at("near")
 @pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "away", "existence", "covering"])
 def test_honest_certificates_hold(records, name):
     found = judged(records, name)
@@ -363,6 +364,7 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
+@pytest.mark.slow_at("canadarm2", "xarm5", "stanford", "ur5", "panda", "pa10", "puma560", "fetch")
 @pytest.mark.parametrize(("name", "task"), [
     ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
     ("stanford", None), ("canadarm2", None), ("puma560", "position"), ("puma560", "orientation"), ("ur5", "position"),

@@ -69,6 +69,7 @@ def test_a_ball_just_as_large_as_one_enclosure_allows_holds(name):
         assert check(robot, found).holds
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["planar3r", "scara", "puma560"])
 def test_a_ball_that_is_asked_for_without_an_end_holds_as_far_as_it_was_proven(name):
     robot = open_robot(name)

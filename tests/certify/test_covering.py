@@ -96,6 +96,7 @@ def test_members_of_families_on_the_borders_of_boxes_lie_in_boxes(name):
             assert covered(name).holds(made).all(), family.id
 
 
+@pytest.mark.slow_at("puma560-2", "anthropomorphic-3", "ur5-2")
 @pytest.mark.parametrize(("name", "corank"), [("ur5", 2), ("puma560", 2), ("anthropomorphic", 3)])
 def test_configurations_of_a_higher_corank_lie_in_fewer_boxes(name, corank):
     """Drawn exactly, members of the families known, and those moved onto the borders of boxes."""
@@ -183,6 +184,7 @@ def test_an_interrupted_covering_tells_what_is_done():
     assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
 
 
+@pytest.mark.slow_at("almarkhi4-0.1")
 @pytest.mark.parametrize(("name", "width"), [("ur5", WIDTH), ("almarkhi4", 0.1)])
 def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, monkeypatch):
     robot, out, calls = open_robot(name), tmp_path / "half", []
@@ -292,6 +294,7 @@ def backwards(job, engine, *, folder, report, each):
         yield chunk, b""
 
 
+@pytest.mark.slow_at("by processes")
 @pytest.mark.parametrize("made", ["here", "by processes", "backwards"])
 def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch, tmp_path):
     robot = open_robot("almarkhi4")

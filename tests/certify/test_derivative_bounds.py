@@ -60,6 +60,7 @@ def test_no_derivative_is_larger(name, task):
     assert largest > 0.0 or (name, task) == ("scara", "orientation")  # all its axes are parallel
 
 
+@pytest.mark.slow_at("2-panda", "1-panda", "0-panda", "pa10")
 @pytest.mark.parametrize("name", ["panda", "pa10", "puma560"])
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_the_bound_is_reached(name, order):
@@ -126,6 +127,7 @@ def test_the_bound_of_a_steep_screw_is_reached_by_its_own_column_and_by_one_behi
     assert (best[1:3] > 0.95).all()
 
 
+@pytest.mark.slow
 def test_brackets_are_the_derivatives():
     # what the two tests above call derivatives, against differences of the columns
     robot = arms.random_chain(np.random.default_rng(8), "rhprrr")

@@ -111,6 +111,7 @@ def test_rounding_stays_below_what_is_said(name):
     assert lost < 1e-12 * np.abs(made._g).sum()
 
 
+@pytest.mark.slow_at("puma560", "ur5")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_no_box_around_a_singular_configuration_is_free(name):
     """Boxes of five sizes that hold one of 1000 exact singular configurations, at whatever place."""
@@ -183,6 +184,7 @@ def test_a_covering_of_six_joints_that_lost_a_box_does_not_hold(ur5, tmp_path):
     assert "before every box was proven" in found.reason or "could not be proven free" in found.reason
 
 
+@pytest.mark.slow
 def test_what_the_determinant_leaves_is_left_to_enclosures(ur5, monkeypatch):
     """Boxes that it does not decide are not passed over."""
     monkeypatch.setattr(Determinant, "free", lambda self, levels, cells: np.arange(len(cells)) > 0)

@@ -47,6 +47,7 @@ def moved_columns(robot, other, q, setting):
     return region.columns(other, q, setting) - region.columns(robot, q, setting)
 
 
+@pytest.mark.slow_at("random 6R", "panda", "mimics", "random screws", "puma560", "ur5", "pa10")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_displaced_arm_goes_beyond_the_bound(name):
     robot = ARMS[name]()
@@ -63,6 +64,7 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()  # rounding of the model
 
 
+@pytest.mark.slow_at("stanford", "puma560")
 @pytest.mark.parametrize("name", ["puma560", "stanford"])
 def test_a_tool_point_is_moved_with_the_joints(name):
     robot = open_robot(name)
@@ -135,6 +137,7 @@ def test_the_bound_of_a_steep_screw_is_reached(which):
     assert reached_by_turns(replace(robot, joints=tuple(joints)), np.zeros(4))[which] > 0.95
 
 
+@pytest.mark.slow_at("mimics")
 @pytest.mark.parametrize("name", ["random screws", "mimics"])
 def test_near_arms_of_a_certified_ball_keep_their_rank(name, tmp_path):
     """Balls of joints that screw or follow others, proven again; near arms have σ above zero everywhere in them."""
@@ -235,6 +238,7 @@ def test_the_bound_is_reached_by_links_that_twist():
     assert (best > 0.9).sum() >= count - 1
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tmp_path):
     robot = open_robot(name)

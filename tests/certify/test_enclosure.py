@@ -202,6 +202,7 @@ def test_the_remainder_of_two_turns_and_a_slide_is_nearly_reached():
     assert (mixed / rest).max() > 0.95
 
 
+@pytest.mark.slow
 def test_rounding_is_allowed_for():
     # boxes of no width: what is left of the bound covers U₁ᵀ J V₁ − Σ, near singularities and far from the base
     far = np.eye(4)

@@ -61,6 +61,7 @@ def middles(found):
     return (low.T + high.T) / 2, (high.T - low.T) / 2
 
 
+@pytest.mark.slow_at("panda", "mimics")
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.02, 0.3])
 @pytest.mark.parametrize("along", [False, True])
@@ -100,6 +101,7 @@ def test_a_region_without_size_is_a_point():
     np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
 
 
+@pytest.mark.slow_at("mimics-pose", "panda-pose", "random screws-pose", "ur5-pose", "slides-pose", "stanford-pose")
 @pytest.mark.parametrize(("name", "task"), [
     ("ur5", "pose"), ("panda", "pose"), ("stanford", "pose"), ("slides", "pose"), ("stanford", "position"),
     ("random screws", "pose"), ("mimics", "pose"),

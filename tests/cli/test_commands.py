@@ -326,6 +326,7 @@ def test_explain_tells_what_each_failure_leaves(run) -> None:
     assert "If one joint fails" not in run("explain", "ur5", "--q", "0,-2.3,0.8,1.5,-1.5,0.3", "--evaluations", "0").out
 
 
+@pytest.mark.slow
 def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
     ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet")
     told = " ".join(ended.out.split())

@@ -22,6 +22,7 @@ from rankdrop.exact.family import Assumption
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.conditions_text import condition_lines, either, formula, sentence
+from rankdrop.results.known import shipped_conditions
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 
@@ -51,8 +52,8 @@ def puma2() -> Conditions:
 
 @pytest.fixture(scope="module")
 def pa10() -> Conditions:
-    """All coranks of an arm with an assumption on lengths."""
-    return rankdrop.conditions(rankdrop.open_robot("pa10"), points=20)
+    """All coranks of an arm with an assumption on lengths, as shipped: what is tested here is what is told of them."""
+    return shipped_conditions("pa10")
 
 
 def one_line(text: str) -> str:
@@ -100,6 +101,7 @@ def test_a_printed_condition_can_be_pasted_back(z1: Conditions) -> None:
     assert z1.test(together).verdict == "exact"
 
 
+@pytest.mark.slow
 def test_no_line_is_longer_than_the_window(puma2: Conditions) -> None:
     for width in (60, 80):
         lines = [line for section in puma2.sections(width=width) for line in section.lines]
@@ -228,6 +230,7 @@ def test_equations_of_the_record_vanish_at_the_witness_and_say_what_an_analysis_
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_same_settings_give_the_same_bytes(run, tmp_path: Path) -> None:
     texts = []
     for name in ("one", "two"):
@@ -361,6 +364,7 @@ def test_a_condition_is_not_tested_against_half_of_the_singular_set(run) -> None
     assert "not tested: the singular set is not completely derived" in one_line(ended.out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.deriving.corank_one"])
 def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatch, where: str) -> None:
     place, _, name = where.rpartition(".")

@@ -106,7 +106,7 @@ def test_a_changed_file_is_refused_or_harmless(tmp_path: Path) -> None:
     assert refused_of("scara", 150, 0, tmp_path) >= 75
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["scara", "stanford", "anthropomorphic", "planar3r"])
 def test_thousands_of_changed_files_are_refused_or_harmless(name: str, tmp_path: Path) -> None:
     assert refused_of(name, 500, 1, tmp_path) >= 250
@@ -199,18 +199,20 @@ def test_the_check_is_what_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
         Analysis.from_dict(whole)
 
 
+@pytest.mark.slow
 def test_what_is_shipped_and_taken_as_it_is_stands_the_check() -> None:
     for name in known_names()[::10]:
         found = shipped(name)
         assert Analysis.from_dict(json.loads(json_text(found.to_dict()))) == found, name
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_all_that_is_shipped_stands_the_check() -> None:
     for name in known_names():
         Analysis.from_dict(json.loads(json_text(shipped(name).to_dict())))
 
 
+@pytest.mark.slow
 def test_interrupted_and_other_arms_stand_the_check() -> None:
     found = analyze(open_robot("fetch8"), starts=60)
     assert Analysis.from_dict(json.loads(json_text(found.to_dict()))) == found

@@ -33,6 +33,9 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+@pytest.mark.slow_at(
+    "$R robots <&- >/dev/null", "$R analyze nosuch 2>/dev/full", "$R robots fanuc 2>&- >/dev/null", "$R --help >&-",
+)
 @pytest.mark.parametrize(
     ("line", "code", "words"),
     [
@@ -54,6 +57,7 @@ def test_closed_and_full_streams(line: str, code: int, words: str) -> None:
     assert not ended.out, "errors went to stdout"
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     code = f"import os; os.close(1); os.execv({sys.executable!r}, {command('robots', '--json')!r})"
     read, write = os.pipe()
@@ -65,6 +69,7 @@ def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     assert done.returncode == exits.BAD_INPUT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [("--help",), ("explain", "--help"), ("completion", "bash")])
 def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str, ...]) -> None:
     read, write = os.pipe()
@@ -169,6 +174,7 @@ def test_an_interrupt_while_analyze_derives_ends_with_130(run: Any, monkeypatch:
     assert "Corank 1" in ended.out
 
 
+@pytest.mark.slow
 def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> None:
     path = tmp_path / "long.toml"
     rows = "".join(f'[[joints]]\na = 0.{i + 10}\nalpha = "{i % 3 * 45} deg"\n' for i in range(40))
@@ -245,6 +251,7 @@ def test_every_command_that_reads_a_configuration_reads_degrees() -> None:
     assert [name for name, here in options.items() if reading & here and "--deg" not in here] == []
 
 
+@pytest.mark.slow
 def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> None:
     """--quiet, --threads and --deg mean the same everywhere, so they are told in the same words."""
     told: dict[str, set[str]] = {}
@@ -258,6 +265,7 @@ def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> Non
     assert told == {option: set() for option in told}
 
 
+@pytest.mark.slow_at("fish", "zsh")
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])
 def test_completion_knows_every_command(word: str, run: Any) -> None:
     script = run("completion", word)
@@ -281,6 +289,7 @@ def test_bash_completes_commands() -> None:
     assert done.stdout.split() == ["analyze"], done.stderr
 
 
+@pytest.mark.slow_at("zsh")
 @pytest.mark.parametrize("word", ["bash", "zsh"])
 def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
     script = run("completion", word).out
@@ -292,6 +301,7 @@ def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> N
     assert [line for line in lines if "]:" in line or "'1:" in line if ":_files'" not in line] == []
 
 
+@pytest.mark.slow
 def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_sourced(tmp_path: Path) -> None:
     zsh = shutil.which("zsh")
     if zsh is None:

@@ -43,6 +43,7 @@ def test_what_is_printed_at_a_singularity(run) -> None:
         assert part in full
 
 
+@pytest.mark.slow
 def test_json_is_valid_and_alone(process) -> None:
     ended = process("explain", *SINGULAR, "--json", "-")
     assert ended.code == exits.SINGULAR
@@ -130,6 +131,7 @@ def test_configurations_as_people_write_them() -> None:
             parse_configuration(text, arm, deg=False)
 
 
+@pytest.mark.slow_at("140", "60")
 @pytest.mark.parametrize("width", [60, 80, 140])
 def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
     eight = ("fetch8", "--q", "0 0.1 0.2 0.3 0.4 0.5 0.6 0.7")
@@ -143,6 +145,7 @@ def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
         assert lost == (words in (SINGULAR, ("pa10", "--q", "0,0,0,0,0,0,0")))
 
 
+@pytest.mark.slow
 def test_without_unicode_nothing_is_a_question_mark(process) -> None:
     ended = process("explain", "pa10", "--q", "0,0,0,0,0,0,0", "--full", PYTHONIOENCODING="ascii")
     assert ended.code == exits.SINGULAR

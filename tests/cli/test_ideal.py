@@ -42,11 +42,13 @@ def test_what_is_near_stands_in_every_file_too(run) -> None:
     assert "near" not in json.loads(run(*exact).out)["robot"]
 
 
+@pytest.mark.slow
 def test_an_exact_arm_is_told_nothing(run) -> None:
     assert "--ideal" not in run("explain", "puma560", "--q", "0,0.5,1,0.3,0.4,0.5").out
     assert "--ideal" not in run("conditions", "puma560", "--quiet").out
 
 
+@pytest.mark.slow
 def test_conditions_of_the_ideal_arm_with_what_the_arm_itself_does(run, tmp_path: Path) -> None:
     target = tmp_path / "found.json"
     ended = run("conditions", "gen3", "--ideal", "13mm", "--quiet", "--json", str(target))
@@ -70,6 +72,7 @@ def test_conditions_of_the_ideal_arm_with_what_the_arm_itself_does(run, tmp_path
     assert record["sentence"].endswith("not of the arm itself.")
 
 
+@pytest.mark.slow
 def test_analyze_a_calibrated_arm_as_its_drawing(run) -> None:
     options = ("--starts", "500", "--exact", "off", "--quiet", "--json", "-")
     ended = run("analyze", CALIBRATED, "--ideal", TOLERANCE, *options)
@@ -116,7 +119,7 @@ def test_snap_is_gone(run) -> None:
     assert run("conditions", "gen3", "--snap", "0.013").code == exits.BAD_INPUT
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("command", [("analyze",), ("conditions",), ("explain", "--q", Q)])
 def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tuple[str, ...]) -> None:
     first, *rest = command
@@ -131,6 +134,7 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
     assert len(ended.out.splitlines()) < 380
 
 
+@pytest.mark.slow
 def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
     options = ("--starts", "1000", "--exact", "off", "--quiet")
     short, long = (run("analyze", CALIBRATED, *options, *more).out for more in ((), ("--all",)))

@@ -77,7 +77,7 @@ def test_an_address_that_is_tried_is_seen(tmp_path: Path) -> None:
     assert "there.invalid" in (tmp_path / "tried").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @needed
 def test_no_command_tries_the_network(tmp_path: Path) -> None:
     for command, code in COMMANDS.items():
@@ -86,7 +86,7 @@ def test_no_command_tries_the_network(tmp_path: Path) -> None:
     assert not (tmp_path / "tried").exists(), (tmp_path / "tried").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @needed
 def test_the_viewer_is_served_without_a_network(tmp_path: Path) -> None:
     """Its page is asked for on the loopback, in the namespace."""

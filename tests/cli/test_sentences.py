@@ -71,6 +71,7 @@ def printed() -> dict[str, str]:
     return {}
 
 
+@pytest.mark.slow_at("remarks", "conditions", "ideal")
 @pytest.mark.parametrize("key", OUTPUTS)
 def test_no_sentence_of_a_default_output_is_longer_than_can_be_read(
     key: str, run: Any, printed: dict[str, str]
@@ -88,7 +89,7 @@ SIX = {
 """Arms of six kinds, the last one on a slide, and a configuration of each [°, m]."""
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.shipped
 @pytest.mark.parametrize("arm", SIX)
 def test_no_sentence_is_longer_on_any_of_six_arms(arm: str, run: Any) -> None:
@@ -125,7 +126,7 @@ points = 3
 """Variants of the smallest arm, with everything that is told of them."""
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_no_sentence_about_motion_or_proofs_is_longer(
     run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

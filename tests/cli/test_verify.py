@@ -66,6 +66,7 @@ def test_a_singular_place_is_certified_to_exist(tmp_path, capsys):
     assert "a configuration of rank below 6 exists" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_a_path_and_a_covering_are_certified(tmp_path, capsys):
     rows, place = tmp_path / "p.csv", str(tmp_path / "p.json")
     rows.write_text("0.1,-0.9,1.0,0.4,-0.6,0.2\n0.3,-0.6,1.2,0.1,-0.9,0.0\n")

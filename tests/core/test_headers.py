@@ -64,6 +64,7 @@ def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]
     return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("program", ["watch", "watch_c"])
 @pytest.mark.parametrize("name", ARMS)
@@ -90,6 +91,7 @@ def test_cpp_and_c_say_what_python_says(built: Path, name: str, program: str) ->
     assert proven >= 10
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", ARMS)
 def test_the_guard_of_the_how_to_scales_as_python_does(built: Path, name: str) -> None:
@@ -114,12 +116,14 @@ def test_the_guard_of_the_how_to_scales_as_python_does(built: Path, name: str) -
     assert slowed >= 10
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_an_unknown_arm_ends_with_2(built: Path) -> None:
     for program in ("watch", "watch_c", "guard"):
         assert subprocess.run([built / program, "nobody"], input="", capture_output=True, text=True).returncode == 2
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_number_that_is_not_finite_stops_the_motion(built: Path) -> None:
     for program in ("watch", "watch_c"):
@@ -176,6 +180,7 @@ def test_the_command_writes_the_header(tmp_path: Path, capsys: pytest.CaptureFix
     assert target.read_text(encoding="utf-8") == text
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_the_node_of_the_how_to_compiles_and_scales(tmp_path: Path) -> None:
     """Against a stand-in for the few parts of rclcpp that it uses (`tests/core/ros`): there is no ROS here."""

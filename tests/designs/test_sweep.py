@@ -48,6 +48,7 @@ def shifted() -> Designs:
     return rankdrop.sweep(SPEC, workers=1)
 
 
+@pytest.mark.slow
 def test_a_family_that_vanishes_is_told_with_the_place(shifted: Designs) -> None:
     assert shifted.holds
     keys = [keys_of(one) for one in shifted.records]
@@ -58,6 +59,7 @@ def test_a_family_that_vanishes_is_told_with_the_place(shifted: Designs) -> None
     assert "shift: 0.6 m and 1.2 m" in str(shifted)
 
 
+@pytest.mark.slow
 def test_exact_conditions_tell_where_in_parameter_space(shifted: Designs) -> None:
     told = {one["variant"]: one for one in shifted.exact}
     assert told[1]["letters"] == pytest.approx({"a1": 0.3, "a2": 0.5, "d4": 0.4})
@@ -114,6 +116,7 @@ def test_a_wrong_form_is_not_taken() -> None:
     assert again.verified
 
 
+@pytest.mark.slow
 def test_the_result_is_the_same_on_two_workers_and_from_a_folder(
     planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -291,6 +294,7 @@ def test_command_page_figure_and_tables(
     assert capsys.readouterr()[0] == "finished: 1 of 1 chunks of the sweep (4 items in all)\n"
 
 
+@pytest.mark.slow
 def test_records_satisfy_their_schema_which_describes_all_of_it(
     planar: tuple[Path, Designs], shifted: Designs
 ) -> None:
@@ -320,6 +324,7 @@ def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tm
     assert found.pareto == [1]
 
 
+@pytest.mark.slow
 def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 500})
     found = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=2)
@@ -348,6 +353,7 @@ def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_
     assert found.sentence == "2 arms, task pose: no measure tells them apart."
 
 
+@pytest.mark.slow
 def test_slides_keep_their_lengths_out_of_the_key() -> None:
     found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
                             "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip

@@ -46,6 +46,7 @@ def test_the_decoupled_arm_of_the_lectures() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_canadarm2_has_kg_equation_7_among_its_minors() -> None:
     said = texts("canadarm2")
     assert len(said) == 7
@@ -53,6 +54,7 @@ def test_canadarm2_has_kg_equation_7_among_its_minors() -> None:
     assert said[-1] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
 
 
+@pytest.mark.slow_at("panda-None", "canadarm2-None")
 @pytest.mark.parametrize(
     ("name", "task"),
     [("planar2r", None), ("planar3r", "planar-position"), ("scara", None), ("stanford", None), ("puma560", None),
@@ -93,6 +95,7 @@ def test_multiplicities_are_told() -> None:
     assert [one["sign"] for one in record["minors"]][3] == 0  # joints 1, 2, 3, 5, 6, 7 are dependent everywhere
 
 
+@pytest.mark.slow
 def test_long_factors_are_folded_on_the_screen_and_whole_in_the_file() -> None:
     found = conditions(open_robot("canadarm2"), method="cofactors", coranks=1, points=0, steps=True)
     screen, whole = str(found), steps_text(found)

@@ -26,6 +26,7 @@ from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.deriving import _cloud
 
 
+@pytest.mark.slow
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
     """PA-10: what loses two freedoms lies on families of corank 1 too; without those of corank 2 it is left over."""
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
@@ -37,6 +38,7 @@ def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_on
     assert over[0].startswith("corank 2: ")
 
 
+@pytest.mark.slow
 def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
     chain = exact_chain(open_robot("puma560"))
     tree = rank_tree(chain, Work(60.0, 0))
@@ -47,6 +49,7 @@ def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
         assert not covered(chain, less, plain), tree.drops[missing]
 
 
+@pytest.mark.slow
 def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
     """A set without points, or a system not taken apart, may hold what letters have not."""
     chain = exact_chain(open_robot("puma560"))
@@ -100,6 +103,7 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     assert not found.holds
 
 
+@pytest.mark.slow
 def test_exact_sets_become_one_row_only_with_every_combination_of_their_angles() -> None:
     """PA-10, corank 3: θ2 … θ6 = 0 or π are 32 sets in one row; without one of them there is no such row."""
     chain = exact_chain(open_robot("pa10"))
@@ -118,6 +122,7 @@ def test_exact_sets_become_one_row_only_with_every_combination_of_their_angles()
         assert less.pins != row.pins
 
 
+@pytest.mark.slow
 def test_a_disagreement_is_a_line_with_one_configuration() -> None:
     """PUMA, by decoupling and by a rank tree that has lost a set: the set is not printed, a point on it is."""
     chain = exact_chain(open_robot("puma560"))
@@ -131,6 +136,7 @@ def test_a_disagreement_is_a_line_with_one_configuration() -> None:
     assert len(line) < 200
 
 
+@pytest.mark.slow
 def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     late: list[str] = []

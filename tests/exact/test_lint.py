@@ -45,6 +45,7 @@ def checked(text, name, lengths="auto"):
     return result
 
 
+@pytest.mark.slow_at("ur5")
 @pytest.mark.parametrize(
     ("robot", "text", "verdict"),
     [
@@ -107,6 +108,7 @@ def test_numbers_in_place_of_letters_hold_for_this_arm_only():
     assert checked("s3 s5 (0.425 c2 + 0.39225 c23 - 0.09466 s234)", "ur5").verdict == "both"
 
 
+@pytest.mark.slow
 def test_numeric_chains_take_numbers_alone():
     result = checked("s3 s5 (0.425 c2 + 0.39225 c23 - 0.09465 s234)", "ur5", "numbers")
     assert result.verdict == "exact"
@@ -127,6 +129,7 @@ def test_components_without_a_real_point_do_not_count():
     assert any("No real configuration" in remark for remark in result.remarks)
 
 
+@pytest.mark.slow
 def test_shifted_joints_are_spoken_of_by_theta():
     chain, pieces = singular("z1")
     assert chain.shifts.any()
@@ -146,6 +149,7 @@ def test_what_is_derived_is_exact_by_its_own_words():
     assert lint(product, pieces, chain).verdict == "exact"
 
 
+@pytest.mark.slow
 def test_real_points_lie_on_their_set_and_have_round_free_angles():
     chain, pieces = singular("puma560")
     for piece in pieces:

@@ -51,6 +51,7 @@ def held(
     return match(Problem(found.robot, found.task, limits=limits), rows, families, seed=seed)
 
 
+@pytest.mark.slow_at("pa10", "puma560")
 @pytest.mark.parametrize("name", ARMS)
 def test_two_ways_that_know_nothing_of_each_other_find_the_same_families(name: str) -> None:
     agreement = held(name)
@@ -63,6 +64,7 @@ def test_two_ways_that_know_nothing_of_each_other_find_the_same_families(name: s
     assert sorted(named) == sorted(family.id for family in derived(name))
 
 
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize("name", ["stanford", "puma560"])
 def test_each_exact_family_that_is_missing_is_missed(name: str) -> None:
     for gone in derived(name):
@@ -74,6 +76,7 @@ def test_each_exact_family_that_is_missing_is_missed(name: str) -> None:
         assert "on no exact family of this corank, q = (" in said[0]
 
 
+@pytest.mark.slow
 def test_each_row_that_is_missing_is_missed() -> None:
     rows = shipped("puma560").families
     for gone in rows:

@@ -13,6 +13,7 @@ from rankdrop.exact.algebra.field import Point, residues_of, value_at
 from rankdrop.exact.algebra.ring import Ring
 
 
+@pytest.mark.slow
 def test_derivations_leave_nothing_behind() -> None:
     robot = open_robot("planar2r")
 

@@ -85,6 +85,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
+@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector", "pa10-reciprocity")
 @pytest.mark.parametrize(("name", "method"), [*PAIRS, pytest.param("gen3", "cofactors", marks=pytest.mark.slow)])
 def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
     found = derived(name, method)
@@ -151,6 +152,7 @@ def test_puma_has_elbow_shoulder_and_wrist() -> None:
     assert {str(f) for f in found.assumptions} == {"a2"}
 
 
+@pytest.mark.slow
 def test_the_determinant_of_canadarm2_is_one_irreducible_sum_of_squares_of_13273_terms() -> None:
     found = derived("canadarm2", "determinant")
     assert found.sizes["half-angle terms"] == 13273
@@ -176,6 +178,7 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     assert first.unequal, "the first choice holds only where its screw does not vanish"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("theta4", "singular"), [("0", ()), ("π", ("θ3 + θ5 = 0 and (θ6 = 0 or π)",))])
 def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
     """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
@@ -349,6 +352,7 @@ SRS = [(0, -np.pi / 2, 0.34, 0), (0, np.pi / 2, 0.03, 0), (0, -np.pi / 2, 0.4, 0
 """An S-R-S arm with offsets along axes 2 and 4."""
 
 
+@pytest.mark.slow
 def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
     """Of 20,000 random configurations some lie close to singular ones: det(J Jᵀ) is tiny there, and not zero."""
     rows = [*SRS[:4], (0, -np.pi / 2, 0.35, 0), *SRS[5:]]

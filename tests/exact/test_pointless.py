@@ -46,6 +46,7 @@ def test_two_conditions_are_asked_modulo_every_prime() -> None:
     assert met == {2, number}
 
 
+@pytest.mark.slow
 def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     options = {"lengths": "numbers", "method": "tree", "points": 0, "coranks": 2}
     found = conditions(open_robot("panda"), **options)
@@ -57,6 +58,7 @@ def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.Monke
     assert any("could not be looked into" in one for one in less.left)
 
 
+@pytest.mark.slow
 def test_sets_that_families_hold_are_no_loss() -> None:
     found = conditions(open_robot("puma560"), lengths="numbers", method="tree", points=0)
     assert found.verified

@@ -117,6 +117,7 @@ def agree(count: int, seed: int, targets: int) -> tuple[int, int]:
     return kinds.count(CUSPS), kinds.count(NO_CUSP)
 
 
+@pytest.mark.slow
 def test_random_arms_agree_with_a_flooded_torus() -> None:
     assert agree(6, 1, 60)[0] >= 4
     assert not cuspidal_by_flooding(np.array(QUIET, dtype=float), np.random.default_rng(0).uniform(-3, 3, (60, 2)))

@@ -196,6 +196,7 @@ def test_a_sum_of_angles_at_0_and_at_pi_is_one_row_and_at_half_pi_is_not() -> No
     assert len(merge([same, quarter])) == 2
 
 
+@pytest.mark.slow
 def test_every_family_has_a_witness_of_its_corank() -> None:
     found = conditions(open_robot("anthropomorphic"), points=0)
     assert all(family.witness for family in found.families)

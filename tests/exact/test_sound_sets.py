@@ -33,6 +33,7 @@ WRIST_OFFSETS = arm(
 )
 
 
+@pytest.mark.slow
 def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
     found = lost(WRIST_OFFSETS)
     assert found.complete
@@ -41,7 +42,7 @@ def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
     assert found.left == 0
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), 12])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (2, 12))])
 def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
     found = lost(structured(seed))
     assert found.complete
@@ -50,6 +51,7 @@ def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
     assert found.left == 0
 
 
+@pytest.mark.slow
 def test_a_condition_that_touches_zero_for_these_lengths_is_not_lost() -> None:
     """a5 = d3, along an axis and across one: a5 − d3 sin θ5 has a double zero, and letters meet no point of it."""
     found = lost(structured(66))
@@ -67,6 +69,7 @@ def test_a_configuration_beside_a_zero_of_fourth_order_is_on_its_family() -> Non
     assert found.left == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["m1n6s200", "j2n6s300"])
 def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) -> None:
     """Corank 2 of arms with two 60° twists: θ2 … θ5 at single values, roots of roots."""
@@ -88,7 +91,8 @@ def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> 
     assert found.left == 0 or not found.complete
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
 def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed: int) -> None:
     found = conditions(all_offsets(seed))
     assert found.complete
@@ -127,6 +131,7 @@ def test_a_zero_at_a_simple_angle_is_seen_where_tangents_are_infinite_too(corner
     assert not proven(ring, c[1] - cosine, s[1] - sine, s[1] * c[2] - sine * c[2], (c[1] - cosine) * (s[2] + 3))
 
 
+@pytest.mark.slow_at("pa10-4")
 @pytest.mark.parametrize(("name", "lowest"), [("pa10", 4), ("ur5", 4), ("puma560", 5)])
 def test_no_rank_that_is_met_is_proven_away(name: str, lowest: int) -> None:
     chain = exact_chain(open_robot(name))
@@ -134,6 +139,7 @@ def test_no_rank_that_is_met_is_proven_away(name: str, lowest: int) -> None:
         assert not barren(chain.ring, chain.columns, order, {}, (), Work()), order
 
 
+@pytest.mark.slow
 def test_a_7r_arm_with_all_offsets_loses_two_ranks_nowhere() -> None:
     chain = exact_chain(all_offsets(0))
     assert not barren(chain.ring, chain.columns, 6, {}, (), Work())

@@ -82,6 +82,7 @@ def strictly(found, q, inside, margin):
     return inside & np.array([np.broadcast_to(one, len(q)) for one in others]).T
 
 
+@pytest.mark.slow_at("fetch8", "rail", "panda", "xarm7")
 @pytest.mark.parametrize("name", [*QUICK, *(pytest.param(x, marks=pytest.mark.slow) for x in LONG)])
 class TestEveryArm:
     def test_is_finished(self, name):
@@ -180,7 +181,7 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
-@pytest.mark.parametrize("name", ["ur5", "pa10", *(pytest.param(x, marks=pytest.mark.slow) for x in GROWN)])
+@pytest.mark.parametrize("name", ["ur5", *(pytest.param(x, marks=pytest.mark.slow) for x in ("pa10", *GROWN))])
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
     """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""
     found = derived(name)
@@ -198,6 +199,7 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         assert len(holding) == 1, (holding, point)
 
 
+@pytest.mark.slow
 def test_why_these_screws_and_this_frame_is_told():
     """KG's rules with counts: of Canadarm2's sixes 1–6 and 2–7 are in a row with joints 3, 4, 5."""
     found = suppress(exact_chain(open_robot("canadarm2")))

@@ -46,6 +46,7 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["puma560", "anthropomorphic", *slow("ur5", *FAST[1:7], *SLOW)])
 def test_conditions_hold_at_singular_configurations_only(name: str) -> None:
     found = conditions(open_robot(name), points=0, special=False)
@@ -65,6 +66,7 @@ def test_families_explain_a_thousand_configurations(name: str) -> None:
     assert found.verified, (found.left, found.disagreements)
 
 
+@pytest.mark.slow_at("anthropomorphic")
 @pytest.mark.parametrize("name", ["anthropomorphic", "stanford", *slow("ur5", "irb140")])
 def test_families_explain_some_configurations_of_every_corank(name: str) -> None:
     found = conditions(open_robot(name), points=200, special=False)
@@ -82,6 +84,7 @@ def test_a_set_in_the_meeting_of_two_is_not_left_by_both_to_the_other() -> None:
             assert {5: one, 7: two} in pins
 
 
+@pytest.mark.slow
 def test_srs_has_the_rows_of_am() -> None:
     """AM Tables 3 to 5: 4, 4 and 1 rows; in single angles 14, 40 and 32."""
     _chain, tree = tree_of(open_robot("pa10"))
@@ -141,6 +144,7 @@ def test_a_set_of_higher_rank_lies_in_none_of_lower_rank() -> None:
     assert len(largest([one, Drop(one.piece, one.rank + 1)])) == 2
 
 
+@pytest.mark.slow
 def test_strays_are_seen() -> None:
     """Two equations of a set of UR5 without the third hold at regular configurations, too."""
     from dataclasses import replace
@@ -200,6 +204,7 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
     assert Counter(family.corank for family in found.families)[1] == 3
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["stanford", *slow("puma560", "ur5")])
 def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None:
     robot = open_robot(name)

@@ -58,6 +58,7 @@ def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
         assert [record.distance for record in records] == sorted(record.distance for record in records)
 
 
+@pytest.mark.slow_at("ur5", "panda")
 @pytest.mark.parametrize("name", [pytest.param(a, marks=pytest.mark.slow if a == "canadarm2" else ()) for a in ARMS])
 def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.Generator) -> None:
     found = analysed(name)
@@ -71,6 +72,7 @@ def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.G
         assert nearest.distance == pytest.approx(records[0].distance, abs=1e-6)
 
 
+@pytest.mark.slow_at("canadarm2")
 @pytest.mark.parametrize("name", ["puma560", "ur5", "panda", "canadarm2"])
 def test_points_are_minima_on_their_family(name: str, rng: np.random.Generator) -> None:
     """They solve the equations, and no point of the family beside them is nearer."""

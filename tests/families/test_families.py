@@ -113,6 +113,7 @@ def test_known_dimensions_and_full_completeness(name, corank, dimensions):
     assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
 
 
+@pytest.mark.slow
 def test_canadarm2_families_of_kg_with_eq_26_in_half_angles():
     """KG's five families; eq. 15 splits by θ4 = 0, π, and at θ4 = π gives off θ3 + θ5 = 0, on which D vanishes."""
     found = table("canadarm2", 1, starts=1500)
@@ -183,6 +184,7 @@ def test_every_row_stands_up_to_an_independent_check(name, corank, rng):
         assert numbers == list(range(1, robot.n + 1))
 
 
+@pytest.mark.slow_at("canadarm2")
 @pytest.mark.parametrize("name", ["puma560", "canadarm2", "almarkhi4"])
 def test_a_broken_coefficient_is_unsound(name, rng):
     robot = open_robot(name)

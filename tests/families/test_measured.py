@@ -120,6 +120,7 @@ def test_equations_with_double_zeros_do_not_lead_walks_astray() -> None:
     assert (far <= 0.05 + 1e-6).all()
 
 
+@pytest.mark.slow
 def test_folds_of_a_family_are_reached() -> None:
     """Where θ4 = π two conditions of a UR5's family have one tangent plane, and other zeros nearby."""
     arm = open_robot("ur5")

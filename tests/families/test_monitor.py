@@ -125,6 +125,7 @@ def watched(name: str) -> tuple[Monitor, Array]:
     return Monitor(found.robot, found.task, found.families), q
 
 
+@pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_rank_and_directions_are_those_of_the_decomposition(name):
     monitor, q = watched(name)
@@ -144,6 +145,7 @@ def test_rank_and_directions_are_those_of_the_decomposition(name):
         assert np.abs(j[row] @ still).max(initial=0.0) < 2e-9
 
 
+@pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_residuals_and_families_are_those_of_the_equations(name):
     monitor, q = watched(name)
@@ -173,6 +175,7 @@ def test_residuals_and_families_are_those_of_the_equations(name):
             assert chosen.corank == seen.corank[row] > best[0]
 
 
+@pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
     known, q = watched(name)
@@ -194,6 +197,7 @@ def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
     assert (seen.distance[seen.corank > 0] == 0).all()
 
 
+@pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_one_at_a_time_gives_the_same_bits(name):
     monitor, q = watched(name)
@@ -264,6 +268,7 @@ def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(r
     assert {found.families[i].corank for i in seen.nearest} == {1}
 
 
+@pytest.mark.slow_at("xarm6", "canadarm2", "panda")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford", "xarm6"])
 def test_the_distance_does_not_contradict_the_search(name: str) -> None:
     """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 % at most."""
@@ -279,6 +284,7 @@ def test_the_distance_does_not_contradict_the_search(name: str) -> None:
         assert 0.0 < seen.at_least == far.at_least[row] <= far.nearest()[1][row]
 
 
+@pytest.mark.slow_at("sawyer", "gen3", "rizon4")
 @pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4"])
 def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str) -> None:
     """By the kinematics, from points of the set: from q alone walks were right in four of five random ones."""

@@ -95,6 +95,7 @@ def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
     assert np.array_equal(alone.q[0], whole.q[6])
 
 
+@pytest.mark.slow
 def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
     found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient")
     assert found.count(Outcome.CREASE) > 20
@@ -121,6 +122,7 @@ def test_random_geometries_have_corank_two_at_six_joints_and_not_beyond(seed):
         assert found.count(Outcome.NEAR_MISS) + found.count(Outcome.SLOW) == 200
 
 
+@pytest.mark.slow_at("gradient")
 @pytest.mark.parametrize("method", METHODS)
 def test_same_seed_same_bits_on_any_number_of_threads(method):
     robot = open_robot("canadarm2")
@@ -162,6 +164,7 @@ def test_panda_inside_its_limits_is_never_stretched_straight():
     assert found.q[:, 3].max() <= -0.0698
 
 
+@pytest.mark.slow
 def test_descent_methods_follow_almarkhi_and_keep_their_history():
     robot = open_robot("pa10")
     task = resolve_task("pose", robot, length_scale=1.0)

@@ -85,6 +85,7 @@ def panda() -> Analysis:
     return analyze(open_robot("panda"), starts=1500, limits=True, exact="off", within=radians(5))
 
 
+@pytest.mark.slow
 def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
     record = json.loads(json_text(panda.to_dict()))
     Draft202012Validator(load_schema("analysis")).validate(record)
@@ -94,6 +95,7 @@ def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
     assert not Draft202012Validator(load_schema("analysis")).is_valid(record | {"near": {"within": 0.1}})
 
 
+@pytest.mark.slow
 def test_values_are_told_inside_the_range(panda):
     robot = panda.robot
     (row,) = panda.of_corank(2)

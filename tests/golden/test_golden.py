@@ -2,7 +2,7 @@
 
 After a change that is meant, write the files again and read the difference:
 
-    RANKDROP_GOLDEN=write pytest tests/golden && git diff tests/golden README.md
+    RANKDROP_GOLDEN=write pytest -m "slow or not slow" tests/golden && git diff tests/golden README.md
 """
 
 from __future__ import annotations
@@ -85,6 +85,7 @@ def compare(name: str, text: str) -> None:
     assert text == path.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow_at("conditions-80.txt", "ideal-100.txt", "pa10-140.txt", "steps-100.txt", "puma560-100.txt")
 @pytest.mark.parametrize("name", TABLES | CONDITIONS)
 def test_tables_and_conditions_are_as_they_were(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -109,6 +110,7 @@ def test_explanations_are_as_they_were(
     assert without_noise(text) == without_noise((HERE / name).read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_the_readme_shows_what_is_printed(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -134,6 +134,7 @@ def test_every_set_equals_the_oracle(name: str, rng: np.random.Generator) -> Non
     assert relative(jacobian_derivative(robot, q), oracle.jacobian_derivative(robot, q)) < 1e-13
 
 
+@pytest.mark.slow_at("single", "baseline")
 @pytest.mark.parametrize("name", SETS)
 def test_every_set_gives_the_same_bits(name: str) -> None:
     _core.choose_instruction_set(SETS[0])
@@ -172,6 +173,7 @@ def test_enclosures_are_the_same_on_any_number_of_threads(threads: int) -> None:
         np.testing.assert_array_equal(got, want)
 
 
+@pytest.mark.slow_at("single-almarkhi", "baseline-almarkhi")
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", SETS)
 def test_a_search_ends_alike_on_every_set(name: str, method: str) -> None:

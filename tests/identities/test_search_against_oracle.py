@@ -42,6 +42,7 @@ def test_corank_4_of_the_pa10_is_reported_as_missed_not_as_found() -> None:
     assert missed.smallest_near_miss > 1e-3
 
 
+@pytest.mark.slow
 def test_corank_2_of_the_four_joint_arm_does_not_exist() -> None:
     """AM section 3.2: only corank 1. In metres the smallest local minimum of (σ2² + σ3²)/2 has σ2 = 0.7177, and that of
     σ2 itself is 0.70833."""

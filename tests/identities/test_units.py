@@ -104,12 +104,13 @@ def check_same(name: str, unit: str, starts: int) -> None:
     assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
 
 
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 500)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("name", "unit"), SLOW)
 def test_other_kinds_of_arms_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 2_000)
@@ -142,13 +143,14 @@ def check_exact(name: str, unit: str) -> None:
         assert other.letters[letter] == pytest.approx(value * 10.0**power, rel=1e-12)
 
 
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_exact_conditions_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     pytest.importorskip("flint")
     check_exact(name, unit)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("name", "unit"), SLOW)
 def test_exact_conditions_of_other_kinds_of_arms_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     pytest.importorskip("flint")
@@ -179,6 +181,7 @@ def names(analysis: Analysis) -> list[tuple[str, str, int, str]]:
     return [(one.id, one.name, one.dimension, f"{one.soundness}") for one in analysis.families]
 
 
+@pytest.mark.slow_at("0.0254", "2.8", "77.0", "0.28")
 @pytest.mark.parametrize("factor", [0.4 / 1424, 0.4e-3, 0.0254, 1 / 0.0254, 0.28, 2.8, 77.0, 3.3e5])
 def test_an_arm_of_any_size_has_the_same_families(factor: float) -> None:
     """0.4 mm long, in inches, in numbers that nobody means: no row is lost, none is unnamed."""
@@ -217,6 +220,7 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     assert len(found.exact.families) == 1
 
 
+@pytest.mark.slow_at("ends0", "ends1")
 @pytest.mark.parametrize("ends", [(-1e6, 1e6), (-np.inf, np.inf), (0.0, 1e6), (0.3, np.inf)])
 def test_limits_far_beyond_the_arm_change_no_row(ends: tuple[float, float]) -> None:
     stanford = arm("stanford")

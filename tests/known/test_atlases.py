@@ -45,7 +45,7 @@ from rankdrop.version import VERSION
 QUICK = ("planar3r", "puma560")
 WORTH = 0.15
 """An example stays unless another one is better by this much of `fault`."""
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures()]
+ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in structures()]
 
 
 def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
@@ -139,6 +139,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
+@pytest.mark.slow_at("tiago", "gen3", "sawyer")
 @pytest.mark.parametrize("name", KINDS)
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
     found = shipped(name)
@@ -159,6 +160,7 @@ def test_what_is_made_anew_is_of_many_structures():
     assert len(structures()) > 40
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.shipped  # rows take the partition of the exact conditions, which `test_shipped_conditions.py` derives anew
 @pytest.mark.parametrize("name", ANEW)
 def test_made_anew_it_is_the_same(name):

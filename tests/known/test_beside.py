@@ -59,6 +59,7 @@ def test_an_exact_arm_is_its_own_ideal_arm_and_singular_on_all_of_it() -> None:
         assert one.distance.most < 1e-12
 
 
+@pytest.mark.slow
 def test_a_calibrated_ur5_has_the_families_of_a_ur5(derived: Conditions) -> None:
     drawn = conditions(open_robot("ur5"))
     assert derived.complete
@@ -67,6 +68,7 @@ def test_a_calibrated_ur5_has_the_families_of_a_ur5(derived: Conditions) -> None
         assert (mine.id, mine.name, mine.dimension, mine.texts) == (other.id, other.name, other.dimension, other.texts)
 
 
+@pytest.mark.slow
 def test_sigma_there_is_that_of_the_oracle(made: Idealised, there: tuple[Nearby, ...]) -> None:
     atlas = shipped("ur5")  # its families are those of the ideal arm but for the lengths, its wrist but for nothing
     wrist = next(one for one in atlas.families if one.name.startswith("wrist"))
@@ -80,6 +82,7 @@ def test_sigma_there_is_that_of_the_oracle(made: Idealised, there: tuple[Nearby,
     assert mine.singular == 0
 
 
+@pytest.mark.slow
 def test_singular_values_and_distances_grow_as_the_noise_does(derived: Conditions, made: Idealised) -> None:
     drawn = made.ideal
     found = []
@@ -95,6 +98,7 @@ def test_singular_values_and_distances_grow_as_the_noise_does(derived: Condition
         assert large.distance.median / small.distance.median == pytest.approx(10, rel=0.5), large.name
 
 
+@pytest.mark.slow
 def test_every_calibrated_family_is_within_a_fraction_of_a_degree(there: tuple[Nearby, ...]) -> None:
     assert [one.number for one in there] == [6, 6, 6, 5, 5, 5, 5, 5, 4]
     for one in there:
@@ -103,6 +107,7 @@ def test_every_calibrated_family_is_within_a_fraction_of_a_degree(there: tuple[N
         assert 0 < one.distance.median < np.radians(0.2)
 
 
+@pytest.mark.slow
 def test_gen3_without_its_offsets_is_complete_and_the_arm_itself_keeps_some_of_it() -> None:
     arm = idealised(open_robot("gen3"), read_tolerance("13mm"))
     found = conditions(arm.ideal)

@@ -32,7 +32,7 @@ POINTS = "yumi"
 others: 2,400 configurations meet most of them."""
 UNFINISHED = ("rml63", "yumi")
 """Their analyses say so: not every singular configuration is on one of their families."""
-ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in structures() if name not in QUICK)]
+ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.by_hand) for name in structures() if name not in QUICK)]
 
 
 @cache
@@ -58,6 +58,7 @@ def coranks(name: str) -> list[int]:
     return sorted({one.corank for one in shipped(name).families})
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_family_is_met(name: str) -> None:
     left = unmet(name)

@@ -20,7 +20,8 @@ QUICK = ("planar3r", "gp25", "ur30")
 ALONE = {"yumi", "rml63"}
 """Families too many for few starts, and no exact conditions: these are made anew in whole."""
 ARMS = [
-    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names() if name not in ALONE
+    pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand)
+    for name in robot_names() if name not in ALONE
 ]
 
 
@@ -34,6 +35,7 @@ def test_no_arm_is_left_out() -> None:
     assert set(conditions_names()) == set(robot_names()) - ALONE
 
 
+@pytest.mark.slow_at("ur30")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ARMS)
 def test_analysis_and_exact_conditions_agree_and_are_those_shipped(name: str) -> None:

@@ -35,7 +35,8 @@ def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
         assert len(set(names)) == len(names)
 
 
-@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] if x in LONG else []) for x in FEW])
+@pytest.mark.slow_at("ur5e", "puma560", "stanford")
+@pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.by_hand if x in LONG else ()) for x in FEW])
 def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
     arm = open_robot(name)
     one = analyze(arm, starts=STARTS, seed=0)
@@ -44,7 +45,7 @@ def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(n
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(x, marks=[] if x in PLAIN else [pytest.mark.slow]) for x in conditions_names()]
+    "name", [pytest.param(x, marks=() if x in PLAIN else pytest.mark.by_hand) for x in conditions_names()]
 )
 def test_every_face_calls_a_family_the_same(name):
     found, derived = shipped(name), shipped_conditions(name)
@@ -64,6 +65,7 @@ def test_every_face_calls_a_family_the_same(name):
         assert (met.id, met.name) == (family.id, family.name)
 
 
+@pytest.mark.slow_at("ur5", "irb2600")
 @pytest.mark.parametrize("name", ["irb2600", "ur5"])
 def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):
     """Sampling lists an IRB 2600's elbow twice, by its two values, and puts two sets of a UR5 into one row."""

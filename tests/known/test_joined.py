@@ -34,6 +34,7 @@ ARMS = {  # exact families that the rows consist of, corank by corank
 STARTS = 400
 
 
+@pytest.mark.slow_at("canadarm2", "pa10", "ur5", "puma560", "anthropomorphic")
 @pytest.mark.parametrize("name", ARMS)  # the Canadarm2 takes five seconds, the others one
 def test_what_is_found_and_what_is_derived_agree(name: str) -> None:
     found = analyze(open_robot(name), starts=STARTS, exact="on")
@@ -65,6 +66,7 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
     return with_change
 
 
+@pytest.mark.slow
 def test_an_exact_family_that_no_row_covers_is_told_and_ends_with_code_3(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,6 +124,7 @@ def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_tol
     assert not row.soundness.holds
 
 
+@pytest.mark.slow
 def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -175,12 +178,14 @@ def test_off_leaves_no_entry_and_another_word_is_refused() -> None:
         analyze(open_robot("scara"), starts=100, exact="yes")
 
 
+@pytest.mark.slow
 def test_the_same_settings_give_the_same_file() -> None:
     first, again = (json_text(analyze(open_robot("stanford"), starts=200).to_dict()) for _ in range(2))
     assert first == again
     assert '"agrees"' in first
 
 
+@pytest.mark.slow
 def test_exact_text_stands_in_place_of_decimals(capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     assert main.run(["analyze", "anthropomorphic", "--starts", "300", "--quiet"]) == exits.FINE
@@ -191,6 +196,7 @@ def test_exact_text_stands_in_place_of_decimals(capsys: pytest.CaptureFixture[st
     assert "a2 = 0.5 m, d4 = 0.4 m" in printed
 
 
+@pytest.mark.slow
 def test_joints_that_start_elsewhere_are_told(capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
     monkeypatch.setenv("COLUMNS", "140")
     assert main.run(["analyze", "z1", "--starts", "1500", "--quiet", "--exact", "on"]) == exits.FINE

@@ -130,7 +130,7 @@ def test_ur5_pose_quoted_as_a_shoulder_singularity_is_none() -> None:
 ARMS = ("pa10", "ur5", "puma560", "panda", "canadarm2", "fetch", "gen3", "rcrrrr", "stanford", "fetch8", "irb140")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ARMS)
 def test_multistart_misses_the_best_in_less_than_one_percent(name: str) -> None:
     """200 configurations each, against 3000 starts from another seed: `pytest -m slow tests/known/test_nearest.py`."""

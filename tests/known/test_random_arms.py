@@ -17,7 +17,7 @@ def random_arm(n: int, seed: int):
 
 @pytest.mark.parametrize(
     ("n", "coranks"),
-    [(6, [True, True, False]), (7, [True, False]), pytest.param(8, [True, False], marks=pytest.mark.slow)],
+    [(6, [True, True, False]), (7, [True, False]), pytest.param(8, [True, False], marks=pytest.mark.by_hand)],
 )
 def test_coranks_that_exist(n, coranks):
     analysis = analyze(random_arm(n, 4), starts=600, seed=4, exact="off")

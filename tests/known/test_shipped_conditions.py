@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -30,7 +31,7 @@ from rankdrop.version import VERSION
 SHIPPED = shelf.conditions_names()
 QUICK = ("planar3r", "puma560", "scara")
 ANEW = [
-    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures() if name in SHIPPED
+    pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in structures() if name in SHIPPED
 ]
 
 
@@ -56,23 +57,25 @@ def same(one: Conditions, other: Conditions) -> None:
     assert one.code("c") == other.code("c")
 
 
-@pytest.fixture(scope="module")
-def derived() -> dict[str, Conditions]:
-    """Derivations made once: with letters, with half angles and slides, with numbers and long polynomials."""
-    return {name: conditions(open_robot(name), fresh=True) for name in ("scara", "stanford", "ur5e", "rcrrrr")}
+@cache
+def derived(name: str) -> Conditions:
+    """A derivation, made once."""
+    return conditions(open_robot(name), fresh=True)
 
 
 @pytest.fixture
-def stored(monkeypatch: pytest.MonkeyPatch, derived: dict[str, Conditions]) -> dict[str, Any]:
-    """Records of them in place of what is shipped."""
-    records = {name: through_json(found) for name, found in derived.items()}
+def stored(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Records of two arms in place of what is shipped."""
+    records = {name: through_json(derived(name)) for name in ("scara", "stanford")}
     monkeypatch.setattr(shelf, "_record", records.get)
     return records
 
 
+@pytest.mark.slow_at("ur5e", "rcrrrr")
 @pytest.mark.parametrize("name", ["scara", "stanford", "ur5e", "rcrrrr"])
-def test_what_is_read_back_is_what_was_derived(name: str, derived: dict[str, Conditions]) -> None:
-    robot, found = open_robot(name), derived[name]
+def test_what_is_read_back_is_what_was_derived(name: str) -> None:
+    """With letters, with half angles and slides, with numbers and long polynomials."""
+    robot, found = open_robot(name), derived(name)
     again = from_stored(through_json(found), robot, resolve_task(None, robot))
     assert (again.chain.letters, again.chain.written) == (found.chain.letters, found.chain.written)
     same(again, found)
@@ -86,16 +89,16 @@ def test_what_is_read_back_is_what_was_derived(name: str, derived: dict[str, Con
             assert np.array_equal(a(q), b(q))
 
 
-def test_only_what_is_complete_is_stored(derived: dict[str, Conditions]) -> None:
+def test_only_what_is_complete_is_stored() -> None:
     with pytest.raises(ResultFileError, match="only a complete derivation"):
-        to_stored(replace(derived["scara"], complete=False, left=("something",)))
+        to_stored(replace(derived("scara"), complete=False, left=("something",)))
 
 
 @pytest.mark.parametrize("key", ["families", "letters", "explained", "settings"])
-def test_a_damaged_record_is_refused(key: str, derived: dict[str, Conditions]) -> None:
+def test_a_damaged_record_is_refused(key: str) -> None:
     robot = open_robot("scara")
     task = resolve_task(None, robot)
-    record = through_json(derived["scara"])
+    record = through_json(derived("scara"))
     del record[key]
     with pytest.raises(ResultFileError, match="damaged"):
         from_stored(record, robot, task)
@@ -117,8 +120,10 @@ def test_the_plain_question_is_answered_from_the_shelf_and_no_other() -> None:
         assert conditions(robot, **options).anew is None, options
 
 
+@pytest.mark.slow
 def test_another_arm_is_derived(stored: dict[str, Any]) -> None:
     robot = open_robot("ur5e")
+    stored["ur5e"] = through_json(derived("ur5e"))
     assert "ur5e" in candidates(robot)
     assert shelf.known_conditions(robot) is not None
     assert shelf.known_conditions(robot, replace(exact_chain(robot).task, frame=BODY)) is None
@@ -205,6 +210,7 @@ def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> No
     assert found.lowest == 0
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ANEW)
 def test_derived_anew_it_is_the_same(name: str) -> None:

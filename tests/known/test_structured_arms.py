@@ -82,6 +82,7 @@ def analysed(n: int, seed: int, count: int = 1000) -> Analysis:
     return analyze(structured_arm(n, seed), starts=count, exact="off")
 
 
+@pytest.mark.slow
 def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     """7R of seed 16: {θ5 = π, one equation in θ2, θ3, θ4, θ6} is a double zero, a fifth of its singular set."""
     found = analysed(7, 16)
@@ -125,6 +126,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     assert 0 < wide.soundness.agree < wide.soundness.tested
 
 
+@pytest.mark.slow_at("6-6", "6-32")
 @pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])
 def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed: int) -> None:
     found, rng = analysed(n, seed), np.random.default_rng(seed)
@@ -132,7 +134,7 @@ def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed:
     assert uncovered(found, rng) == {}
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("n", "seed"), [(n, seed) for n in (6, 7) for seed in range(40)])
 def test_both_gates_hold_for_forty_arms(n: int, seed: int) -> None:
     test_rows_are_sound_everywhere_and_singular_points_are_on_them(n, seed)

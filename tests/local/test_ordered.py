@@ -143,6 +143,7 @@ def test_a_screw_of_any_length_turns_by_its_own_rate() -> None:
     assert np.allclose(back, np.eye(6))
 
 
+@pytest.mark.slow_at("pa10")
 @pytest.mark.parametrize("name", ["pa10", "puma"])
 def test_rates_and_gains_of_any_singular_set(name: str, rng: np.random.Generator) -> None:
     """The rate is that of σ_r under a small motion; a joint with a rate escapes; one without gains no full rank at

@@ -49,6 +49,7 @@ def test_seven_joints_go_round_and_come_back(name: str) -> None:
     assert closed >= 1
 
 
+@pytest.mark.slow_at("fetch")
 @pytest.mark.parametrize("name", ["panda", "fetch8", "iiwa14", "fetch"])
 def test_limits_stop_it_at_the_limit_and_not_beyond(name: str) -> None:
     robot = open_robot(name)

@@ -190,6 +190,7 @@ def test_dimensions_of_the_algebras(screws: list[Array], dimension: int) -> None
     assert np.allclose(basis @ basis.T, np.eye(dimension))
 
 
+@pytest.mark.slow
 def test_catalogue_arms_have_no_system_that_is_dependent_for_ever() -> None:
     for name in robot_names():
         robot = open_robot(name)

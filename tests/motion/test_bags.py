@@ -221,6 +221,7 @@ def test_a_truncated_bag_is_never_read_in_part(tmp_path: Path, kind: str) -> Non
             read_trajectory(path, ARM)
 
 
+@pytest.mark.slow_at("sqlite3", "bag", "mcap")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_bag_cut_or_changed_anywhere_is_read_or_refused_in_one_sentence(tmp_path: Path, kind: str) -> None:
     path = write(tmp_path / "b", kind, states)

@@ -143,6 +143,7 @@ def test_without_a_start_the_solution_nearest_to_zero_is_taken() -> None:
     assert found.tool.chosen == "nearest to q = 0 (one of 8 found)"
 
 
+@pytest.mark.slow
 def test_where_it_cannot_be_followed_is_told_with_its_reason() -> None:
     away = POSES.copy()
     away[2, :3, 3] = away[1, :3, 3] + [3.0, 0.0, 0.0]
@@ -188,6 +189,7 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, POSES, [0, 1, 1])
 
 
+@pytest.mark.slow
 def test_the_command_follows_poses(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -142,6 +142,7 @@ def test_an_arm_in_millimetres_gives_the_same_answer() -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_arm_without_an_atlas_is_judged_and_its_crossings_are_named() -> None:
     robot = region.coupled(np.random.default_rng(9), "r r r0:1 r1:-1 r r0:1 r r")  # mimic joints
     rng = np.random.default_rng(7)

@@ -56,6 +56,7 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
 
 
+@pytest.mark.slow
 def test_what_is_written_satisfies_the_schemas(tmp_path: Path, run) -> None:
     one, two = saved(tmp_path, "a.npy", CROSSING), saved(tmp_path, "b.npy", FREE)
     code, out, _ = run(one, "--json", tmp_path / "one.json", "--figure", tmp_path / "one.svg")
@@ -97,6 +98,7 @@ def programs(folder: Path, count: int = 12) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_many_paths_are_the_same_here_in_processes_and_after_a_kill(
     tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -164,6 +166,7 @@ def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
     assert run(file, "--deg")[::2] == (0, "")
 
 
+@pytest.mark.slow
 def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
@@ -190,6 +193,7 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     assert not (tmp_path / "none.csv").exists()
 
 
+@pytest.mark.slow
 def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
 

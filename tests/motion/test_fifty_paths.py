@@ -17,7 +17,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.by_hand
 ANGLE, LENGTH = np.radians(10.0), 0.05
 WIDE = 0.03  # of σ_r: a path that keeps it is one that has to be found
 ROWS = 161

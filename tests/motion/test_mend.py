@@ -54,6 +54,7 @@ def test_it_is_a_public_name() -> None:
     assert motion.mend_path is mend_path
 
 
+@pytest.mark.slow
 def test_every_remedy_is_proven_free_and_gains_distance() -> None:
     assert [one.kind for one in wrist().remedies] == ["flip", "tool tilt", "base shift", "retime"]
     for one in wrist().remedies[:3]:
@@ -109,6 +110,7 @@ def test_a_shift_moves_the_base_by_no_more_than_the_bound() -> None:
     np.testing.assert_allclose(moved @ pose(robot, one.trajectory.q[rows]), wanted, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> None:
     robot, mended = open_robot("planar3r"), inner()
     one = mended.remedies[0]
@@ -120,6 +122,7 @@ def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> Non
     np.testing.assert_allclose(one.trajectory.times[[0, -1]], [0.0, 3.0])
 
 
+@pytest.mark.slow
 def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     robot = open_robot("planar3r")
     found = rankdrop.check_path(robot, CORNER, [0.0, 1.0, 2.0])
@@ -154,6 +157,7 @@ def test_retime_keeps_the_path_and_says_that_it_still_crosses() -> None:
     np.testing.assert_allclose(one.trajectory.q, WRIST[0] + line[:, None] * (WRIST[-1] - WRIST[0]), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_mended_path_needs_no_remedy() -> None:
     robot = open_robot("puma560")
     for one in wrist().remedies[:3]:
@@ -173,6 +177,7 @@ def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
     assert one.gains[1].after == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
     robot = open_robot("ur5e")
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.4, 0.1], [0.2, -1.1, 1.3, 0.2, 0.06, 0.3], 21)
@@ -195,6 +200,7 @@ def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     assert any(note.startswith("flip: 1 tried") for note in mended.notes)
 
 
+@pytest.mark.slow_at("quintic")
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     robot, t = open_robot("puma560"), np.linspace(0.0, 3.0, 41)
@@ -220,6 +226,7 @@ def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
 
 
+@pytest.mark.slow
 def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
     task = Task("part", (0, 1), Frame(1, -1))  # rows in axes that turn
     found = rankdrop.check_path(open_robot("planar2r"), [[0.0, 0.5], [0.4, -0.1], [0.8, 0.5]], task=task)
@@ -268,6 +275,7 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
         trajectory_bytes(made, robot, "a.xls")
 
 
+@pytest.mark.slow
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)

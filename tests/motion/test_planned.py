@@ -51,6 +51,7 @@ def through_the_shoulder() -> Array:
     return np.linspace(first, last, ROWS)
 
 
+@pytest.mark.slow
 def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> None:
     robot, q = open_robot("panda"), through_the_shoulder()
     found = rankdrop.check_path(robot, q)
@@ -137,7 +138,7 @@ def marched(robot: Robot, task: Task, aim: Aim, poses: Array, start: Array) -> b
     return bool(inside and singular_values(robot, q, task)[:, 5].min() > WIDE)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["panda", "iiwa14", "pa10", "gen3"])
 def test_crossing_paths_that_a_self_motion_avoids_are_mended_by_one(name: str, tmp_path: Path, capsys) -> None:
     robot = open_robot(name)

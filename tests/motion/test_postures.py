@@ -55,7 +55,8 @@ def holds(found: Postures) -> None:
     assert found.verdict == CUSPIDAL
 
 
-@pytest.mark.parametrize("name", ["crx10ia", *(pytest.param(one, marks=pytest.mark.slow) for one in list(Q)[1:])])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(Q))
 def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str) -> None:
     found = aspects_of(open_robot(name), q=Q[name], starts=300)
     holds(found)
@@ -65,6 +66,7 @@ def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str
     assert "neither proof" in found.decision.words
 
 
+@pytest.mark.slow
 def test_wengers_arm_with_and_without_a_wrist() -> None:
     for rows, task in ((WENGER, "position"), (WRISTED, "pose")):
         found = aspects_of(arm(rows, task), poses=4, starts=200)
@@ -104,6 +106,7 @@ STRUCTURES = {
 }
 
 
+@pytest.mark.slow_at("without offsets", "1, 2 meet", "2, 3 meet")
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm(STRUCTURES[name])
@@ -114,7 +117,7 @@ def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: 
     assert max(len(one.q) for one in found.solved) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["puma560", "ur5", "kr3r540", "stanford", "irb6640"])
 def test_nor_are_arms_of_six_joints(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert searched(open_robot(name), monkeypatch, 25).verdict == NOT_FOUND
@@ -124,6 +127,7 @@ def test_the_search_alone_finds_what_the_cusps_say(monkeypatch: pytest.MonkeyPat
     holds(searched(arm(WENGER), monkeypatch, 10))
 
 
+@pytest.mark.slow
 def test_neither_sense_nor_base_nor_unit_changes_the_counts() -> None:
     q = np.array([0.4, -0.731, 3.1241])
     kept = aspects_of(arm(WENGER), q=q, starts=200)
@@ -145,6 +149,7 @@ def test_solutions_are_solutions_and_all_of_a_puma_are_found() -> None:
     assert np.abs(np.linalg.det(task_jacobian(robot, found, task))).min() > 0
 
 
+@pytest.mark.slow
 def test_limits_hold_for_solutions_and_path() -> None:
     robot = open_robot("crx10ia")
     found = aspects_of(robot, q=Q["crx10ia"], starts=300, limits=True)
@@ -206,6 +211,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
     return once
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_path_that_the_path_command_proves(run: Any, tmp_path: Path) -> None:
     out, none = tmp_path / "change.csv", tmp_path / "none.csv"
     q = ",".join(map(str, Q["crx10ia"]))

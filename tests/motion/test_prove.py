@@ -63,6 +63,7 @@ def through(targets: np.ndarray, ways: np.ndarray, rng: np.random.Generator) -> 
     return np.stack([start, end], axis=1).reshape(-1, targets.shape[1]), 2 * np.arange(len(targets)) + share
 
 
+@pytest.mark.slow_at("puma560", "stanford", "ur5", "pa10", "panda")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_free_stretch_holds_a_singular_configuration_put_on_the_path(name: str) -> None:
     robot = ARMS[name]()
@@ -129,6 +130,7 @@ def smooth(rng: np.random.Generator, n: int, rows: int) -> np.ndarray:
     return np.asarray(rng.uniform(-2, 2, n) + waves)
 
 
+@pytest.mark.slow_at("panda-8", "ur5-12", "puma560-12")
 @pytest.mark.parametrize(("name", "count"), [("ur5", 12), ("puma560", 12), ("pa10", 8), ("panda", 8)])
 def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
     robot = open_robot(name)
@@ -148,7 +150,7 @@ def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
             assert set((np.flatnonzero(np.diff(sign)) + 1).tolist()) <= set(rows.tolist())
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(
     ("name", "count"), [("ur5", 100), ("puma560", 100), ("gp7", 100), ("pa10", 50), ("panda", 50)]
 )
@@ -217,6 +219,7 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
 
 
+@pytest.mark.slow_at("panda-k1.f1")
 @pytest.mark.parametrize(
     ("name", "number"), [("ur5", "k1.f1"), ("ur5", "k1.f3"), ("pa10", "k1.f1"), ("panda", "k1.f1")]
 )
@@ -364,6 +367,7 @@ def test_where_two_families_are_crossed_at_once_the_corank_is_two() -> None:
     assert found.crossings[0].corank == 2
 
 
+@pytest.mark.slow
 def test_work_that_ends_early_leaves_stretches_undecided_and_never_free() -> None:
     robot = open_robot("ur5")
     rng = np.random.default_rng(26)

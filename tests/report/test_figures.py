@@ -29,6 +29,7 @@ def shown() -> Content:
     return content(shipped("scara"), exact=False)
 
 
+@pytest.mark.slow_at("pdf", "svg")
 @pytest.mark.parametrize("format", ["pdf", "png", "svg"])
 def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> None:
     drawn = dict(figures(shown, figure_names(shown), format))
@@ -36,6 +37,7 @@ def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> No
     assert all(data.startswith(HEAD[format]) for data in drawn.values())
 
 
+@pytest.mark.slow_at("pdf")
 @pytest.mark.parametrize("format", ["pdf", "svg"])
 def test_the_same_figure_is_the_same_file(shown: Content, format: str) -> None:
     first, again = (dict(figures(shown, ["arm-k1.f1"], format)) for _ in range(2))

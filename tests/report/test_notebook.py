@@ -65,6 +65,12 @@ def test_a_family_shows_where_joints_stand_in_degrees_and_slides_in_metres() -> 
     assert "<td>0 m</td>" in slide._repr_html_()
 
 
+def test_a_family_lists_its_joints_in_their_order() -> None:
+    text = shipped("ur5e").families[0]._repr_html_()
+    places = [text.index(f"joint {number}") for number in range(1, 7)]
+    assert places == sorted(places)
+
+
 @pytest.mark.shipped
 def test_conditions_are_typeset_in_a_notebook() -> None:
     found = shipped("puma560")

@@ -36,6 +36,7 @@ def text_of(name: str) -> str:
     return page(shown(name))
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["scara", "planar2r", "stanford"])
 def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
     text = text_of(name)
@@ -165,6 +166,7 @@ def test_what_is_taken_away_is_the_analysis() -> None:
     assert json.loads(json.dumps(record["record"], allow_nan=False)) == found.analysis.to_dict()
 
 
+@pytest.mark.slow
 def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
     found = shown("ur5")
     for family in found.analysis.families:

@@ -45,6 +45,7 @@ def test_json_on_stdout_and_nothing_else(command):
     assert {"document", "item", "printed", "ours", "verdict", "reason"} <= record["items"][0].keys()
 
 
+@pytest.mark.slow
 def test_files_are_written(command, tmp_path):
     pytest.importorskip("matplotlib")
     page, data, folder = tmp_path / "page.md", tmp_path / "data.json", tmp_path / "figures"

@@ -23,7 +23,7 @@ from rankdrop.schema import load_schema
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reproduced.md"
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 FAST = ("GR", "JL", "ML")
-EVERY = [pytest.param(name, marks=() if name in FAST else pytest.mark.slow) for name in DOCUMENTS]
+EVERY = [pytest.param(name, marks=() if name in FAST else pytest.mark.by_hand) for name in DOCUMENTS]
 
 
 @cache
@@ -110,7 +110,7 @@ def test_errata_of_the_lectures():
     assert row("ML", "¹J⁻¹", "inverse of ¹J").verdict == "agrees"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_errata_of_am():
     assert [item.verdict for item in found("AM").items if item.item == "eq. 9"] == ["erratum", "agrees"]
     drawn = [item for item in found("AM").items if re.fullmatch(r"Figure [789]\([a-d]\)", item.item)]
@@ -132,7 +132,7 @@ def test_errata_of_am():
     assert [item.verdict for item in tables] == ["agrees"] * 8
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_errata_of_kg():
     assert row("KG", "section 3.3.2", "into which s6 = 0").verdict == "erratum"
     assert row("KG", "section 3.3.3", "which is removed").verdict == "erratum"
@@ -179,6 +179,7 @@ def test_a_direction_that_is_wrong_would_not_agree():
         assert angle_between(ours, printed_null_directions(row_configuration(corank, 3), corank)) > 5.0
 
 
+@pytest.mark.slow
 def test_a_family_that_is_larger_or_smaller_than_the_printed_one_would_not_agree(monkeypatch):
     assert kg._same_family(20, 2)
     assert not kg._same_family(20, 1), "another family"

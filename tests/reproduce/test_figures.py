@@ -226,6 +226,7 @@ def test_lost_motions_of_jl():
     assert np.allclose(np.cross(shoulder.arrows[0].vector, shoulder.arms[0].drawn.axes[1]), 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_files_are_written_and_hold_the_numbers(tmp_path):
     pytest.importorskip("matplotlib")
     files = figures.save_figures(("GR", "JL"), str(tmp_path / "new"))
@@ -244,6 +245,7 @@ def test_files_are_written_and_hold_the_numbers(tmp_path):
     ), "only the names of formats"
 
 
+@pytest.mark.slow
 def test_the_same_figure_is_the_same_file(tmp_path):
     pytest.importorskip("matplotlib")
     one, other = (figures.save_figures(("GR",), str(tmp_path / name)) for name in "ab")
@@ -266,7 +268,7 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch, tmp_path):
         figures.check_folder(str(tmp_path))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_every_document_has_its_figures(tmp_path):
     pytest.importorskip("matplotlib")
     files = figures.save_figures(("AM", "ML", "GR", "KG", "JL"), str(tmp_path))

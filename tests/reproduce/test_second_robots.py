@@ -185,6 +185,7 @@ def test_am_eqs_12_and_13_at_a_tie_any_rotation_is_valid_and_a_mixture_descends_
     assert mixture_falls(tensor)[1] > 0.0
 
 
+@pytest.mark.slow
 def test_am_2_2_3_ties_are_treated_on_the_way_to_higher_ranks():
     robot = open_robot("iiwa7")
     plain, treated = (search(robot, 2, starts=300, seed=2, method=method) for method in ("gradient", "almarkhi"))

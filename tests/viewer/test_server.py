@@ -123,6 +123,7 @@ def test_the_scene_follows_the_session(viewer: Viewer) -> None:
     assert [slider.value for slider in viewer.controls.sliders] == np.degrees(q).round(1).tolist()
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_it_with_exit_code_0() -> None:
     command = [sys.executable, "-m", "rankdrop.cli.main", "view", "planar2r", "--no-browser", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

@@ -115,6 +115,7 @@ def test_a_path_that_fails_is_told_and_ends(session: tuple[Session, Ear]) -> Non
     assert str(ear.errors[0]) == "no further"
 
 
+@pytest.mark.slow
 def test_a_moving_arm_is_looked_at_thirty_times_a_second_and_explained_now_and_then(
     session: tuple[Session, Ear],
 ) -> None:

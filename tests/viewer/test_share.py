@@ -66,6 +66,7 @@ def test_a_link_that_says_nothing_moves_nothing(path: str) -> None:
     assert state_of(path, ARM) is None
 
 
+@pytest.mark.slow
 def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     target = np.radians([0.0, -90.0, 60.0, 0.0, 80.0, 0.0])
     port = viewer.server.get_port()
@@ -78,6 +79,7 @@ def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     until(lambda: viewer.share._line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}")
 
 
+@pytest.mark.slow
 def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:
     viewer.share.record()
     viewer.session.go(START)
@@ -208,6 +210,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
     assert "opacity:0.4" in controls._details.content
 
 
+@pytest.mark.slow
 def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:
     names = [family.name.split(":")[0] for family in stops_of(viewer.session.live.families)]
     assert names[:3] == ["shoulder", "elbow", "wrist"]

@@ -46,6 +46,7 @@ def viewer() -> Iterator[Viewer]:
     made.close()
 
 
+@pytest.mark.slow
 def test_a_path_plays_to_its_end_through_the_singularity(viewer: Viewer) -> None:
     assert viewer.path.trajectory is not None
     assert np.allclose(viewer.session.q, viewer.path.trajectory.q[0])

@@ -205,10 +205,11 @@ class Family:
 
 def _section(family: Family) -> Section:
     slides = _slides(family)
-    rows = [(one.joint, " or ".join(_stands(value, one.number in slides) for value in one.values))
-            for one in family.pinned]  # fmt: skip
-    rows += [(f"joint {number}", "any value") for number in family.free]
-    rows += [(f"joint {number}", "coupled, see below") for number in family.coupled]
+    stands = {one.number: (f"joint {one.number}, {one.joint}",
+                           " or ".join(_stands(value, one.number in slides) for value in one.values))
+              for one in family.pinned}  # fmt: skip
+    stands |= {number: (f"joint {number}", "any value") for number in family.free}
+    stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
     bound = set(family.coupled)
     told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
     told += [f"lost: {words}" for words in family.lost_words]
@@ -219,7 +220,7 @@ def _section(family: Family) -> Section:
     )
     return Section(
         f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
-        columns=("joint", "stands at"), rows=tuple(rows), texts=(0, 1),
+        columns=("joint", "stands at"), rows=tuple(row for _, row in sorted(stands.items())), texts=(0, 1),
         after=(*told, f"witness, as functions take it [rad, m]: q = [{at}]"),
         notes=(tested,) if family.soundness.tested else (),
     )  # fmt: skip

@@ -184,7 +184,7 @@ def test_an_interrupted_covering_tells_what_is_done():
     assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
 
 
-@pytest.mark.slow_at("almarkhi4-0.1")
+@pytest.mark.slow_at("almarkhi4-0.1", "ur5-0.4")
 @pytest.mark.parametrize(("name", "width"), [("ur5", WIDTH), ("almarkhi4", 0.1)])
 def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, monkeypatch):
     robot, out, calls = open_robot(name), tmp_path / "half", []

@@ -238,7 +238,7 @@ def test_the_bound_is_reached_by_links_that_twist():
     assert (best > 0.9).sum() >= count - 1
 
 
-@pytest.mark.slow_at("puma560")
+@pytest.mark.slow_at("puma560", "ur5")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tmp_path):
     robot = open_robot(name)

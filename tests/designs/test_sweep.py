@@ -265,6 +265,7 @@ def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
         assert region["lowest"] <= region["sigma"]
 
 
+@pytest.mark.slow
 def test_command_page_figure_and_tables(
     planar: tuple[Path, Designs], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

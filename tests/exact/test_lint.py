@@ -99,6 +99,7 @@ def test_a_condition_without_a_real_zero_is_told():
     assert "no real zero" in result.sentences()[0]
 
 
+@pytest.mark.slow
 def test_numbers_in_place_of_letters_hold_for_this_arm_only():
     result = checked("s3 s5 (0.425 c2 + 0.39225 c23 - 0.09465 s234)", "ur5")
     assert result.verdict == "exact"

@@ -134,6 +134,7 @@ def test_unions_are_matched_as_unions() -> None:
     assert one.differences == other.differences == ()
 
 
+@pytest.mark.slow
 def test_conditions_that_hold_on_more_than_the_family_are_told() -> None:
     wide = {one.family for one in held("puma560").wider}
     assert wide <= {"k2.f3"}

@@ -42,6 +42,7 @@ def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
     assert found.left == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (2, 12))])
 def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
     found = lost(structured(seed))

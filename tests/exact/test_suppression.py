@@ -147,6 +147,7 @@ def test_six_joints_have_the_factors_of_their_determinant():
     assert found.start.cases[0].dependence is None
 
 
+@pytest.mark.slow
 def test_assumptions_are_told_for_the_panda():
     assert [str(p) for p in derived("panda").assumptions] == ["d3 + d5", "d3 - d5"]
 

@@ -37,6 +37,7 @@ def tree_of(robot, task=None, seconds: float = 60.0, **options):
     return chain, rank_tree(chain, Work(seconds))
 
 
+@pytest.mark.slow_at("irb140", "anthropomorphic")
 @pytest.mark.parametrize("name", [*FAST[:7], *slow(*FAST[7:])])
 def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None:
     chain, tree = tree_of(open_robot(name))

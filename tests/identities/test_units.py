@@ -181,7 +181,7 @@ def names(analysis: Analysis) -> list[tuple[str, str, int, str]]:
     return [(one.id, one.name, one.dimension, f"{one.soundness}") for one in analysis.families]
 
 
-@pytest.mark.slow_at("0.0254", "2.8", "77.0", "0.28")
+@pytest.mark.slow_at("0.0254", "2.8", "77.0", "0.28", "0.0004", "330000.0")
 @pytest.mark.parametrize("factor", [0.4 / 1424, 0.4e-3, 0.0254, 1 / 0.0254, 0.28, 2.8, 77.0, 3.3e5])
 def test_an_arm_of_any_size_has_the_same_families(factor: float) -> None:
     """0.4 mm long, in inches, in numbers that nobody means: no row is lost, none is unnamed."""

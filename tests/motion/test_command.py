@@ -139,6 +139,7 @@ def test_many_paths_are_the_same_here_in_processes_and_after_a_kill(
     assert "killed: the folder holds another job" in err
 
 
+@pytest.mark.slow
 def test_a_cluster_judges_many_paths_alike(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.chdir(tmp_path)

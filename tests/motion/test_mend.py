@@ -201,7 +201,7 @@ def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     assert any(note.startswith("flip: 1 tried") for note in mended.notes)
 
 
-@pytest.mark.slow_at("quintic")
+@pytest.mark.slow_at("quintic", "cubic")
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     robot, t = open_robot("puma560"), np.linspace(0.0, 3.0, 41)

@@ -101,6 +101,7 @@ def test_no_free_stretch_holds_one_that_the_path_only_touches(name: str) -> None
     assert outside(proof, places) == []
 
 
+@pytest.mark.slow
 def test_no_free_piece_of_a_spline_holds_one() -> None:
     robot = open_robot("puma560")
     task = resolve_task(None, robot)
@@ -130,7 +131,7 @@ def smooth(rng: np.random.Generator, n: int, rows: int) -> np.ndarray:
     return np.asarray(rng.uniform(-2, 2, n) + waves)
 
 
-@pytest.mark.slow_at("panda-8", "ur5-12", "puma560-12")
+@pytest.mark.slow_at("panda-8", "ur5-12", "puma560-12", "pa10-8")
 @pytest.mark.parametrize(("name", "count"), [("ur5", 12), ("puma560", 12), ("pa10", 8), ("panda", 8)])
 def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
     robot = open_robot(name)
@@ -258,6 +259,7 @@ def test_an_arm_with_fewer_joints_than_rows_and_no_known_family_crosses_and_touc
     assert len(signs_at(robot, resolve_task(None, robot), places, DEFAULT)) == 1  # else crossings are counted twice
 
 
+@pytest.mark.slow
 def test_every_crossing_of_many_turns_is_told_once() -> None:
     """The elbow turns 23.9 times: 48 times it stands at 0.3 or 0.3 − π."""
     table = [DHRow(d=0.3, alpha=pi / 2), DHRow(a=0.25), DHRow(a=0.23, theta=-0.3), DHRow(a=0.02, alpha=pi / 2)]

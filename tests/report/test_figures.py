@@ -29,7 +29,7 @@ def shown() -> Content:
     return content(shipped("scara"), exact=False)
 
 
-@pytest.mark.slow_at("pdf", "svg")
+@pytest.mark.slow_at("pdf", "svg", "png")
 @pytest.mark.parametrize("format", ["pdf", "png", "svg"])
 def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> None:
     drawn = dict(figures(shown, figure_names(shown), format))

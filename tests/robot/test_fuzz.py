@@ -48,7 +48,7 @@ def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
         FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
 
 
-@pytest.mark.slow_at("robot")
+@pytest.mark.slow_at("robot", "quantity")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_any_bytes_are_read_or_refused(name: str, data: bytes) -> None:

@@ -96,6 +96,7 @@ def test_a_value_too_few_and_a_value_too_many_are_seen() -> None:
         assert all(0 < one.elsewhere < one.solved for one in agreement.loose)
 
 
+@pytest.mark.slow
 def test_a_row_of_another_dimension_is_seen() -> None:
     rows = shipped("pa10").families
     agreement = held("pa10", rows=[replace(rows[0], dimension=5), *rows[1:]])

@@ -197,6 +197,7 @@ def test_every_way_out_that_is_offered_leads_out() -> None:
         assert (np.abs(way.q) <= found.analysis.robot.upper + 1e-9).all()
 
 
+@pytest.mark.slow
 def test_pictures_say_what_is_to_be_seen() -> None:
     text = text_of("ur5")
     for tag in re.findall(r"<(?:canvas|svg)[^>]*>", text):

@@ -85,3 +85,12 @@ def test_a_name_is_not_hidden_by_the_module_that_holds_it() -> None:
         if importlib.util.find_spec(f"{room.__name__}.{name}") is not None
     ]
     assert not hidden, "\n".join(hidden)
+
+
+def test_a_task_is_told_in_the_same_way_everywhere() -> None:
+    """A name, a `Task`, or nothing for the task the arm is made for: every function that takes one takes all three."""
+    functions = {name: getattr(rankdrop, name) for name in NAMES if inspect.isfunction(getattr(rankdrop, name))}
+    tasks = {name: inspect.signature(f).parameters.get("task") for name, f in functions.items()}
+    told = {name: (task.default, set(task.annotation.split(" | "))) for name, task in tasks.items() if task is not None}
+    assert len(told) > 5
+    assert {name: one for name, one in told.items() if one != (None, {"Task", "str", "None"})} == {}

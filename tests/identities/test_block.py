@@ -24,6 +24,16 @@ def sample(name: str, rng: np.random.Generator) -> tuple[Robot, Array]:
 
 
 @pytest.mark.parametrize(("name", "words"), CASES)
+def test_a_task_may_be_its_name(name: str, words: str, rng: np.random.Generator) -> None:
+    robot, q = sample(name, rng)
+    task = resolve_task(words, robot)
+    assert (singular_values(robot, q, words) == singular_values(robot, q, task)).all()
+    assert (singular_values(robot, q) == singular_values(robot, q, robot.task)).all()
+    assert (decompose(robot, q, words).u == decompose(robot, q, task).u).all()
+    assert (block(robot, q, words, task.m - 1).f == block(robot, q, task, task.m - 1).f).all()
+
+
+@pytest.mark.parametrize(("name", "words"), CASES)
 def test_decomposition_is_orthogonal_and_gives_the_jacobian_back(
     name: str, words: str, rng: np.random.Generator
 ) -> None:

@@ -21,7 +21,7 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, task_view
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach, travel_limits
-from rankdrop.task import Task
+from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_units, task_in_units
 
 STRUCTURE_SEED = 20231
@@ -62,13 +62,13 @@ class Block:
     sigma: Array
 
 
-def singular_values(robot: Robot, q: ArrayLike, task: Task, *, out: Array | None = None) -> Array:
+def singular_values(robot: Robot, q: ArrayLike, task: Task | str | None = None, *, out: Array | None = None) -> Array:
     """Singular values of the task Jacobian, descending, by one-sided Jacobi; error at most 4 · eps · ‖J‖.
 
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
-        task: from `resolve_task`.
+        task: name, `Task`, or None for the task the arm is made for.
         out: where to write the result, an array of its shape and float64.
 
     Returns:
@@ -76,43 +76,48 @@ def singular_values(robot: Robot, q: ArrayLike, task: Task, *, out: Array | None
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        TaskError: the task does not exist.
         OptionError: out has another shape or type, or shares memory with q.
     """
+    resolved = resolve_task(task, robot)
     rows, batch = configurations(robot, q)
-    into = rows_of(out, rows, batch, (min(task.m, robot.n),))
-    sigma = _core.singular_values(chain_of(robot), task_view(robot, task), rows, into)
+    into = rows_of(out, rows, batch, (min(resolved.m, robot.n),))
+    sigma = _core.singular_values(chain_of(robot), task_view(robot, resolved), rows, into)
     return sigma.reshape(*batch, sigma.shape[1]) if out is None else out
 
 
-def decompose(robot: Robot, q: ArrayLike, task: Task) -> Decomposition:
+def decompose(robot: Robot, q: ArrayLike, task: Task | str | None = None) -> Decomposition:
     """Singular value decomposition of the task Jacobian (AM eq. 3), full bases on both sides.
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        TaskError: the task does not exist.
     """
     rows, batch = configurations(robot, q)
-    u, sigma, v = _core.decompose(chain_of(robot), task_view(robot, task), rows)
+    u, sigma, v = _core.decompose(chain_of(robot), task_view(robot, resolve_task(task, robot)), rows)
     return Decomposition(*(part.reshape(batch + part.shape[1:]) for part in (u, sigma, v)))
 
 
-def block(robot: Robot, q: ArrayLike, task: Task, rank: int) -> Block:
+def block(robot: Robot, q: ArrayLike, task: Task | str | None, rank: int) -> Block:
     """F, D and the bases they are written in.
 
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
-        task: from `resolve_task`.
+        task: name, `Task`, or None for the task the arm is made for.
         rank: the kept rank r, 0 … min(m, n) − 1; generic rank − k for corank k.
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        TaskError: the task does not exist.
         OptionError: there is no block beyond that rank.
     """
-    smallest = min(task.m, robot.n)
+    resolved = resolve_task(task, robot)
+    smallest = min(resolved.m, robot.n)
     if not 0 <= rank < smallest:
         raise OptionError("there is no block beyond this rank", got=rank, allowed=f"0 … {smallest - 1}")
     rows, batch = configurations(robot, q)
-    parts = _core.block(chain_of(robot), task_view(robot, task), rows, rank)
+    parts = _core.block(chain_of(robot), task_view(robot, resolved), rows, rank)
     f, d, u2, v2, sigma = (part.reshape(batch + part.shape[1:]) for part in parts)
     return Block(f, d, u2, v2, sigma)
 

@@ -85,6 +85,7 @@ def test_each_row_that_is_missing_is_missed() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_a_value_too_few_and_a_value_too_many_are_seen() -> None:
     rows = shipped("pa10").families
     for values, said, loose in (((0.0,), ["exact k1.f1"], []), ((0.0, 3.141592653589793, 1.0), [], ["k1.f1"])):

@@ -185,6 +185,7 @@ def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_every_way_out_that_is_offered_leads_out() -> None:
     from rankdrop.local import singular_values
 

@@ -69,7 +69,6 @@ def test_every_remedy_is_proven_free_and_gains_distance() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_a_flip_keeps_the_tool_path_and_is_another_branch() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[0]
     wanted = pose(robot, WRIST)
@@ -84,7 +83,6 @@ def test_a_flip_keeps_the_tool_path_and_is_another_branch() -> None:
     assert max(apart) < one.off[0] + 1e-5
 
 
-@pytest.mark.slow
 def test_a_tilt_turns_the_tool_about_its_tip_by_no_more_than_the_bound() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[1]
     angle, axis = one.parameters[0].value, np.array(one.parameters[1].value)
@@ -102,7 +100,6 @@ def test_a_tilt_turns_the_tool_about_its_tip_by_no_more_than_the_bound() -> None
     np.testing.assert_allclose(np.linalg.norm(between, axis=1), angle, atol=1e-9)
 
 
-@pytest.mark.slow
 def test_a_shift_moves_the_base_by_no_more_than_the_bound() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[2]
     shift = np.array(one.parameters[0].value)

@@ -132,7 +132,10 @@ def test_ctrl_c_ends_it_with_exit_code_0() -> None:
         assert process.stderr is not None
         assert "Ctrl-C ends it" in process.stderr.readline()
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
+        try:
+            out, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
     assert process.returncode == exits.FINE
     assert out == ""
     assert err == "rankdrop: the viewer is closed\n"

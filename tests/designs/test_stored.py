@@ -58,12 +58,15 @@ import json, resource, sys
 import rankdrop
 from rankdrop.results import store_cloud
 count = store_cloud(rankdrop.open_robot("planar3r"), 1, sys.argv[1], starts=int(sys.argv[2]))
-peak = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-print(json.dumps({"count": count, "own": peak[0], "worker": peak[1]}))
+with open("/proc/self/status") as status:  # ru_maxrss of this process would be that of the one it was begun by as well
+    own = next(int(line.split()[1]) for line in status if line.startswith("VmHWM")) / 1024
+worker = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+print(json.dumps({"count": count, "own": own, "worker": worker}))
 """
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read from /proc")
 def test_ten_million_are_found_stored_and_queried(tmp_path: Path) -> None:
     begun, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     words = [sys.executable, "-c", MANY, str(tmp_path), str(TEN_MILLION)]

@@ -72,6 +72,9 @@ inline void solve_convex(Pack* m, double flattest, const Pack* b, int n_, Pack* 
     }
 }
 
+// Newton's steps shorter than kSure get shorter still, and all that follow come to less than kSlack of them
+constexpr double kSure = 0.1, kSlack = 2.0;
+
 inline Pack dot(const Pack* a, const Pack* b, int n) {
     Pack sum = fill(0.0);
     for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];

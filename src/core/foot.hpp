@@ -223,8 +223,6 @@ class FootFinder {
         }
     }
 
-    static constexpr double kSure = 0.1, kSlack = 2.0;  // as in set_feet.hpp
-
     const FootSettings& set_;
     const int n_, c_;
     int values_ = 0, counted_ = 0;

@@ -3,7 +3,8 @@
 //     minimise |x|^2 / 2  subject to  F(q) = u^T J V2 = 0,     x = (q - centre) / scale,
 //
 // where one freedom of all six is lost, with the second derivative of F in closed form. Steps go towards the set and along
-// it together, so that a walk needs few of them; whether an end is singular is for others to say.
+// it together, so that a walk needs few of them. An end has F at most `off`, looked at once more; whether it is singular to
+// the last digit is for others to say.
 //
 // Singular values are worked out where a walk begins. After that u comes from the direction that was lost at the step
 // before: with U1 its complement, L Q = U1^T J and V2 the complement of Q,
@@ -162,7 +163,8 @@ class SetFeet {
         for (int i = 0; i < kRank; ++i) out[i] = y[i] - mirror_[i] * share;
     }
 
-    // screws_: the columns, seen from where nothing moves; u_, and basis_: Q by rows, then V2; lower_ and pivot_: L and the inverse of its diagonal; f_ and its length
+    // screws_: the columns, seen from where nothing moves; u_; basis_: Q by rows, then V2; lower_ and pivot_: L and the
+    // inverse of its diagonal; f_ and its length, off_
     template <int N>
     void border() {
         const int n = N ? N : n_, s = n - kRank;
@@ -363,8 +365,6 @@ class SetFeet {
 
     static constexpr double kCut = 1e-2;    // values of D below this times the root of sigma are zero on the set, as in tangent.hpp
     static constexpr double kOff = 1e-4;    // sigma beside the set, by the last step at most
-    static constexpr double kSure = 0.1;    // Newton's steps shorter than this get shorter still,
-    static constexpr double kSlack = 2.0;   // and all that follow come to less than so many of them
 
     const Chain& chain_;
     const SetFeetSettings& set_;

@@ -141,6 +141,25 @@ def test_ctrl_c_ends_it_with_exit_code_0() -> None:
     assert err == "rankdrop: the viewer is closed\n"
 
 
+LATE = """
+import os, signal, threading, time
+from rankdrop.cli.view import _wait
+threading.Thread(target=lambda: (time.sleep(0.2), os.kill(os.getpid(), signal.SIGINT))).start()
+signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+try:
+    _wait()
+except KeyboardInterrupt:
+    print("ended")
+"""
+"""The signal reaches another thread: as where it comes while a wait begins, nothing wakes the wait of the main one."""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signals of threads")
+def test_a_ctrl_c_that_wakes_nothing_ends_it() -> None:
+    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=20)
+    assert (done.stdout, done.returncode) == ("ended\n", 0), done.stderr
+
+
 @pytest.mark.parametrize(
     ("argv", "said"),
     [

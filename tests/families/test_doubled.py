@@ -47,6 +47,17 @@ def test_points_come_to_rounding_and_the_joint_is_pinned(robot: Robot, joint: in
     assert {(one.rank, one.pinned) for one in told} == {(1, (joint,))}
 
 
+def test_points_that_have_not_settled_are_left_where_they_were(rng, monkeypatch) -> None:
+    """One step lands them so near that σ calls them singular: it is no word of where they would have ended."""
+    at = problem(squared())
+    q = at.random(20, rng)
+    q[:, 2] = -atan(0.2) + 3e-7
+    monkeypatch.setattr(irregular, "ROUNDS", 1)
+    found, good = inspect_doubled(at, q)
+    assert not good.any()
+    np.testing.assert_array_equal(found.q, q)
+
+
 def test_points_of_long_arms_are_inspected_in_parts_with_the_same_result(rng, monkeypatch) -> None:
     at = problem(squared())
     q = at.random(30, rng)

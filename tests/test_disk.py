@@ -17,11 +17,11 @@ from typing import IO, Any
 import numpy as np
 import pytest
 
+from papers.figures import save_figures
 from rankdrop import explain, open_robot
 from rankdrop.cli.terminal import write_json, write_text
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.reproduce.figures import save_figures
 from rankdrop.results.codec import save_record
 from rankdrop.results.known import shipped
 

@@ -13,7 +13,7 @@ import rankdrop
 FOUND = (module.name for module in pkgutil.walk_packages(rankdrop.__path__, "rankdrop."))
 MODULES = ["rankdrop", *(name for name in FOUND if name != "rankdrop._core")]
 LONG = {"rankdrop.families.curves", "rankdrop.families.tolerant", "rankdrop.motion.mend",
-        "rankdrop.motion.postures.search", "rankdrop.reproduce", "rankdrop.verbs.beside"}  # fmt: skip
+        "rankdrop.motion.postures.search", "rankdrop.verbs.beside"}  # fmt: skip
 """Examples of half a second and more."""
 
 

@@ -29,7 +29,7 @@ FLOORS = {
     "text": 7, "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
     "designs": 9,
-    "cli": 10, "__main__": 10, "report": 10, "viewer": 10, "reproduce": 10,
+    "cli": 10, "__main__": 10, "report": 10, "viewer": 10,
 }  # fmt: skip
 TOP = 10
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)

@@ -36,7 +36,7 @@ from rankdrop.robot.open import open_robot, robot_names
 FEW = ("planar3r", "scara", "stanford", "puma560", "ur5e", "iiwa14", "canadarm2", "fetch8")
 """These are asked more: derivations from nothing, other tasks, methods and options."""
 ALL = "_all"
-COMMANDS = ("analyze", "conditions", "escape", "explain", "find", "nearest", "report", "reproduce", "robots", "view")
+COMMANDS = ("analyze", "conditions", "escape", "explain", "find", "nearest", "report", "robots", "view")
 _STARTS = 300
 _NEAR = 0.01  # rad, m; from a singular configuration
 _TIMES = ((re.compile(r"Time\s+taken:\s+[\d.,]+\s+s\b"), "Time taken: (some) s"),)
@@ -99,7 +99,6 @@ def lines_of_all() -> Iterator[Line]:
     yield "robots", "robots", ()
     yield "robots-json", "robots --json", ()
     yield "robots-some", "robots 'spherical shoulder'", ()
-    yield "reproduce", "reproduce all --quiet --full --json reproduce.json", ("reproduce.json",)
     wrong = ("analyze nowhere.urdf", "analyze pa10 --task flying", "analyze pa10 --starts 0", "analyze pa10 --wrong",
              "conditions pa10 --lengths a=0.4", "conditions puma560 --test 'sin(q5)*foo(q3)'", "find pa10 --corank 9",
              "explain pa10 --q 0,0,0,0,x,0,0", "explain pa10", "report pa10 --format gif", "nothing")  # fmt: skip

@@ -41,7 +41,6 @@ COMMANDS = {
     "explanation-lost": "explain planar3r --q 0.3,0,0 --certificate existence.certificate --json",
     "sweep": "sweep sweep.toml --workers 1 --json",
     "side-by-side": "compare planar2r planar3r --starts 100 --workers 1 --json",
-    "reproduced": "reproduce JL --json",
 }
 """By the name of the file: the schema, and what is special about it."""
 GIVEN = {

@@ -16,10 +16,10 @@ from typing import Any
 import pytest
 from cli.conftest import Ended, command
 
+from papers.run import DOCUMENTS
 from rankdrop.cli import exits, main
 from rankdrop.cli.terminal import results, say, show
 from rankdrop.errors import MissingExtraError, visible
-from rankdrop.reproduce.run import DOCUMENTS
 from rankdrop.results.codec import json_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -229,13 +229,14 @@ def test_the_terminals_own_colours_are_kept(capsys: pytest.CaptureFixture[str], 
 WITHOUT = {
     "--quiet": {"completion"},
     "--json": {"view", "completion", "monitor"},  # a page, a script, code in C
-    "--seed": {"robots", "jacobian", "path", "through", "monitor", "cover", "sweep", "verify", "view", "reproduce",
+    "--seed": {"robots", "jacobian", "path", "through", "monitor", "cover", "sweep", "verify", "view",
                "completion"},  # nothing random, or it stands in a file
     "--threads": {"robots", "conditions", "jacobian", "explain", "escape", "nearest", "tolerant", "path", "aspects",
-                  "through", "monitor", "sweep", "compare", "verify", "view", "reproduce", "completion"},  # one thread
-    "--limits": {"robots", "conditions", "jacobian", "escape", "through", "monitor", "sweep", "verify", "reproduce",
+                  "through", "monitor", "sweep", "compare", "verify", "view",
+                  "completion"},  # one thread
+    "--limits": {"robots", "conditions", "jacobian", "escape", "through", "monitor", "sweep", "verify",
                  "completion"},  # algebra; ways out are always inside; a path or a file says it
-    "--tip": {"robots", "sweep", "reproduce", "completion", "compare"},  # no arm, several, or one of a file
+    "--tip": {"robots", "sweep", "completion", "compare"},  # no arm, several, or one of a file
 }
 """Option -> the commands that do not have it: every other one has."""
 

@@ -36,7 +36,7 @@ def arm(tmp_path: Path) -> Path:
 
 def test_every_command_that_opens_an_arm_is_here() -> None:
     opening = set()
-    for name in ("robots", "reproduce", *OPENING):
+    for name in ("robots", *OPENING):
         function = app[name].default_command
         if any("ArmOptions" in str(p.annotation) for p in inspect.signature(function).parameters.values()):
             opening.add(name)

@@ -46,7 +46,7 @@ def test_commands_and_options_exist(line: str) -> None:
     assert words[0] in app
     allowed = {name for one in app[words[0]].assemble_argument_collection() for name in one.names} | {"--help"}
     assert {word.partition("=")[0] for word in words if word.startswith("--")} <= allowed
-    of_an_arm = words[0] not in ("robots", "reproduce", "completion") and len(words) > 1
+    of_an_arm = words[0] not in ("robots", "completion") and len(words) > 1
     if of_an_arm and words[1].isalnum() and words[1].islower():
         assert words[1] in robot_names()
 

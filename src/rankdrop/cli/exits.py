@@ -21,7 +21,7 @@ MEANING = {
     "escape, nearest, tolerant: none found; path: a singularity is met or too near, or undecided; cover: not complete, "
     "or known families do not explain all; sweep, compare: a variant or an arm is not measured, or its families do not "
     "hold; aspects: undecided; through: not trackable, or undecided; verify: the claim does not hold, or is not "
-    "confirmed; reproduce: some item differs without a reason",
+    "confirmed",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

@@ -46,7 +46,6 @@ try:
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.path import path
     from rankdrop.cli.report import report
-    from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.sweep import sweep
     from rankdrop.cli.terminal import encode_plainly, say
@@ -103,7 +102,6 @@ app.command(sweep)
 app.command(compare)
 app.command(verify)
 app.command(view)
-app.command(reproduce)
 app.command(report)
 
 

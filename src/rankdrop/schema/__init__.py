@@ -10,7 +10,7 @@ from rankdrop.errors import OptionError
 
 NAMES = (
     "analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "path", "paths",
-    "aspects", "through", "path-rows", "cover", "certificate", "verified", "sweep", "side-by-side", "reproduced",
+    "aspects", "through", "path-rows", "cover", "certificate", "verified", "sweep", "side-by-side",
 )  # fmt: skip
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
 `compare` the side-by-side."""
@@ -23,8 +23,7 @@ def load_schema(name: str) -> dict[str, Any]:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
             "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several
             files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover", "certificate"
-            (--certificate), "verified" (`rankdrop verify --json`), "sweep", "side-by-side" (`rankdrop compare`) or
-            "reproduced".
+            (--certificate), "verified" (`rankdrop verify --json`), "sweep" or "side-by-side" (`rankdrop compare`).
 
     Raises:
         OptionError: there is no such schema.

@@ -7,12 +7,12 @@ from math import pi
 
 import numpy as np
 
+from papers import kg_text as kg
+from papers.formula import value
 from rankdrop.exact import Suppression, exact_chain, suppress
 from rankdrop.families import search
 from rankdrop.kinematics import jacobian
 from rankdrop.local import sample, singular_values
-from rankdrop.reproduce import kg_text as kg
-from rankdrop.reproduce.formula import value
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Frame, resolve_task
 

@@ -6,9 +6,7 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local import generic_rank, null_space_motion, rate_growth, redundancy
-from rankdrop.reproduce.elbow import (
+from papers.elbow import (
     FOREARM_LINE,
     LENGTHS,
     angles,
@@ -19,7 +17,9 @@ from rankdrop.reproduce.elbow import (
     shoulder_text,
     worst,
 )
-from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
+from papers.item import Sheet, Shown, listed, rounded
+from rankdrop.kinematics import jacobian, link_poses
+from rankdrop.local import generic_rank, null_space_motion, rate_growth, redundancy
 from rankdrop.robot import Array, open_robot
 from rankdrop.task import Frame, resolve_task
 

@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
+from papers.formula import value
 from rankdrop import conditions
 from rankdrop.exact import Decoupling, decouple, exact_chain
 from rankdrop.kinematics import jacobian
 from rankdrop.local import sample, singular_values
-from rankdrop.reproduce.formula import value
 from rankdrop.robot import Array, Robot, from_dh
 from rankdrop.task import Task, resolve_task
 

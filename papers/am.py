@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from rankdrop.reproduce import am_descent, am_method, am_robots
+from papers import am_descent, am_method, am_robots
 
 SECTIONS = am_method.SECTIONS + am_descent.SECTIONS + am_robots.SECTIONS

@@ -9,15 +9,15 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.errors import MissingExtraError, OptionError
+from papers import am_pictures, figures, other_pictures
+from papers.am_descent import STEPPED, descend, run
+from papers.am_method import BEFORE
+from papers.am_robots import FIGURE_9, row_configuration
+from papers.picture import RED
+from rankdrop.errors import OptionError
 from rankdrop.families.search_record import Outcome
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.reproduce import am_pictures, figures, other_pictures
-from rankdrop.reproduce.am_descent import STEPPED, descend, run
-from rankdrop.reproduce.am_method import BEFORE
-from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
-from rankdrop.reproduce.picture import RED
 from rankdrop.robot.open import open_robot
 from rankdrop.task import SPACE, resolve_task
 
@@ -228,7 +228,6 @@ def test_lost_motions_of_jl():
 
 @pytest.mark.slow
 def test_files_are_written_and_hold_the_numbers(tmp_path):
-    pytest.importorskip("matplotlib")
     files = figures.save_figures(("GR", "JL"), str(tmp_path / "new"))
     assert [path.name for path in files] == [
         f"{name}.{ending}" for name in ("GR-figure-1", "GR-figure-2", "JL-anthropomorphic-arm", "JL-spherical-wrist",
@@ -247,29 +246,18 @@ def test_files_are_written_and_hold_the_numbers(tmp_path):
 
 @pytest.mark.slow
 def test_the_same_figure_is_the_same_file(tmp_path):
-    pytest.importorskip("matplotlib")
     one, other = (figures.save_figures(("GR",), str(tmp_path / name)) for name in "ab")
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
 
 
 def test_a_folder_that_cannot_be_is_refused_in_one_line(tmp_path):
-    pytest.importorskip("matplotlib")
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "no" / "such"):
         with pytest.raises(OptionError, match="--figures"):
             figures.check_folder(str(folder))
 
 
-def test_without_matplotlib_the_extra_is_named(monkeypatch, tmp_path):
-    import sys
-
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
-        figures.check_folder(str(tmp_path))
-
-
 @pytest.mark.by_hand
 def test_every_document_has_its_figures(tmp_path):
-    pytest.importorskip("matplotlib")
     files = figures.save_figures(("AM", "ML", "GR", "KG", "JL"), str(tmp_path))
     assert {path.stem for path in files} >= {f"AM-figure-{n}" for n in range(1, 10)} | {"KG-figure-1", "GR-figure-2"}

@@ -7,19 +7,19 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
+from papers.picture import Panel, Picture
+from papers.run import Progress
 from rankdrop.disk import replace_file
-from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.errors import OptionError
 from rankdrop.report.solids import draw_arm, draw_arrow
-from rankdrop.reproduce.picture import Panel, Picture
-from rankdrop.reproduce.run import Progress
 from rankdrop.results import json_text
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _DPI = 150
 _ARROW = 0.34  # length of a unit vector, per reach of the arm that is drawn
@@ -35,7 +35,7 @@ def pictures(document: str) -> tuple[Picture, ...]:
     Args:
         document: "AM", "ML", "GR", "KG" or "JL".
     """
-    from rankdrop.reproduce import am_pictures, other_pictures
+    from papers import am_pictures, other_pictures
 
     made: dict[str, Callable[[], tuple[Picture, ...]]] = {
         "AM": am_pictures.pictures,
@@ -52,9 +52,7 @@ def check_folder(folder: str) -> None:
 
     Raises:
         OptionError: a file, no parent folder, or no permission.
-        MissingExtraError: matplotlib is not installed.
     """
-    _matplotlib()
     path = Path(folder)
     if path.exists() and not path.is_dir():
         raise OptionError("it is a file, not a folder", where="--figures", got=folder)
@@ -77,7 +75,6 @@ def save_figures(documents: Sequence[str], folder: str, *, progress: Progress | 
 
     Raises:
         OptionError: a file cannot be written.
-        MissingExtraError: matplotlib is not installed.
     """
     check_folder(folder)
     made = [picture for document in documents for picture in pictures(document)]
@@ -99,7 +96,7 @@ def _save(picture: Picture, path: Path) -> list[Path]:
     figure = draw(picture)
     files = [path.with_suffix(ending) for ending in (".svg", ".png", ".json")]
     svg, png = io.BytesIO(), io.BytesIO()
-    with _matplotlib().rc_context(_STYLE):
+    with matplotlib.rc_context(_STYLE):
         figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": "rankdrop"})
         figure.savefig(png, format="png", dpi=_DPI, metadata={"Software": "rankdrop"})
     contents = (svg.getvalue(), png.getvalue(), json_text(picture.to_dict()).encode())
@@ -110,14 +107,7 @@ def _save(picture: Picture, path: Path) -> list[Path]:
 
 def draw(picture: Picture) -> Figure:
     """One figure, drawn without a display.
-
-    Raises:
-        MissingExtraError: matplotlib is not installed.
     """
-    matplotlib = _matplotlib()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     count = len(picture.panels)
     columns = count if count < 4 else 2
     rows = -(-count // columns)
@@ -179,10 +169,3 @@ def _draw_in_space(axes: Any, panel: Panel) -> None:
     if any(line.label for line in panel.lines) or panel.arrows:
         axes.legend(frameon=False, fontsize=7, loc="upper left")
 
-
-def _matplotlib() -> Any:
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", None, "drawing figures") from error
-    return matplotlib

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop import conditions
-from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local import relations_at, singular_values
-from rankdrop.reproduce.elbow import (
+from papers.elbow import (
     FOREARM_LINE,
     angles,
     arm_sign,
@@ -18,7 +15,10 @@ from rankdrop.reproduce.elbow import (
     shoulder_text,
     worst,
 )
-from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
+from papers.item import Sheet, Shown, listed, rounded
+from rankdrop import conditions
+from rankdrop.kinematics import jacobian, link_poses
+from rankdrop.local import relations_at, singular_values
 from rankdrop.robot import Robot, open_robot
 from rankdrop.task import BODY, SPACE, Frame, resolve_task
 

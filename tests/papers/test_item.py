@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from papers.formula import matrix, value
+from papers.item import Sheet, Shown, Verdict, half_unit, rounded
 from rankdrop.errors import OptionError
-from rankdrop.reproduce.formula import matrix, value
-from rankdrop.reproduce.item import Sheet, Shown, Verdict, half_unit, rounded
 
 
 def last(sheet):

@@ -7,13 +7,10 @@ from math import comb
 
 import numpy as np
 
-from rankdrop import conditions
-from rankdrop.exact import METHODS, Distances, conditions_text, derive, exact_chain, suppress
-from rankdrop.kinematics import jacobian
-from rankdrop.reproduce import kg_text as kg
-from rankdrop.reproduce.formula import matrix, value
-from rankdrop.reproduce.item import Sheet, Shown
-from rankdrop.reproduce.kg_arm import (
+from papers import kg_text as kg
+from papers.formula import matrix, value
+from papers.item import Sheet, Shown
+from papers.kg_arm import (
     DAMAGED,
     SMALL,
     arm,
@@ -27,6 +24,9 @@ from rankdrop.reproduce.kg_arm import (
     with_zero,
     worst,
 )
+from rankdrop import conditions
+from rankdrop.exact import METHODS, Distances, conditions_text, derive, exact_chain, suppress
+from rankdrop.kinematics import jacobian
 from rankdrop.robot import Array, from_dh
 
 BOTH = "random points of the printed one have rank 5 and lie on ours, and singular points on ours lie on it."

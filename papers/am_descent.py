@@ -16,10 +16,10 @@ from math import comb, degrees
 import numpy as np
 from numpy.typing import NDArray
 
+from papers.am_method import pa10
+from papers.item import Sheet
 from rankdrop.families import Outcome, Search, refine, search
 from rankdrop.local import sample
-from rankdrop.reproduce.am_method import pa10
-from rankdrop.reproduce.item import Sheet
 from rankdrop.robot import Array
 
 SEED = 11

@@ -7,6 +7,8 @@ from math import acos, asin, atan, cos, degrees, pi, sin, sqrt
 
 import numpy as np
 
+from papers.am_method import pa10
+from papers.item import Sheet, Shown, listed, rounded
 from rankdrop.families import Curve, Outcome, most_tolerant, refine, search, singular_curves
 from rankdrop.family import Family
 from rankdrop.kinematics import jacobian, link_poses, pose
@@ -20,8 +22,6 @@ from rankdrop.local import (
     singular_values,
     words,
 )
-from rankdrop.reproduce.am_method import pa10
-from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.results import Analysis, known_analysis
 from rankdrop.robot import Array, from_dh, open_robot, reach
 from rankdrop.task import resolve_task

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import import_module
 
+from papers.item import Item, Sheet, Verdict, count_words
 from rankdrop.errors import OptionError
-from rankdrop.reproduce.item import Item, Sheet, Verdict, count_words
 from rankdrop.results import Record
 from rankdrop.units import heading
 from rankdrop.version import VERSION
@@ -60,7 +60,7 @@ class Reproduction:
         return tuple((str(verdict), self.count(verdict, document)) for verdict in Verdict)
 
     def to_dict(self) -> Record:
-        """Plain data: see schema/reproduced.schema.json."""
+        """Plain data, as `--json` writes it."""
         return {
             **heading(SCHEMA),
             "version": VERSION,
@@ -68,7 +68,7 @@ class Reproduction:
             "documents": [
                 {"name": name, "title": DOCUMENTS[name], "counts": dict(self.counts(name))} for name in self.documents
             ],
-            "items": [item.to_dict() for item in self.items],
+            "items": [asdict(item) for item in self.items],
         }
 
 
@@ -121,7 +121,7 @@ def reproduce(document: str = ALL, *, progress: Progress | None = None) -> Repro
 
 def _sections(name: str) -> Iterable[tuple[str, Callable[[Sheet], None]]]:
     sections: Iterable[tuple[str, Callable[[Sheet], None]]] = import_module(
-        f"rankdrop.reproduce.{name.lower()}"
+        f"papers.{name.lower()}"
     ).SECTIONS
     return sections
 
@@ -131,7 +131,7 @@ _HEAD = """# The five documents, reproduced
 Every table, figure, numeric example and checkable claim of the five documents behind this package: what is printed,
 what
 the package computes, and a verdict that is computed from the two. The page is written by
-`rankdrop reproduce all --markdown docs/reproduced.md`; a test makes it anew and compares.
+`python -m papers all --markdown docs/reproduced.md`; a test makes it anew and compares.
 
 - **agrees**: within half a unit of the last printed digit, or to the tolerance of the identity (1e-9 unless it says
   otherwise), or word for word.

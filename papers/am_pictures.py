@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.families import refine
-from rankdrop.kinematics import pose
-from rankdrop.local import lost_directions
-from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, STEPPED, Descent, descend, run
-from rankdrop.reproduce.am_method import AFTER, BEFORE, OFFSET, matched, offset_directions, pa10
-from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
-from rankdrop.reproduce.picture import (
+from papers.am_descent import PAIRED_SEED, RUNS, STEPPED, Descent, descend, run
+from papers.am_method import AFTER, BEFORE, OFFSET, matched, offset_directions, pa10
+from papers.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
+from papers.picture import (
     BLACK,
     BLUE,
     GREEN,
@@ -24,6 +21,9 @@ from rankdrop.reproduce.picture import (
     arm_at,
     arrows,
 )
+from rankdrop.families import refine
+from rankdrop.kinematics import pose
+from rankdrop.local import lost_directions
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Task, resolve_task
 

@@ -16,6 +16,7 @@ import pytest
 
 pytest.importorskip("flint")
 
+from papers.am_method import mixture_falls
 from rankdrop import (
     conditions,
     explain,
@@ -55,7 +56,6 @@ from rankdrop.local import (
     tied_gradients,
 )
 from rankdrop.local.representation import analytical_jacobian
-from rankdrop.reproduce.am_method import mixture_falls
 from rankdrop.results import known_analysis
 from rankdrop.robot import from_dh
 from rankdrop.robot.numbers import reach

@@ -7,6 +7,7 @@ from math import comb, degrees
 
 import numpy as np
 
+from papers.item import Sheet, Shown, listed
 from rankdrop.exact import derive, exact_chain
 from rankdrop.families import refine
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose, task_jacobian
@@ -22,7 +23,6 @@ from rankdrop.local import (
     spread,
     tied_gradients,
 )
-from rankdrop.reproduce.item import Sheet, Shown, listed
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import SPACE, Frame, Task, resolve_task
 

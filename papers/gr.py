@@ -9,6 +9,7 @@ from math import sqrt
 
 import numpy as np
 
+from papers.item import Sheet, Shown, listed, rounded
 from rankdrop.local import (
     PRINTED_IN_GR,
     OrderedReport,
@@ -20,7 +21,6 @@ from rankdrop.local import (
     session,
     systems_at,
 )
-from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot import Array, JointKind, open_robot
 
 R = 1 / sqrt(2)

@@ -6,13 +6,13 @@ from math import degrees
 
 import numpy as np
 
+from papers import ml_decoupling
+from papers.elbow import angles, elbow_arm, rank_of, worst
+from papers.formula import matrix, value
+from papers.item import Sheet, Shown, listed, rounded
 from rankdrop import conditions, explain
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import generic_rank, lost_directions, planar_two_link, rate_growth, rate_table, representation_at
-from rankdrop.reproduce import ml_decoupling
-from rankdrop.reproduce.elbow import angles, elbow_arm, rank_of, worst
-from rankdrop.reproduce.formula import matrix, value
-from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot import Array, open_robot, reach
 from rankdrop.task import Frame, Task, resolve_task
 

@@ -61,14 +61,6 @@ class Item:
     deviation: float | None = None
     tolerance: float | None = None
 
-    def to_dict(self) -> dict[str, object]:
-        """Plain data: see schema/reproduced.schema.json."""
-        return {
-            "document": self.document, "item": self.item, "about": self.about, "printed": self.printed,
-            "ours": self.ours, "verdict": str(self.verdict), "reason": self.reason, "deviation": self.deviation,
-            "tolerance": self.tolerance,
-        }  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True)
 class Shown:

@@ -7,15 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.kinematics import jacobian, link_poses, pose
-from rankdrop.local import readable_basis, redundancy
-from rankdrop.reproduce import kg_text
-from rankdrop.reproduce.elbow import LENGTHS, elbow_arm
-from rankdrop.reproduce.gr import example
-from rankdrop.reproduce.jl import WRIST_CENTRE, axes_and_points
-from rankdrop.reproduce.kg_arm import arm
-from rankdrop.reproduce.ml import PLANAR, blow_up
-from rankdrop.reproduce.picture import (
+from papers import kg_text
+from papers.elbow import LENGTHS, elbow_arm
+from papers.gr import example
+from papers.jl import WRIST_CENTRE, axes_and_points
+from papers.kg_arm import arm
+from papers.ml import PLANAR, blow_up
+from papers.picture import (
     BLACK,
     BLUE,
     GREEN,
@@ -30,6 +28,8 @@ from rankdrop.reproduce.picture import (
     against,
     arm_at,
 )
+from rankdrop.kinematics import jacobian, link_poses, pose
+from rankdrop.local import readable_basis, redundancy
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import SPACE as BASE
 from rankdrop.task import resolve_task

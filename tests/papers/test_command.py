@@ -1,34 +1,32 @@
-"""`rankdrop reproduce` on the command line."""
+"""`python -m papers` on the command line."""
 
 from __future__ import annotations
 
 import json
 
-import jsonschema
 import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.cli import main
-from rankdrop.reproduce import run as reproduction
-from rankdrop.reproduce.item import Sheet
-from rankdrop.schema import load_schema
+from papers import __main__ as papers
+from papers import run as reproduction
+from papers.item import Sheet
 
 
 @pytest.fixture
 def command(capsys, monkeypatch):
     def once(*argv, width=100):
         monkeypatch.setenv("COLUMNS", str(width))
-        code = main.run(argv)
-        told = capsys.readouterr()
-        return code, told.out, told.err
+        code = papers.main(argv)
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
 
     return once
 
 
 @pytest.mark.parametrize("width", [60, 80, 140])
 def test_a_table_with_counts_and_reasons(command, width):
-    code, out, _ = command("reproduce", "GR", "--quiet", width=width)
+    code, out, _ = command("GR", "--quiet", width=width)
     assert code == 0
     assert max(map(len, out.splitlines())) <= width
     assert "7 erratum" in out
@@ -37,9 +35,8 @@ def test_a_table_with_counts_and_reasons(command, width):
 
 
 def test_json_on_stdout_and_nothing_else(command):
-    code, out, _ = command("reproduce", "gr", "--json", "-", "--quiet")
+    code, out, _ = command("gr", "--json", "-", "--quiet")
     record = json.loads(out)
-    jsonschema.validate(record, load_schema("reproduced"))
     assert code == 0
     assert record["documents"][0]["counts"]["differs"] == 0
     assert {"document", "item", "printed", "ours", "verdict", "reason"} <= record["items"][0].keys()
@@ -50,7 +47,7 @@ def test_files_are_written(command, tmp_path):
     pytest.importorskip("matplotlib")
     page, data, folder = tmp_path / "page.md", tmp_path / "data.json", tmp_path / "figures"
     files = ("--json", str(data), "--markdown", str(page), "--figures", str(folder))
-    code, out, _ = command("reproduce", "GR", "--quiet", *files)
+    code, out, _ = command("GR", "--quiet", *files)
     assert code == 0
     assert "GR" in out
     assert page.read_text().startswith("# The five documents, reproduced")
@@ -63,7 +60,7 @@ def test_an_item_that_differs_ends_with_3(command, monkeypatch):
         sheet.numbers("Table 1", "a number", "0.5", 0.9)
 
     monkeypatch.setattr(reproduction, "_sections", lambda name: [("made up", part)])
-    code, out, _ = command("reproduce", "GR", "--quiet")
+    code, out, _ = command("GR", "--quiet")
     assert code == 3
     assert "differs: Table 1" not in out, "there is no reason to tell"
     assert "1 differs" in out
@@ -72,12 +69,11 @@ def test_an_item_that_differs_ends_with_3(command, monkeypatch):
 def test_what_is_wrong_is_told_in_one_line(command, tmp_path):
     for argv, told in (
         (("XX",), "there is no such document"),
-        (("GR", "--json", str(tmp_path / "no" / "a.json")), "--json"),
-        (("GR", "--markdown", str(tmp_path / "a.txt")), "--markdown"),
+        (("JL", "--quiet", "--json", str(tmp_path / "no" / "a.json")), "a.json"),
         (("GR", "--figures", str(tmp_path / "no" / "folder")), "--figures"),
     ):
-        code, out, err = command("reproduce", *argv)
-        assert (code, out) == (2, "")
+        code, _, err = command(*argv)
+        assert code == 2
         assert told in err
         assert len(err.splitlines()) == 1
 
@@ -90,6 +86,6 @@ def test_ctrl_c_shows_what_was_done(command, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(reproduction, "_sections", lambda name: [("a", first), ("b", second)])
-    code, out, _ = command("reproduce", "GR", "--quiet")
+    code, out, _ = command("GR", "--quiet")
     assert code == 130
     assert "1 agrees" in out

@@ -1,6 +1,6 @@
-"""The five source documents, item by item: what they print, what this package computes, and whether the two agree.
+"""The five source documents, item by item: what they print, what rankdrop computes, and whether the two agree.
 
-    >>> from rankdrop.reproduce.run import reproduce
+    >>> from papers.run import reproduce
     >>> found = reproduce("ML")
     >>> found.differs, found.count("erratum") > 0
     ((), True)

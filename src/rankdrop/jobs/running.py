@@ -11,16 +11,18 @@ import contextlib
 import json
 import os
 import queue
+import signal
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
-from rankdrop.jobs.folder import Folder, Job, error_from_dict, perform
+from rankdrop.jobs.folder import Folder, Job, error_from_dict, error_to_dict, perform
 from rankdrop.version import VERSION
 
 MOST_WORKERS = 1024
@@ -208,7 +210,7 @@ class _Worker:
         paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {**os.environ, **dict.fromkeys(_THREADS, "1"), "PYTHONPATH": os.pathsep.join(paths)}
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "rankdrop.jobs.worker"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            [sys.executable, "-m", "rankdrop.jobs.running"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             env=environment,
         )  # fmt: skip
         told, _ = _pipes(self._process)
@@ -284,3 +286,37 @@ def on_cluster(work: str, plan: dict[str, Any], chunk: int, version: str) -> Mad
 
     with threadpoolctl.threadpool_limits(1):  # as many as a local worker has: the number decides last bits of sums
         return chunk, perform(work, plan, chunk)
+
+
+def work() -> None:
+    """Make chunks until the input ends: what a worker's process does.
+
+    It has its own process, so that BLAS has one thread from the beginning, a crash or a kill costs one chunk, and a
+    caller's script is never imported by it. In: one line of JSON with work and plan, then a line with a number for each
+    chunk. Out, for each: a line "ok LENGTH", "error LENGTH" or "broken LENGTH", then so many bytes: the chunk, an error
+    as JSON, or a traceback. What the work prints goes to standard error.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the input
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    job = json.loads(sys.stdin.buffer.readline())
+    for line in sys.stdin.buffer:
+        kind, content = _answer(job, int(line))
+        try:
+            answers.write(f"{kind} {len(content)}\n".encode() + content)
+            answers.flush()
+        except BrokenPipeError:  # the parent was killed
+            os._exit(0)
+
+
+def _answer(job: dict[str, object], chunk: int) -> tuple[str, bytes]:
+    try:
+        return "ok", perform(str(job["work"]), job["plan"], chunk)  # type: ignore[arg-type]  # plain data of a Job
+    except RankdropError as error:
+        return "error", json.dumps(error_to_dict(error)).encode()
+    except Exception:  # whatever it is goes to the parent, which raises it with the traceback
+        return "broken", traceback.format_exc().encode()
+
+
+if __name__ == "__main__":
+    work()

@@ -30,12 +30,31 @@ def test_a_command_passes_no_more_files_and_types_than_before(line: str) -> None
 
 
 WHOLE = {
-    "certify": (20, 32), "cli": (26, 5), "compare": (4, 11), "designs": (9, 10), "errors": (1, 8), "exact": (53, 87),
-    "families": (25, 41), "family": (6, 15), "jobs": (4, 5), "kinematics": (1, 1), "local": (30, 54),
-    "motion": (35, 49), "problem": (1, 2), "report": (18, 4), "results": (20, 19),
-    "robot": (24, 30), "schema": (2, 1), "sections": (1, 1), "solve": (1, 0), "text": (3, 1), "units": (1, 0),
-    "verbs": (8, 4), "viewer": (21, 25),
-}  # fmt: skip
+    "certify": (20, 32),
+    "cli": (27, 5),
+    "compare": (4, 11),
+    "designs": (9, 10),
+    "errors": (1, 8),
+    "exact": (53, 87),
+    "families": (25, 41),
+    "family": (6, 15),
+    "jobs": (4, 5),
+    "kinematics": (1, 1),
+    "local": (30, 54),
+    "motion": (35, 49),
+    "options": (1, 1),
+    "problem": (1, 2),
+    "report": (18, 4),
+    "results": (20, 19),
+    "robot": (24, 30),
+    "schema": (2, 1),
+    "sections": (1, 1),
+    "solve": (1, 0),
+    "text": (3, 1),
+    "units": (1, 0),
+    "verbs": (8, 4),
+    "viewer": (21, 25),
+}
 """Room -> at most so many files, at most so many classes."""
 
 

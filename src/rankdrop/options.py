@@ -1,0 +1,150 @@
+"""Options as records: type, default, bounds, unit and one line of help of each, written once and checked once.
+
+A question is a frozen dataclass of the base `Options`. The verb takes it, the command line derives its options from it
+(`rankdrop.cli.derived`), and msgspec reads and writes it and generates its schema.
+
+    >>> from dataclasses import dataclass
+    >>> from typing import Annotated
+    >>> @dataclass(frozen=True)
+    ... class Search(Options):
+    ...     starts: Annotated[int, option("Random starts", ge=1)] = 100
+    ...     within: Annotated[float, option("Distance from the family", unit="rad", ge=0)] | None = None
+    >>> Search(starts=0)
+    Traceback (most recent call last):
+    ...
+    rankdrop.errors.OptionError: starts: this value is not allowed; got 0; allowed: a whole number, at least 1
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields, replace
+from functools import cache
+from inspect import Parameter, signature
+from math import isfinite
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+from msgspec import Meta
+
+from rankdrop.errors import OptionError
+
+Verb = TypeVar("Verb", bound=Callable[..., Any])
+
+
+def option(help: str, *, unit: str = "", name: str = "", **bounds: Any) -> Meta:
+    """Metadata of one field, for `Annotated`.
+
+    Args:
+        help: one line, without a full stop at its end.
+        unit: of the number: "rad", "m", "s", "rad/s" …; on the command line 5deg and 3mm are understood.
+        name: on the command line, where it is not that of the field: "--all".
+        bounds: ge, gt, le, lt of a number; numbers are finite always.
+    """
+    schema, extra = {"unit": unit} if unit else None, {"name": name} if name else None
+    return Meta(description=help, extra_json_schema=schema, extra=extra, **bounds)
+
+
+class Options:
+    """Base of the records of options: a record that exists is within its bounds."""
+
+    def __post_init__(self) -> None:
+        for name, hint in hints(type(self)).items():  # type: ignore[arg-type]  # a class is hashable
+            value = _plain(getattr(self, name))
+            object.__setattr__(self, name, value)
+            _check(name, hint, value)
+
+    @classmethod
+    def of(cls, options: Self | None, given: Mapping[str, Any]) -> Self:
+        """The record of a verb that was called with a record, with keywords, or with both: keywords count.
+
+        Raises:
+            OptionError: no field has this name, or its value is out of range.
+        """
+        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]  # its subclasses are dataclasses
+        for name in given.keys() - set(names):
+            raise OptionError("no option has this name", where=name, allowed=", ".join(names))
+        return cls(**given) if options is None else replace(options, **given)  # type: ignore[type-var]
+
+
+def takes(record: type[Options]) -> Callable[[Verb], Verb]:
+    """Let `help()` and completion show the fields of the record as keywords of a verb that takes `**given`."""
+
+    def documented(verb: Verb) -> Verb:
+        own = [one for one in signature(verb).parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
+        keywords = [
+            Parameter(field.name, Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
+            for field in fields(record)  # type: ignore[arg-type]
+        ]
+        verb.__signature__ = signature(verb).replace(parameters=[*own, *keywords])  # type: ignore[attr-defined]
+        return verb
+
+    return documented
+
+
+@cache
+def hints(record: type) -> dict[str, Any]:
+    """The types of the fields, with their metadata."""
+    found = get_type_hints(record, include_extras=True)
+    return {field.name: found[field.name] for field in fields(record)}
+
+
+def meta_of(hint: Any) -> Meta | None:
+    """The metadata of a field's type, `Annotated[…] | None` included."""
+    return next((one for one in _parts(hint) if isinstance(one, Meta)), None)
+
+
+def plain_type(hint: Any) -> Any:
+    """The type of a field without metadata and None: int, float, bool, str, a Literal, or a tuple."""
+    if get_origin(hint) is Annotated:
+        return plain_type(get_args(hint)[0])
+    if get_origin(hint) in (Union, UnionType):
+        return plain_type(next(one for one in get_args(hint) if one is not NoneType))
+    return hint
+
+
+def unit_of(hint: Any) -> str:
+    """The unit of a field, empty where it has none."""
+    meta = meta_of(hint)
+    return str((meta.extra_json_schema or {}).get("unit", "")) if meta else ""
+
+
+def allowed(hint: Any) -> str:
+    """What a field may be, in words.
+
+    Example:
+        >>> allowed(Annotated[float, option("Speed", unit="m/s", gt=0)])
+        'a number above 0 [m/s]'
+    """
+    kind, meta, unit = plain_type(hint), meta_of(hint), unit_of(hint)
+    if get_origin(kind) is Literal:
+        return ", ".join(map(str, get_args(kind)))
+    words = {int: "a whole number", float: "a number", bool: "True or False", str: "a text"}.get(kind, str(kind))
+    signs = (("ge", ", at least"), ("gt", " above"), ("le", ", at most"), ("lt", " below"))
+    limits = [f"{sign} {limit:.12g}" for name, sign in signs if (limit := getattr(meta, name, None)) is not None]
+    return "".join([words, *limits, f" [{unit}]" if unit else ""])
+
+
+def _parts(hint: Any) -> Iterator[Any]:
+    yield hint
+    if get_origin(hint) in (Annotated, Union, UnionType):
+        for part in get_args(hint):
+            yield from _parts(part)
+
+
+def _plain(value: Any) -> Any:
+    """A number of NumPy as one of Python; a list as a tuple."""
+    if isinstance(value, list):
+        return tuple(value)
+    return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
+
+
+def _check(name: str, hint: Any, value: Any) -> None:
+    """Raises OptionError where the value is of another type or out of its bounds."""
+    try:
+        msgspec.convert(value, hint)
+    except msgspec.ValidationError as error:
+        raise OptionError("this value is not allowed", where=name, got=repr(value), allowed=allowed(hint)) from error
+    if isinstance(value, float) and not isfinite(value):
+        raise OptionError("the value is not finite", where=name, got=repr(value), allowed=allowed(hint))

@@ -12,6 +12,7 @@ HIDDEN = {
 }
 """For `str.translate`: what would steer a terminal -> a sign in its place."""
 _LONGEST_PART = 2000  # characters of one part of an error: a name may have as many as its file
+_LONGEST_ECHO = 200  # characters of a value that was given
 
 
 def visible(text: str) -> str:
@@ -61,7 +62,7 @@ class RankdropError(Exception):
     def _line(self, mend: str | None) -> str:
         parts = [f"{_shown(self.where)}: {_shown(self.what)}" if self.where else _shown(self.what)]
         if self.got is not None:
-            parts.append(f"got {_shown(self.got)}")
+            parts.append(f"got {_shown(self.got, _LONGEST_ECHO)}")
         if self.allowed is not None:
             parts.append(f"allowed: {_shown(self.allowed)}")
         if mend:
@@ -69,12 +70,12 @@ class RankdropError(Exception):
         return " ".join("; ".join(parts).split())
 
 
-def _shown(part: Any) -> str:
+def _shown(part: Any, longest: int = _LONGEST_PART) -> str:
     """A part of an error: nothing that steers a terminal, and both ends of what is too long."""
     text = visible(str(part))
-    if len(text) <= _LONGEST_PART:
+    if len(text) <= longest:
         return text
-    return f"{text[: _LONGEST_PART // 2]} … {text[-_LONGEST_PART // 2 :]}"
+    return f"{text[: longest // 2]} … {text[-longest // 2 :]}"
 
 
 class RobotError(RankdropError):

@@ -45,14 +45,14 @@ def test_every_command_that_opens_an_arm_is_here() -> None:
 
 @pytest.mark.parametrize("command", OPENING)
 def test_a_missing_argument_is_named_as_the_option_to_type(run, command: str, arm: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     ended = run(command, str(arm), *OPENING[command])
     assert (ended.code, ended.out) == (exits.BAD_INPUT, "")
     assert ended.err.endswith("got no value of kind; fix: --arg kind:=VALUE\n")
 
 
 def test_arguments_reach_the_file(run, arm: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     ended = run("find", str(arm), "--arg", "kind:=continuous", "--task", "planar-position", "--corank", "1",
                 "--starts", "50", "--quiet", "--json", "-")  # fmt: skip
     assert ended.code == exits.FINE
@@ -62,7 +62,7 @@ def test_arguments_reach_the_file(run, arm: Path) -> None:
 
 
 def test_a_urdf_with_xacro_elements_is_expanded_with_the_option_alone(run, arm: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     plain = arm.with_name("arm.urdf")
     text = arm.read_text(encoding="utf-8").replace("$(arg kind)", "continuous")
     plain.write_text(text.replace("<link", '<xacro:property name="x" value="1"/><link', 1), encoding="utf-8")

@@ -224,7 +224,7 @@ def test_joints_that_others_do_not_have(name: str, rng: np.random.Generator) -> 
     assert JointKind.HELICAL in {joint.kind for joint in screw.joints}
     for robot, able in ((led, "yourdfpy"), (screw, "pinocchio")):
         if name != able:
-            with pytest.raises(RobotError, match=r"follows another|helical"):
+            with pytest.raises(RobotError, match=r"follow others|helical"):
                 TO[name](robot)
             continue
         back = FROM[name](TO[name](robot), tip=robot.tip, as_written=True)

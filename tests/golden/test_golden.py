@@ -152,7 +152,7 @@ def test_the_readme_shows_a_condition_tested() -> None:
 
 
 def test_errors_are_as_they_were(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     monkeypatch.chdir(HERE)
     text = ""
     for line in ERRORS:

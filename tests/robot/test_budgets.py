@@ -304,3 +304,10 @@ def test_the_page_of_limits_is_what_the_code_has() -> None:
         found = [cell for name, cell in told.items() if name.startswith(start)]
         assert len(found) == 1, start
         assert found[0].startswith(value), f"{start}: {found[0]}, the code has {value}"
+
+
+def test_an_error_repeats_at_most_200_characters_of_a_value() -> None:
+    with pytest.raises(RobotError) as caught:
+        quantity("1" + "+1" * 5000, "angle", where="here")
+    assert len(str(caught.value)) < 400
+    assert len(str(RobotError("wrong", got="x" * 5000))) < 250

@@ -117,7 +117,7 @@ def test_an_arm_of_the_catalogue_has_no_shapes() -> None:
 
 
 def test_a_xacro_file_is_drawn_as_it_was_expanded(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc", reason="xacrodoc is not installed")
+    pytest.importorskip("xacro", reason="xacrodoc is not installed")
     (tmp_path / "part.obj").write_text(TRIANGLE, encoding="utf-8")
     plain, _ = shapes(tmp_path, '<mesh filename="part.obj"/>')
     text = URDF.format(mesh='<mesh filename="part.obj" scale="$(arg size) 1 1"/>')

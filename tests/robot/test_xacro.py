@@ -1,4 +1,4 @@
-"""xacro files are expanded by xacrodoc; what it cannot do is said in our words."""
+"""xacro files are expanded by the package xacro in a child process; errors are in our words."""
 
 from __future__ import annotations
 
@@ -49,27 +49,25 @@ def macros(tmp_path: Path) -> Path:
 
 
 def test_includes_are_relative_to_the_file(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     arm = open_robot(write(tmp_path, "pack/urdf/macro.xacro"))
     assert (arm.name, arm.n, arm.tip, arm.upper[0]) == ("x_arm", 2, "l2", pi / 2)
     assert arm.joints[1].screw.tolist() == [0, -0.5, 0, 0, 0, 1]
 
 
 def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
-    xacrodoc = pytest.importorskip("xacrodoc")
-    before = xacrodoc.packages._finder
+    pytest.importorskip("xacro")
     path = write(tmp_path, "$(find given_pack)/urdf/macro.xacro")
     assert open_robot(path, packages={"given_pack": macros}).n == 2
     with pytest.raises(RobotError, match=r"not found; got 'given_pack'; .*fix: give its folder: packages=") as caught:
         open_robot(path)  # the map of the first call is not kept
     assert caught.value.on_command_line().endswith("fix: give its folder: --package given_pack=FOLDER")
-    assert xacrodoc.packages._finder is before
     with pytest.raises(RobotError, match="package 'pack': the folder of a package is not there"):
         open_robot(path, packages={"pack": tmp_path / "nowhere"})
 
 
 def test_a_package_beside_the_file_is_found_and_told(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     (macros / "package.xml").write_text("<package><name>told_pack</name></package>", encoding="utf-8")
     (tmp_path / "own" / "urdf").mkdir(parents=True)
     arm = open_robot(write(tmp_path / "own" / "urdf", "$(find told_pack)/urdf/macro.xacro"))
@@ -77,7 +75,7 @@ def test_a_package_beside_the_file_is_found_and_told(tmp_path: Path, macros: Pat
 
 
 def test_a_missing_package_that_only_names_meshes_does_not_matter(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     mesh = '<visual><geometry><mesh filename="file://$(find mesh_pack)/a.stl"/></geometry></visual>'
     path = write(tmp_path, "pack/urdf/macro.xacro")
     path.write_text(path.read_text().replace('<link name="l0"/>', f'<link name="l0">{mesh}</link>'), encoding="utf-8")
@@ -86,7 +84,7 @@ def test_a_missing_package_that_only_names_meshes_does_not_matter(tmp_path: Path
 
 
 def test_arguments_are_passed(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     path = write(tmp_path, "pack/urdf/macro.xacro")
     for value in ("0.25", 0.25):
         assert open_robot(path, args={"length": value}).joints[1].screw[1] == -0.25
@@ -95,7 +93,7 @@ def test_arguments_are_passed(tmp_path: Path, macros: Path) -> None:
 
 
 def test_true_and_false_are_written_as_xacro_reads_them(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
     more = '<xacro:if value="$(arg long)"><link name="c"/>' + joint.replace('"b"', '"c"').replace('"a"', '"b"').replace(
         '"j"', '"k"') + "</xacro:if>"  # fmt: skip
@@ -118,7 +116,7 @@ def needs(tmp_path: Path, inside: str, name: str = "r") -> Path:
 
 
 def test_an_argument_without_a_default_is_named_with_the_mend(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     path = needs(tmp_path, '<xacro:arg name="with" default="7"/>')
     with pytest.raises(RobotError, match="are not given; got no value of kind") as caught:
         open_robot(path, args={"with": 1})
@@ -128,7 +126,7 @@ def test_an_argument_without_a_default_is_named_with_the_mend(tmp_path: Path) ->
 
 
 def test_what_cannot_be_expanded_names_the_arguments_that_may_be_the_reason_first(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     given = "".join(f'<xacro:arg name="other{i}" default="1"/>' for i in range(20))
     kind = '<xacro:arg name="kind" default=""/><xacro:arg name="type" default="ur5x"/>'
     path = needs(tmp_path, f'{given}{kind}<xacro:include filename="$(arg type)/$(arg kind).xacro"/>')
@@ -140,14 +138,14 @@ def test_what_cannot_be_expanded_names_the_arguments_that_may_be_the_reason_firs
 
 
 def test_an_argument_that_the_file_does_not_take_is_refused(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     path = write(tmp_path, "pack/urdf/macro.xacro")
     with pytest.raises(RobotError, match="the file has no such argument; got 'width'; allowed: length"):
         open_robot(path, args={"width": 1})
 
 
 def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     inside = '<xacro:arg name="kind" default="continuous"/><xacro:arg name="called" default="rizon"/>'
     path = needs(tmp_path, inside, "$(arg called)_arm")
     assert open_robot(path).name == "rizon_arm"
@@ -165,7 +163,7 @@ def test_arguments_belong_to_xacro_files(tmp_path: Path) -> None:
 
 
 def test_a_file_of_macros_alone_is_told(macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     with pytest.raises(RobotError, match="nothing comes out of the xacro file"):
         open_robot(macros / "urdf" / "macro.xacro")
 
@@ -176,21 +174,21 @@ def test_what_does_not_end_in_xacro_is_expanded_on_request_only(
 ) -> None:
     path = write(tmp_path, "pack/urdf/macro.xacro", name)
     with monkeypatch.context() as without:
-        without.setattr(xacro, "_expand", lambda *_: pytest.fail("expanded"))
+        without.setattr(xacro, "run_limited", lambda *_, **__: pytest.fail("expanded"))
         with pytest.raises(RobotError, match=r"expanding it can run any command; fix: .*xacro=True") as caught:
             open_robot(path)
     assert caught.value.on_command_line().endswith("--xacro")
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     assert open_robot(path, xacro=True).n == 2
 
 
 def test_the_ending_may_be_in_capitals(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     assert open_robot(write(tmp_path, "pack/urdf/macro.xacro", "ARM.XACRO")).n == 2
 
 
 def test_xacro_in_comments_does_not_make_a_xacro_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    monkeypatch.setitem(sys.modules, "xacro", None)
     path = tmp_path / "arm.urdf"
     joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
     text = f'<robot name="r"><!-- <xacro:x/> --><link name="a"/><link name="b"/>{joint}</robot>'
@@ -198,14 +196,14 @@ def test_xacro_in_comments_does_not_make_a_xacro_file(tmp_path: Path, monkeypatc
     assert open_robot(path).n == 1
 
 
-def test_without_xacrodoc_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+def test_without_xacro_the_command_that_installs_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xacro", None)
     with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
         open_robot(write(tmp_path, "x.xacro"))
 
 
 def test_what_xacro_cannot_expand_is_said_in_one_line(tmp_path: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    pytest.importorskip("xacro")
     with pytest.raises(RobotError, match="xacro cannot expand the file") as caught:
         open_robot(write(tmp_path, "missing.xacro"))
     assert "\n" not in str(caught.value)

@@ -46,7 +46,7 @@ WHOLE = {
     "problem": (1, 2),
     "report": (18, 4),
     "results": (20, 19),
-    "robot": (24, 30),
+    "robot": (19, 29),
     "schema": (2, 1),
     "sections": (1, 1),
     "solve": (1, 0),

@@ -37,7 +37,7 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 def run_limited(
     function: Callable[..., Any], *arguments: Any, file: str | Path, parser: str,
-    memory: int = MEMORY, cpu: int = CPU, error: type[RankdropError] = RobotError,
+    memory: int | None = None, cpu: int | None = None, error: type[RankdropError] = RobotError,
 ) -> Any:
     """The result of a function that is called in a child process with limits.
 
@@ -46,13 +46,14 @@ def run_limited(
         arguments: plain data.
         file: that is read, for errors.
         parser: whose code reads it, for errors ("MuJoCo").
-        memory: data that the child may hold [bytes].
-        cpu: processor time of the child [s].
+        memory: data that the child may hold [bytes]; None for `MEMORY`.
+        cpu: processor time of the child [s]; None for `CPU`.
         error: type of all errors.
 
     Raises:
         RankdropError: of the given type: what the function raises as one; the child meets a limit or crashes.
     """
+    memory, cpu = memory or MEMORY, cpu or CPU
     paths = [str(Path(__file__).resolve().parents[2]), *(path for path in sys.path if path)]
     request = {"function": [function.__module__, function.__name__], "arguments": arguments, "limits": [memory, cpu]}
     try:

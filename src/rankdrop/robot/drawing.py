@@ -29,8 +29,8 @@ from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot, source_text
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 from rankdrop.robot.transform import from_xyz_rpy, times
+from rankdrop.robot.tree import Tree
 from rankdrop.robot.urdf import from_urdf
-from rankdrop.robot.urdf_tree import Tree
 
 FRAME = ("x", "y", "z", "roll", "pitch", "yaw")
 """Parts of a pose."""

@@ -1,16 +1,17 @@
 """Robots from MJCF, compiled by the package mujoco (extra "mujoco"): the chain of bodies from a base to a tip.
 
-MuJoCo's own compiler resolves defaults, includes, frames, angles and joint limits; of its result the kinematics is
-read. A body pose, then its joints in order, each about its anchor in the body frame: with S_k the screw of joint k in
-the body frame and r_k its `ref`, the body stands at T_parent · B · exp(S_1 (q_1 − r_1)) · exp(S_2 (q_2 − r_2)) …, so
-that q counts as MuJoCo's qpos does.
+MuJoCo's own compiler resolves defaults, includes, frames, angles and joint limits, in a child process with limits: a
+few characters of MJCF may ask for gigabytes. Of its result the kinematics comes back as plain data. A body pose, then
+its joints in order, each about its anchor in the body frame: with S_k the screw of joint k in the body frame and r_k
+its `ref`, the body stands at T_parent · B · exp(S_1 (q_1 − r_1)) · exp(S_2 (q_2 − r_2)) …, so that q counts as MuJoCo's
+qpos does.
 """
 
 from __future__ import annotations
 
 import shlex
 import warnings
-from dataclasses import dataclass
+from importlib.util import find_spec
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -19,32 +20,19 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, read_text, read_xml
-from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.jobs.limited import run_limited
+from rankdrop.robot.files import MOST_BODIES, RANGE, allowed_range, read_text, read_xml
+from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.quantities import Angles
-from rankdrop.robot.transform import about_axis, times, translation
-from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
+from rankdrop.robot.transform import translation
+from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
 
 _KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
-_NOWHERE = Element("joint", {}, 0)  # the compiler keeps no lines
 _UNREAD = (
     "actuators", "sensors", "tendons", "equalities", "pairs", "excludes", "keys", "tuples", "skins", "flexes", "geoms",
     "cameras", "lights", "materials", "textures", "meshes", "hfields",
 )  # fmt: skip
 """Taken out before compiling, users before what they use: mesh files are then neither needed nor opened."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Motion:
-    """One step down the tree: the pose where it starts in the frame of its parent, and the joint there, if it moves."""
-
-    origin: Array  # (4, 4)
-    axis: Array  # (3,) in the frame at `origin`; zero where nothing moves
-    anchor: Array  # (3,) a point of the axis in that frame
-    ref: float  # value of the joint in the pose of the file
-    lower: float
-    upper: float
 
 
 def from_mjcf(
@@ -53,7 +41,7 @@ def from_mjcf(
     """A robot from an MJCF file.
 
     Only the chain from `base` to `tip` is read: bodies, hinge and slide joints, their axes, anchors, limits and `ref`.
-    Geoms, meshes and actuators are not looked at. Joint values are those of MuJoCo (qpos), in radians and metres.
+    Geoms, meshes and actuators are ignored. Joint values are those of MuJoCo (qpos), in radians and metres.
     Rounded euler angles and structure that holds but for noise are taken as exact, with a note, as in `from_urdf`.
 
     Args:
@@ -63,71 +51,61 @@ def from_mjcf(
 
     Raises:
         MissingExtraError: mujoco is not installed.
-        RobotError: MuJoCo cannot compile the file (in its words), a ball or free joint in the chain, names that are
-            not there.
+        RobotError: MuJoCo cannot compile the file (in its words) or needs too much for it, a ball or free joint in the
+            chain, names that are not there.
     """
     file = Path(path)
     root = read_xml(read_text(file), str(file), most=MOST_BODIES)  # limits on size and depth, no document types
-    try:
-        import mujoco
-    except ImportError:
-        raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
+    if find_spec("mujoco") is None:
+        raise MissingExtraError("mujoco", "mujoco", "an MJCF file")
     name = root.attributes.get("model", visible(file.stem))
-    model, couplings, changes = _compiled(mujoco, file, as_written)
-    return robot_of(mujoco, model, name, str(file), couplings, changes, base, tip, as_written=as_written)
+    model = run_limited(compile_file, str(file), as_written, file=file, parser="MuJoCo")
+    return robot_of(model, name, str(file), base, tip, as_written=as_written)
 
 
 def robot_of(
-    mujoco: Any,
-    model: Any,
-    name: str,
-    place: str,
-    couplings: list[tuple[str, str]],
-    changes: dict[str, list[float]],
-    base: str | None,
-    tip: str | None,
-    *,
-    as_written: bool,
+    model: dict[str, Any], name: str, place: str, base: str | None, tip: str | None, *, as_written: bool
 ) -> Robot:
     """The chain from `base` to `tip` of a compiled model.
 
     Args:
-        mujoco: the package.
-        model: its MjModel.
+        model: from `plain_model`.
         name: of the robot.
         place: the file, for errors and `Robot.source`.
-        couplings: pairs of joints that a constraint couples.
-        changes: what was added to angles [rad], by body or site.
         base, tip: names of bodies or sites; None: chosen.
         as_written: take every number literally.
 
     Raises:
         RobotError: a ball or free joint in the chain, names that are not there.
     """
-    motions: dict[str, _Motion] = {}
-    tree, floating = _tree(mujoco, model, name, place, motions)
-    _refuse_floating(tree, floating, base, tip)
+    links = dict.fromkeys(model["bodies"], 0)
+    steps = {step["name"]: step for step in model["steps"]}
+    joints = {key: TreeJoint(key, step["kind"], step["parent"], step["child"]) for key, step in steps.items()}
+    tree = connected(Tree(name, place, links | dict.fromkeys((joint.child for joint in joints.values()), 0), joints))
+    _refuse_floating(tree, model["floating"], base, tip)
     ends = choose_ends(tree, base, tip)
-    joints, home = _chain(tree, ends.path, motions)
-    names = {joint.name for joint in joints}
+    moving = {step.name for step in ends.path if step.moves}
     notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they are taken as independent"
-             for one, two in couplings if {one, two} <= names]  # fmt: skip
-    if ends.base in floating:
+             for one, two in model["couplings"] if {one, two} <= moving]  # fmt: skip
+    if ends.base in model["floating"]:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
-    found = Robot(
-        name, joints, home, source=Source("mjcf", place), base=ends.base, tip=ends.tip,
-        notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
-    )
-    on_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
-    return as_meant(found, Angles(as_written, [x for link in on_chain for x in changes.get(link, ())]))
+    links_of_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
+    angles = Angles(as_written, [x for link in links_of_chain for x in model["changes"].get(link, ())])
+    return chain_robot(tree, ends, "mjcf", lambda joint: _motion(tree, joint, steps[joint.name]), angles, notes)
 
 
-def _compiled(
-    mujoco: Any, file: Path, as_written: bool
-) -> tuple[Any, list[tuple[str, str]], dict[str, list[float]]]:
-    """The compiled model of bodies, joints and sites; pairs of joints that an equality couples; angles."""
+def compile_file(file: str, as_written: bool) -> dict[str, Any]:
+    """The compiled model of bodies, joints and sites as plain data; runs in a child process.
+
+    Raises:
+        RobotError: MuJoCo cannot compile the file, or it has too many bodies.
+    """
+    import mujoco
+
     try:
-        spec = mujoco.MjSpec.from_file(str(file))
+        spec = mujoco.MjSpec.from_file(file)
+        if len(spec.bodies) > MOST_BODIES:
+            raise RobotError("there are too many bodies", where=file, allowed=f"at most {MOST_BODIES}")
         couplings = [(rule.name1, rule.name2) for rule in spec.equalities if rule.type == mujoco.mjtEq.mjEQ_JOINT]
         for kind in _UNREAD:
             for element in list(getattr(spec, kind)):
@@ -141,10 +119,62 @@ def _compiled(
             body.fullinertia = [np.nan] * 6
         with warnings.catch_warnings():  # of inertias that are none of the file's
             warnings.simplefilter("ignore", UserWarning)
-            return spec.compile(), couplings, changes
-    except (ValueError, mujoco.FatalError) as error:
+            return plain_model(mujoco, spec.compile(), couplings, changes)
+    except (RobotError, MemoryError):
+        raise
+    except Exception as error:  # ValueError, RuntimeError, FatalError
         reason = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
-        raise RobotError(f"MuJoCo cannot compile the file: {reason[:300]}", where=str(file)) from None
+        raise RobotError(f"MuJoCo cannot compile the file: {reason[:200]}", where=file) from None
+
+
+def plain_model(
+    mujoco: Any, model: Any, couplings: list[tuple[str, str]], changes: dict[str, list[float]]
+) -> dict[str, Any]:
+    """Bodies and named sites of an MjModel as steps down the tree, and the bodies that float: roots on no joint.
+
+    Args:
+        mujoco: the package.
+        model: its MjModel.
+        couplings: pairs of joints that a constraint couples.
+        changes: what was added to angles [rad], by body or site.
+    """
+    bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
+    links = set(bodies)
+    floating: list[str] = []
+    steps: list[dict[str, Any]] = []
+
+    def add(name: str, kind: str, parent: str, child: str, pose: tuple[Any, Any], joint: int | None = None) -> None:
+        moves = {} if joint is None else {
+            "axis": model.jnt_axis[joint].tolist(), "anchor": model.jnt_pos[joint].tolist(),
+            "ref": float(model.qpos0[model.jnt_qposadr[joint]]),
+            "limits": model.jnt_range[joint].tolist() if model.jnt_limited[joint] else [-inf, inf],
+        }  # fmt: skip
+        place = {"position": list(map(float, pose[0])), "quaternion": list(map(float, pose[1]))}
+        steps.append({"name": name, "kind": kind, "parent": parent, "child": child, **place, **moves})
+
+    for i in range(1, model.nbody):
+        parent, pose = bodies[model.body_parentid[i]], (model.body_pos[i], model.body_quat[i])
+        first, count = int(model.body_jntadr[i]), int(model.body_jntnum[i])
+        if count and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:  # always alone in its body
+            floating.append(bodies[i])
+            continue
+        if count == 0:
+            add(f"{bodies[i]} (fixed)", "fixed", parent, bodies[i], pose)
+        for part, j in enumerate(range(first, first + count), start=1):
+            own = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
+            child = bodies[i] if part == count else f"{bodies[i]} after {own}"
+            kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
+            add(own, kind, parent, child, pose, j)
+            links.add(child)
+            parent, pose = child, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    for i in range(model.nsite):
+        site = model.site(i).name
+        if site:
+            link = site if site not in links else f"{site} (site)"
+            links.add(link)
+            add(f"{site} (site, fixed)", "fixed", bodies[model.site_bodyid[i]], link,
+                (model.site_pos[i], model.site_quat[i]))  # fmt: skip
+    return {"bodies": bodies, "steps": steps, "floating": floating, "couplings": couplings, "changes": changes}
 
 
 def _delete(spec: Any, element: Any) -> None:
@@ -187,67 +217,36 @@ def _refuse_floating(tree: Tree, floating: list[str], base: str | None, tip: str
         )
 
 
-def _tree(
-    mujoco: Any, model: Any, name: str, file: str, motions: dict[str, _Motion]
-) -> tuple[Tree, list[str]]:
-    """Bodies and named sites as links, and the bodies that float: roots of their own, on no joint.
-
-    `motions` is filled, by the names of the tree's joints.
-    """
-    bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
-    links = dict.fromkeys(bodies, 0)
-    joints: dict[str, TreeJoint] = {}
-    floating: list[str] = []
-
-    def add(name: str, kind: str, parent: str, child: str, motion: _Motion) -> None:
-        links[child] = 0
-        joints[name] = TreeJoint(name, kind, parent, child, _NOWHERE)
-        motions[name] = motion
-
-    for i in range(1, model.nbody):
-        parent = bodies[model.body_parentid[i]]
-        pose = _pose(model.body_pos[i], model.body_quat[i])
-        count = model.body_jntnum[i]
-        if count and model.jnt_type[model.body_jntadr[i]] == mujoco.mjtJoint.mjJNT_FREE:  # always alone in its body
-            floating.append(bodies[i])
-            continue
-        if count == 0:
-            add(f"{bodies[i]} (fixed)", "fixed", parent, bodies[i], _still(pose))
-        for part, j in enumerate(range(model.body_jntadr[i], model.body_jntadr[i] + count), start=1):
-            own = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
-            child = bodies[i] if part == count else f"{bodies[i]} after {own}"
-            kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
-            add(own, kind, parent, child, _motion(model, j, pose))
-            parent, pose = child, np.eye(4)
-    for i in range(model.nsite):
-        site = model.site(i).name
-        if site:
-            place = _still(_pose(model.site_pos[i], model.site_quat[i]))
-            link = site if site not in links else f"{site} (site)"
-            add(f"{site} (site, fixed)", "fixed", bodies[model.site_bodyid[i]], link, place)
-    return connected(Tree(name, file, links, joints)), floating
-
-
-def _still(pose: Array) -> _Motion:
-    return _Motion(pose, np.zeros(3), np.zeros(3), 0.0, -inf, inf)
-
-
-def _motion(model: Any, j: int, pose: Array) -> _Motion:
-    lower, upper = model.jnt_range[j] if model.jnt_limited[j] else (-inf, inf)
-    ref = float(model.qpos0[model.jnt_qposadr[j]])
-    axis, anchor = _plain(np.array(model.jnt_axis[j])), np.array(model.jnt_pos[j])
-    return _Motion(pose, axis, anchor, ref, float(lower), float(upper))
+def _motion(tree: Tree, joint: TreeJoint, step: dict[str, Any]) -> Motion:
+    origin = _pose(np.array(step["position"]), np.array(step["quaternion"]))
+    if not joint.moves:
+        return Motion(origin)
+    if joint.kind not in _KINDS:
+        raise RobotError(
+            "a joint of the chain has several freedoms", where=tree.where(joint), got=f"a {joint.kind} joint",
+            allowed="hinge, slide", mend=f"name a base below it: base={joint.child!r}",
+            typed=f"name a base below it: --base {shlex.quote(joint.child)}",
+        )
+    kind, ref = _KINDS[joint.kind], step["ref"]
+    measure = "length" if kind is JointKind.PRISMATIC else "angle"
+    if not abs(ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
+        raise RobotError("ref is too large, or no number", where=tree.where(joint), got=f"{ref:g}",
+                         allowed=allowed_range(measure))  # fmt: skip
+    lower, upper = step["limits"]
+    return Motion(origin, kind, _plain(np.array(step["axis"])), np.array(step["anchor"]), ref=ref, lower=lower,
+                  upper=upper)  # fmt: skip
 
 
 def _pose(position: Array, quaternion: Array) -> Array:
     """(4, 4) pose from a position [m] and a unit quaternion (w, x, y, z)."""
     w, x, y, z = quaternion
     pose = translation(*position)
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
+    with np.errstate(invalid="ignore"):  # `chain_robot` refuses numbers that are not finite
+        pose[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
     pose[:3, :3] = _plain(pose[:3, :3])
     return pose
 
@@ -256,41 +255,3 @@ def _plain(values: Array) -> Array:
     """Entries of directions that are 0 or ±1 but for the rounding of a quaternion (a few 2e-16): so, exactly."""
     near = np.round(values)
     return np.where(np.abs(values - near) < 1e-15, near, values) + 0.0
-
-
-def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tuple[tuple[Joint, ...], Array]:
-    """The joints of the chain and the pose of the tip at q = 0."""
-    check_joints(sum(step.moves for step in path), tree.file, steps=len(path))
-    pose = np.eye(4)
-    joints = []
-    for step in path:
-        motion = motions[step.name]
-        pose = times(pose, motion.origin)
-        if not step.moves:
-            continue
-        if step.kind not in _KINDS:
-            raise RobotError(
-                "a joint of the chain has several freedoms", where=tree.where(step), got=f"a {step.kind} joint",
-                allowed="hinge, slide", mend=f"name a base below it: base={step.child!r}",
-                typed=f"name a base below it: --base {shlex.quote(step.child)}",
-            )
-        kind = _KINDS[step.kind]
-        direction, point = times(pose[:3, :3], motion.axis), pose[:3, 3] + times(pose[:3, :3], motion.anchor)
-        slides = kind is JointKind.PRISMATIC
-        measure = "length" if slides else "angle"
-        if not abs(motion.ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
-            raise RobotError("ref is too large, or no number", where=tree.where(step), got=f"{motion.ref:g}",
-                             allowed=allowed_range(measure))  # fmt: skip
-        screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(point, direction), direction]) + 0.0
-        pose = times(pose, _back(motion, slides=slides))
-        joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose, link=step.child))
-    return tuple(joints), pose
-
-
-def _back(motion: _Motion, *, slides: bool) -> Array:
-    """(4, 4) from where the file shows the joint, at q = ref, to q = 0, in the frame of its body."""
-    if motion.ref == 0.0:
-        return np.eye(4)
-    if slides:
-        return translation(*(-motion.ref * motion.axis))
-    return times(translation(*motion.anchor), about_axis(motion.axis, -motion.ref), translation(*-motion.anchor))

@@ -21,9 +21,9 @@ from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.tree import Tree, read_tree
 from rankdrop.robot.urdf import joint_origin, number, three
-from rankdrop.robot.urdf_tree import Tree, read_tree
-from rankdrop.robot.xacro import EXPANDED, PLACES, find_package, xacro_text
+from rankdrop.robot.xacro import EXPANDED, PLACES, expand_file, find_package
 
 MESHES = (".stl", ".dae", ".obj", ".ply")
 GREY = (0.72, 0.74, 0.77)
@@ -75,7 +75,7 @@ def visuals_of(
     file = Path(robot.source.origin.removesuffix(EXPANDED))
     if robot.source.kind != "urdf" or not file.is_file():
         return (), ()
-    text = xacro_text(file, packages=packages, args=args or {}) if expanded else read_text(file)
+    text = expand_file(file, packages, args or {})[0] if expanded else read_text(file)
     root = read_xml(text, str(file), _NOT_READ)
     tree = read_tree(root, str(file))
     if robot.base not in tree.links:

@@ -13,14 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.errors import RobotError, visible
-from rankdrop.robot.dh import turn_notes
+from rankdrop.errors import RobotError
 from rankdrop.robot.files import LONGEST_TEXT, RANGE, read_text, read_xml
-from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
+from rankdrop.robot.model import Array, JointKind, Mimic, Robot
 from rankdrop.robot.quantities import Angles, in_range
-from rankdrop.robot.transform import from_xyz_rpy, norm, times
-from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, read_tree
+from rankdrop.robot.transform import from_xyz_rpy, norm
+from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, read_tree
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -153,7 +151,7 @@ def from_urdf(
 
     Args:
         source: path, or the text itself (anything that starts with "<").
-        base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_tree.choose_ends`).
+        base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `tree.choose_ends`).
         file: name of the text in errors and in `Robot.source`.
         as_written: take every number literally.
         edit: called with the tree before anything is computed of it; may change attributes of its elements.
@@ -199,28 +197,19 @@ def from_tree(
     Raises:
         RobotError: names file, line, element, joint, value and mend.
     """
-    place = tree.file
     ends = choose_ends(tree, base, tip)
-    moving = [joint for joint in ends.path if joint.moves]
-    check_joints(len(moving), place, steps=len(ends.path))
-    mimics, notes = resolve_mimics(tree, moving)
-    pose = np.eye(4)
+    mimics, notes = resolve_mimics(tree, [joint for joint in ends.path if joint.moves])
     angles = Angles(as_written)
-    joints = []
-    for joint in ends.path:
-        pose = times(pose, joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4)))
-        if joint.moves:
-            motion = _kind(tree, joint)
-            lower, upper, velocity = _limits(tree, joint, notes)
-            screw = _screw(motion, _axis(tree, joint), pose)
-            mimic = mimics.get(joint.name)
-            joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
-    notes += turn_notes(joints, units=False)
-    found = Robot(
-        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
-        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
-    )
-    return as_meant(found, angles)
+
+    def motion(joint: TreeJoint) -> Motion:
+        origin = joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4))
+        if not joint.moves:
+            return Motion(origin)
+        kind, axis = _kind(tree, joint), _axis(tree, joint)
+        lower, upper, velocity = _limits(tree, joint, notes)
+        return Motion(origin, kind, axis, lower=lower, upper=upper, velocity=velocity, mimic=mimics.get(joint.name))
+
+    return chain_robot(tree, ends, kind, motion, angles, notes)
 
 
 def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
@@ -267,13 +256,6 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
             "the axis has no length", where=where, got=repr(text), allowed="a non-zero axis", mend='xyz="0 0 1"'
         )
     return axis / length
-
-
-def _screw(kind: JointKind, axis: Array, pose: Array) -> Array:
-    direction = times(pose[:3, :3], axis)
-    if kind is JointKind.PRISMATIC:
-        return np.concatenate([direction, np.zeros(3)])
-    return np.concatenate([np.cross(pose[:3, 3], direction), direction]) + 0.0  # + 0.0 turns −0 into 0
 
 
 def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, float, float]:

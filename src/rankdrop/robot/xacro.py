@@ -1,27 +1,26 @@
-"""Robots from xacro, expanded by the package xacrodoc and then read as URDF.
+"""Robots from xacro, expanded by the package xacro in a child process with limits, and then read as URDF.
 
 A xacro file is a program: it includes other files, reads environment variables and YAML files by name, and evaluates
-expressions, which can run any command. rankdrop adds nothing to what xacro itself does and takes nothing away: expand
-only files that you trust. This is why a file is expanded by its ending .xacro or on request, never by what it holds.
+expressions, which can run any command: expand only files that you trust. This is why a file is expanded by its ending
+.xacro or on request, never by what it holds.
 
 ROS packages that a file names are given, near the file, or in the environment; nothing is installed.
 """
 
 from __future__ import annotations
 
-import contextlib
-import io
 import os
 import re
 import stat
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
-from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.jobs.limited import run_limited
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.model import Robot
 from rankdrop.robot.urdf import from_urdf
@@ -136,10 +135,12 @@ _SHOWN = 12  # arguments in one line of an error; the longest of the vendors' fi
 _LONGEST = 30  # characters of a default that is shown: longer ones are paths made of other arguments
 _NO_ARGUMENT = re.compile(r"Undefined substitution argument (\S+)")
 _ARGUMENT = re.compile(r"\$\(arg\s+([^\s)]+)\)")
+EXPANDED = " (expanded)"
+"""Stands after the name of a file that was expanded, in the source of a robot."""
 
 
 def uses_xacro(element: Element) -> bool:
-    """Is there an element of xacro: does it have to be expanded before it is a URDF?"""
+    """Whether there is an element of xacro, so that the file has to be expanded before it is a URDF."""
     return element.tag.startswith("xacro:") or any(uses_xacro(child) for child in element.children)
 
 
@@ -157,46 +158,38 @@ def from_xacro(
     Args:
         path: the file.
         base, tip, as_written: as in `from_urdf`.
-        packages: package name -> folder, for $(find name). Others are looked for (see `find_package`), last
-            in the ROS installation, where there is one. One that is not found and only names meshes is told in a note.
+        packages: package name -> folder, for $(find name). Others are looked for (see `find_package`). A package that
+            is not found and only names meshes brings a note.
         args: values of <xacro:arg …>: text, numbers, true and false.
 
     Raises:
-        MissingExtraError: xacrodoc is not installed.
-        RobotError: the file cannot be expanded (in the words of xacro), an argument is missing or is none of the file,
-            or what comes out cannot be used.
+        MissingExtraError: xacro is not installed.
+        RobotError: the file cannot be expanded (in the words of xacro) or needs too much for it, an argument is missing
+            or is none of the file, or what comes out cannot be used.
     """
     file = Path(path)
-    text, name, arguments, finder = _expanded(file, packages or {}, args or {})
+    text, name, notes = expand_file(file, packages or {}, args or {})
     robot = from_urdf(text, base=base, tip=tip, file=f"{file}{EXPANDED}", as_written=as_written)
-    named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
-    return replace(robot, name=named if named and "$" not in named else robot.name,
-                   notes=(*robot.notes, *finder.notes()))  # fmt: skip
+    return replace(robot, name=name if name and "$" not in name else robot.name, notes=(*robot.notes, *notes))
 
 
-EXPANDED = " (expanded)"
-"""Stands after the name of a file that was expanded, in the source of a robot."""
+def expand_file(
+    file: Path, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
+) -> tuple[str, str, list[str]]:
+    """The URDF that a xacro file expands to, the name that the file gives to the robot, and notes on packages.
 
-
-def xacro_text(path: str | PathLike[str], *, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
-               ) -> str:  # fmt: skip
-    """What comes out of a xacro file; the arguments are those of `from_xacro`, and so is what it raises."""
-    return _expanded(Path(path), packages, args)[0]
-
-
-def _expanded(file: Path, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
-              ) -> tuple[str, str, _Arguments, _Packages]:  # fmt: skip
-    """The URDF that comes out, the name that the file gives, and what was asked for on the way."""
-    root = read_xml(read_text(file), str(file))
-    name = root.attributes.get("name", "")
-    arguments = _Arguments({key: _written(value) for key, value in args.items()}, root)
-    finder = _Packages(file, packages)
-    plain = name if name and "$" not in name else visible(file.name.partition(".")[0])
-    return _expand(file, plain, finder, arguments), name, arguments, finder
-
-
-def _written(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    The arguments are those of `from_xacro`, and so are the errors.
+    """
+    for package, folder in packages.items():
+        if not Path(folder).is_dir():
+            raise RobotError("the folder of a package is not there", where=f"package {package!r}", got=str(folder))
+    read_xml(read_text(file), str(file))  # limits on size and depth, no document types
+    if find_spec("xacro") is None:
+        raise MissingExtraError("xacro", None, "a xacro file")
+    folders = {package: str(Path(folder).resolve()) for package, folder in packages.items()}
+    values = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in args.items()}
+    text, name, notes = run_limited(expand, str(file), folders, values, file=file, parser="xacro")
+    return text, name, notes
 
 
 class _Arguments(dict[str, str]):
@@ -221,120 +214,93 @@ class _Arguments(dict[str, str]):
         self.asked[name] = None
         return super().__getitem__(name)
 
-    def left(self, reason: str) -> str:
-        """The arguments met that were not given, with their defaults; first those that may be the reason, in words."""
-        met = [(name, default) for name in self.asked
-               if name not in self.given and (default := self.get(name)) is not None]  # fmt: skip
-        said = {word for word in re.split(r"[^\w-]+", reason) if not word.isdigit()}
-        met.sort(key=lambda pair: bool(pair[1]) and pair[1] not in said)  # an empty default asks for a value
-        words = [f"{name}={default!r}" for name, default in met if len(default) <= _LONGEST]
-        more = len(met) - len(words[:_SHOWN])
-        return ", ".join(words[:_SHOWN]) + (f" and {more} more" if more else "")
+    def with_defaults(self, reason: str) -> str:
+        """The arguments that were asked for and not given, with their defaults; first those named in the reason."""
+        asked = [(name, default) for name in self.asked
+                 if name not in self.given and (default := self.get(name)) is not None]  # fmt: skip
+        words = {word for word in re.split(r"[^\w-]+", reason) if not word.isdigit()}
+        asked.sort(key=lambda pair: bool(pair[1]) and pair[1] not in words)  # an empty default asks for a value
+        shown = [f"{name}={default!r}" for name, default in asked if len(default) <= _LONGEST]
+        more = len(asked) - len(shown[:_SHOWN])
+        return ", ".join(shown[:_SHOWN]) + (f" and {more} more" if more else "")
 
 
-class _Packages:
-    """Finds packages for one file and keeps what was found where."""
+def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[str, str, list[str]]:
+    """What `expand_file` returns, expanded in this process; runs in a child process.
 
-    def __init__(self, file: Path, given: Mapping[str, str | PathLike[str]]) -> None:
-        for package, folder in given.items():
-            if not Path(folder).is_dir():
-                raise RobotError("the folder of a package is not there", where=f"package {package!r}", got=str(folder))
-        self.file, self.given = file, given
-        self.missing: list[str] = []
-        self.far: list[tuple[str, Path]] = []  # not given, and not the package that the file lies in
+    Raises:
+        RobotError: as `from_xacro`.
+    """
+    import xacro
+    from xacro import substitution_args
 
-    def path(self, name: str) -> str:
+    file = Path(path)
+    root = read_xml(read_text(file), path)
+    arguments = _Arguments(args, root)
+    missing: dict[str, None] = {}
+    far: dict[str, Path] = {}  # not given, and not the package that the file lies in
+
+    def folder_of(package: str) -> str:
         """The folder of a package as text; a place that does not exist where it is not found."""
-        folder = find_package(name, self.file, self.given)
+        folder = find_package(package, file, folders)
         if folder is None:
-            folder = _installed(name)
-        if folder is None:
-            if name not in self.missing:
-                self.missing.append(name)
-            return _NOWHERE + name
+            missing[package] = None
+            return _NOWHERE + package
         folder = folder.resolve()
-        if name not in self.given and folder not in self.file.resolve().parents:
-            self.far.append((name, folder))
+        if package not in folders and folder not in file.resolve().parents:
+            far[package] = folder
         return folder.as_posix()
 
-    def notes(self) -> list[str]:
-        """Where packages were found that nobody named, and which were not needed."""
-        found = [f"package {name!r} found: {folder}" for name, folder in dict(self.far).items()]
-        return [*found, *(f"package {name!r} is not found: only files that are not read are in it"
-                          for name in self.missing)]  # fmt: skip
-
-
-def _installed(name: str) -> Path | None:
-    """The package of a ROS installation, where there is one."""
-    import xacrodoc
-
-    try:
-        return Path(xacrodoc.packages.PackageFinder().get_path(name))
-    except Exception:  # rospkg and ament have errors of their own, and neither is there to be asked
-        return None
-
-
-def _expand(file: Path, name: str, finder: _Packages, arguments: _Arguments) -> str:
-    try:
-        import xacrodoc
-    except ImportError:
-        raise MissingExtraError("xacrodoc", None, "a xacro file") from None
+    substitution_args._eval_find = substitution_args._eval_dict["find"] = folder_of
+    name = root.attributes.get("name", "")
+    plain = name if name and "$" not in name else visible(file.name.partition(".")[0])
     # An include, not the text: xacro then resolves the file's own includes relative to it.
     whole = (
-        f'<robot name={quoteattr(name)} xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        f'<robot name={quoteattr(plain)} xmlns:xacro="http://www.ros.org/wiki/xacro">'
         f"<xacro:include filename={quoteattr(str(file.resolve()))}/></robot>"
     )
     try:
-        with _own_packages(xacrodoc.packages, finder), contextlib.redirect_stderr(io.StringIO()):
-            document = xacrodoc.XacroDoc.from_string(whole, subargs=arguments, resolve_packages=False)
-            text = str(document.to_urdf_string())
+        document = xacro.parse(whole)
+        xacro.process_doc(document, mappings=arguments)
+        text = str(document.toprettyxml(indent="  "))
+    except MemoryError:
+        raise
     except Exception as error:  # xacro raises whatever its expressions raise
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise _in_our_words(reason, file, finder, arguments) from None
+        raise _expansion_error(" ".join(f"{type(error).__name__}: {error}".split()), path, missing, arguments) from None
     for argument in arguments.given:
         if argument not in arguments.asked:
             takes = ", ".join(arguments.asked) or "none: the file takes no arguments"
-            raise RobotError("the file has no such argument", where=str(file), got=repr(argument), allowed=takes)
+            raise RobotError("the file has no such argument", where=path, got=repr(argument), allowed=takes)
     if "<link" not in text:
         raise RobotError("nothing comes out of the xacro file: it has no links and may only define macros",
-                         where=str(file), mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
-    return text
+                         where=path, mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
+    notes = [f"package {package!r} found: {folder}" for package, folder in far.items()]
+    notes += [f"package {package!r} is not found: only files that are not read are in it" for package in missing]
+    return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), notes
 
 
-def _in_our_words(reason: str, file: Path, finder: _Packages, arguments: _Arguments) -> RobotError:
+def _expansion_error(reason: str, path: str, packages: dict[str, None], arguments: _Arguments) -> RobotError:
     """Why a file cannot be expanded: a package or an argument is missing, or what xacro says."""
-    for package in finder.missing:
+    for package in packages:
         if _NOWHERE + package in reason:
             return RobotError(
-                "a package is not found", where=str(file), got=repr(package),
+                "a package is not found", where=path, got=repr(package),
                 allowed=f"a folder whose package.xml has this name, {PLACES}",
                 mend=f"give its folder: packages={{{package!r}: …}}",
                 typed=f"give its folder: --package {package}=FOLDER",
             )
-    left = arguments.left(reason)
-    others = f"arguments with defaults: {left}" if left else None
+    defaults = arguments.with_defaults(reason)
+    others = f"arguments with defaults: {defaults}" if defaults else None
     missing = _NO_ARGUMENT.search(reason)
     if missing is not None:
         needed = list(dict.fromkeys([missing[1], *arguments.needed]))
         return RobotError(
-            "arguments of the xacro file are not given", where=str(file), got=f"no value of {', '.join(needed)}",
+            "arguments of the xacro file are not given", where=path, got=f"no value of {', '.join(needed)}",
             allowed=others, mend=f"args={{{', '.join(f'{name!r}: …' for name in needed)}}}",
             typed=" ".join(f"--arg {name}:=VALUE" for name in needed),
         )
     return RobotError(
-        f"xacro cannot expand the file: {reason[:300]}", where=str(file), allowed=others,
-        mend="it may need another value: args={name: value}" if left else None,
-        typed="it may need another value: --arg NAME:=VALUE" if left else None,
+        f"xacro cannot expand the file: {reason[:200]}", where=path, allowed=others,
+        mend="it may need another value: args={name: value}" if defaults else None,
+        typed="it may need another value: --arg NAME:=VALUE" if defaults else None,
     )
-
-
-@contextlib.contextmanager
-def _own_packages(module: Any, finder: _Packages) -> Iterator[None]:
-    """xacrodoc keeps one list of packages per process; take ours, so that a call leaves nothing behind."""
-    before = module._finder
-    own = module._finder = module.PackageFinder()
-    own.finder_funcs = [(finder.path, module.PackageNotFoundError)]
-    try:
-        yield
-    finally:
-        module._finder = before

@@ -1,6 +1,7 @@
-"""The tree of a URDF or MJCF: which joint joins which links, and which links are base and tip. Structure, no numbers.
+"""A tree of links and joints, whatever it was read from; the chain from a base to a tip, and the arm it makes.
 
-Where the user names neither end, what was chosen is said, and nothing is guessed where more than one would do.
+Every reader of a foreign format hands over a `Tree`, and a function that gives the `Motion` of a joint on the chain.
+Where the user names neither end, what was chosen is noted, and nothing is guessed where several would do.
 """
 
 from __future__ import annotations
@@ -8,11 +9,23 @@ from __future__ import annotations
 import difflib
 import re
 import shlex
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from math import inf
+from pathlib import Path
 
-from rankdrop.errors import RobotError
+import numpy as np
+
+from rankdrop.errors import RobotError, visible
+from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element
+from rankdrop.robot.meant import as_meant
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
+from rankdrop.robot.quantities import Angles
+from rankdrop.robot.transform import about_axis, times, translation
+
+NOWHERE = Element("joint", {}, 0)
+"""The element of a joint from a source that keeps no lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +36,7 @@ class TreeJoint:
     kind: str  # as written in the file
     parent: str
     child: str
-    element: Element  # of line 0 where the source keeps no lines
+    element: Element = NOWHERE
 
     @property
     def moves(self) -> bool:
@@ -366,3 +379,82 @@ def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]
             break
     others = [part for part in body if part != tip]
     return tip, f"; fixed to it: {', '.join(others[:8])}{' …' if len(others) > 8 else ''}" if others else ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """How a link moves in the link before it.
+
+    Attributes:
+        origin: (4, 4) pose in which the file shows the link, up to its joint.
+        kind: of the joint; None where nothing moves.
+        axis: (3,) of length 1, in the frame at `origin`.
+        anchor: (3,) a point of the axis in that frame [m].
+        pitch: of a helical joint [m/rad].
+        ref: value of the joint in the pose of the file [rad, m].
+        lower, upper, velocity, mimic: as in `Joint`.
+    """
+
+    origin: Array
+    kind: JointKind | None = None
+    axis: Array = field(default_factory=lambda: np.zeros(3))
+    anchor: Array = field(default_factory=lambda: np.zeros(3))
+    pitch: float = 0.0
+    ref: float = 0.0
+    lower: float = -inf
+    upper: float = inf
+    velocity: float = inf
+    mimic: Mimic | None = None
+
+    def screw(self, pose: Array) -> Array:
+        """(6,) screw of the joint in the base frame, its own frame at `pose`, linear part first."""
+        direction = times(pose[:3, :3], self.axis)
+        if self.kind is JointKind.PRISMATIC:
+            return np.concatenate([direction, np.zeros(3)]) + 0.0  # + 0.0 turns −0 into 0
+        point = pose[:3, 3] + times(pose[:3, :3], self.anchor)
+        return np.concatenate([np.cross(point, direction) + self.pitch * direction, direction]) + 0.0
+
+    def to_zero(self, pose: Array) -> Array:
+        """(4, 4) pose of the link at q = 0, which the file shows at `pose` with q = `ref`."""
+        if self.ref == 0.0:
+            return pose
+        if self.kind is JointKind.PRISMATIC:
+            return times(pose, translation(*(-self.ref * self.axis)))
+        turn = about_axis(self.axis, -self.ref)
+        return times(pose, translation(*self.anchor), turn, translation(*-self.anchor))
+
+
+def chain_robot(
+    tree: Tree, ends: Ends, source: str, motion_of: Callable[[TreeJoint], Motion], angles: Angles, notes: list[str],
+    frames: tuple[Array, Array] = (np.eye(4), np.eye(4)),
+) -> Robot:
+    """The arm that a chain of a tree makes, with exact structure where its numbers hold it but for noise (`as_meant`).
+
+    Args:
+        tree, ends: where the chain lies.
+        source: kind of the source (`Source.kind`).
+        motion_of: called with each joint of the chain, in order.
+        angles: what decimals were taken for.
+        notes: of the reader, which may add some while motions are read.
+        frames: pose of the first link in the base, and of the tip in the last link.
+
+    Raises:
+        RobotError: as `motion_of`; too many joints; a number that is not finite.
+    """
+    check_joints(sum(step.moves for step in ends.path), tree.file, steps=len(ends.path))
+    pose, joints = frames[0], []
+    for step in ends.path:
+        motion = motion_of(step)
+        if not all(np.isfinite(part).all() for part in (motion.origin, motion.axis, motion.anchor, motion.ref)):
+            raise RobotError("the place of a joint is not finite", where=tree.where(step), allowed="finite numbers")
+        pose = times(pose, motion.origin)
+        if motion.kind is not None:
+            screw = motion.screw(pose)
+            pose = motion.to_zero(pose)
+            joints.append(Joint(step.name, motion.kind, screw, motion.lower, motion.upper, motion.velocity, pose,
+                                motion.mimic, step.child))  # fmt: skip
+    name = tree.name or visible(Path(tree.file).stem)
+    notes = [*ends.notes, *notes, *turn_notes(joints, units=False)]
+    found = Robot(name, tuple(joints), times(pose, frames[1]), source=Source(source, tree.file), base=ends.base,
+                  tip=ends.tip, notes=tuple(notes), about=f"{ends.base} to {ends.tip}")  # fmt: skip
+    return as_meant(found, angles)

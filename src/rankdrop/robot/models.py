@@ -1,0 +1,420 @@
+"""Robots from and to the models of MuJoCo, Pinocchio, the Robotics Toolbox and yourdfpy.
+
+Each package is imported where it is needed. From a model: its links and joints become a `Tree`, and the chain of the
+arm is read off it. To a model: the joints of the arm one after the other, each with a frame on its axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from importlib import import_module
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.robot.files import RANGE, Element
+from rankdrop.robot.meant import as_meant
+from rankdrop.robot.mjcf import plain_model, robot_of
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.robot.quantities import Angles
+from rankdrop.robot.transform import frame_on_axis, inverse, rigid
+from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
+from rankdrop.robot.urdf import from_tree
+
+
+def _package(module: str, package: str, extra: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError:
+        raise MissingExtraError(package, extra, f"a model of {package}") from None
+
+
+@dataclass(frozen=True, slots=True)
+class AxisFrame:
+    """A frame on the axis of a joint, parallel to the base at q = 0: numbers of the arm stay as they are.
+
+    Attributes:
+        joint: of the arm.
+        step: (3,) from the frame of the joint before it (the base origin) to this one's [m].
+        axis: (3,) unit, in the base frame.
+        pitch: of a helical joint [m/rad], else 0.
+        link: name for the link that it carries; all differ, and from `Robot.base` and `Robot.tip`.
+    """
+
+    joint: Joint
+    step: Array
+    axis: Array
+    pitch: float
+    link: str
+
+
+def axis_frames(
+    robot: Robot, package: str, *, mimics: bool = False, helical: bool = False
+) -> tuple[list[AxisFrame], Array]:
+    """The joints of an arm for another package, and the (4, 4) pose of the tip in the frame of the last one at q = 0.
+
+    Args:
+        robot: the arm.
+        package: its name, for errors.
+        mimics, helical: whether it knows joints that follow others, and helical ones.
+
+    Raises:
+        RobotError: a joint of a kind that the package does not know.
+    """
+    taken = {robot.base, robot.tip}
+    at = np.zeros(3)
+    found = []
+    for joint in robot.joints:
+        where = f"robot {robot.name!r}, joint {joint.name!r}"
+        if joint.mimic is not None and not mimics:
+            raise RobotError(f"{package} has no joints that follow others", where=where,
+                             got=f"it follows {joint.mimic.leader!r}", allowed="joints that are variables")  # fmt: skip
+        if joint.kind is JointKind.HELICAL and not helical:
+            raise RobotError(f"{package} has no helical joints", where=where, allowed="revolute, prismatic")
+        slides = joint.kind is JointKind.PRISMATIC
+        axis = joint.screw[:3] if slides else joint.screw[3:]
+        pitch = float(joint.screw[:3] @ axis) if joint.kind is JointKind.HELICAL else 0.0
+        point = joint.frame[:3, 3] if slides else _point_of_axis(joint, axis)
+        link = f"{joint.name}_link"
+        while link in taken:
+            link += "_"
+        taken.add(link)
+        found.append(AxisFrame(joint, point - at, axis, pitch, link))
+        at = point
+    tip = robot.home.copy()
+    tip[:3, 3] -= at
+    return found, tip
+
+
+def _point_of_axis(joint: Joint, axis: Array) -> Array:
+    """(3,) a point of the axis: where the joint's frame is, if that is on it, else the nearest to the base origin."""
+    foot, origin = np.cross(axis, joint.screw[:3]), joint.frame[:3, 3]
+    beside = origin - foot - axis * (axis @ (origin - foot))
+    return origin if float(np.abs(beside).max()) <= 1e-15 * (1.0 + float(np.abs(origin).max())) else foot
+
+
+def from_mujoco(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
+    """A robot from a compiled `mujoco.MjModel`: the chain of bodies between two bodies or sites.
+
+    As `from_mjcf`, but of a model in memory: bodies without joints that the compiler joined to others are gone, and
+    angles are known as quaternions only. Joint values are those of MuJoCo (qpos).
+
+    Args:
+        model: of hinges and slides on the chain.
+        base, tip: names of bodies or sites; chosen where not given, and `Robot.notes` says how.
+        as_written: take every number literally; else structure that holds but for noise is exact, with a note.
+
+    Raises:
+        MissingExtraError: mujoco is not installed.
+        RobotError: a ball or free joint in the chain, names that are not there.
+    """
+    mujoco = _package("mujoco", "mujoco", "mujoco")
+    name = visible(bytes(model.names).split(b"\0", 1)[0].decode("utf-8", "replace")) or "robot"
+    equal = mujoco.mjtEq.mjEQ_JOINT
+    couplings = [(model.joint(int(one)).name, model.joint(int(two)).name) for kind, one, two
+                 in zip(model.eq_type, model.eq_obj1id, model.eq_obj2id, strict=True)
+                 if kind == equal and two >= 0]  # fmt: skip
+    plain = plain_model(mujoco, model, couplings, {})
+    return robot_of(plain, name, f"MuJoCo model {name!r}", base, tip, as_written=as_written)
+
+
+def to_mujoco(robot: Robot) -> Any:
+    """A compiled `mujoco.MjModel` of the arm: one body for each joint, and a site with the name of `Robot.tip`.
+
+    qpos is the arm's configuration; bodies have the axes of the base at q = 0 and masses of 1 kg that mean nothing.
+    The rows of `mujoco.mj_jacSite`, translation first, are `rankdrop.jacobian(robot, q)`.
+
+    Raises:
+        MissingExtraError: mujoco is not installed.
+        RobotError: a helical joint, or one that follows another.
+    """
+    mujoco = _package("mujoco", "mujoco", "mujoco")
+    joints, tip = axis_frames(robot, "MuJoCo")
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.compiler.degree = False
+    body = spec.worldbody
+    kinds = {JointKind.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE, JointKind.PRISMATIC: mujoco.mjtJoint.mjJNT_SLIDE}
+    for item in joints:
+        body = body.add_body(name=item.link, pos=item.step, mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
+        lower, upper = item.joint.lower, item.joint.upper
+        limited = bool(np.isfinite([lower, upper]).all()) and lower < upper  # MuJoCo knows both limits or none
+        body.add_joint(name=item.joint.name, type=kinds[item.joint.kind], axis=item.axis, pos=[0.0, 0.0, 0.0],
+                       limited=limited, range=[lower, upper] if limited else [0.0, 0.0])  # fmt: skip
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(tip[:3, :3]).reshape(9))
+    body.add_site(name=robot.tip, pos=tip[:3, 3], quat=quaternion)
+    return spec.compile()
+
+
+def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
+    """A robot from a `pinocchio.Model`: the chain of joints between two of its frames.
+
+    Each joint's screw is its motion subspace S (linear part first, as in rankdrop), seen from the base at the neutral
+    configuration; joint values count as Pinocchio's do, an unbounded joint's being the angle of its point on the
+    circle. Links are the model's frames of bodies and its operational frames.
+
+    Args:
+        model: with joints of one freedom on the chain; `pinocchio.buildModelFromUrdf` makes such ones.
+        base, tip: names of frames; chosen where not given, as in `from_urdf`, and `Robot.notes` says how.
+        as_written: take every number literally; else structure that holds but for noise is exact, with a note.
+
+    Raises:
+        MissingExtraError: Pinocchio is not installed.
+        RobotError: a name that is not there, a joint with several freedoms, or one that follows another.
+    """
+    pin = _package("pinocchio", "pin", "cross")
+    name = visible(str(model.name)) or "robot"
+    places: dict[str, tuple[int, Array]] = {}  # link -> joint that carries it, pose in its frame
+    nodes = ["universe", *(f"after {joint}" for joint in list(model.names)[1:])]
+    for frame in model.frames:
+        if frame.type not in (pin.FrameType.BODY, pin.FrameType.OP_FRAME):
+            continue
+        pose = frame.placement.homogeneous
+        carrier = frame.parentJoint if hasattr(frame, "parentJoint") else frame.parent
+        unnamed = nodes[carrier] == ("universe" if carrier == 0 else f"after {model.names[carrier]}")
+        if unnamed and (pose == np.eye(4)).all():
+            nodes[carrier] = frame.name
+        places.setdefault(frame.name, (carrier, pose))
+    links = dict.fromkeys([*nodes, *places], 0)
+    joints = {}
+    for i in range(1, model.njoints):
+        own = str(model.names[i])
+        joints[own] = TreeJoint(own, str(i), nodes[model.parents[i]], nodes[i])
+    for link, (carrier, _) in places.items():
+        if link != nodes[carrier]:
+            joints[f"{link} (fixed)"] = TreeJoint(f"{link} (fixed)", "fixed", nodes[carrier], link)
+    tree = connected(Tree(name, f"Pinocchio model {name!r}", links, joints))
+    for named, label in ((base, "base"), (tip, "tip")):
+        if named is not None:
+            tree.check_link(named, label)
+    ends = choose_ends(tree, nodes[places[base][0]] if base in places else base, tip)  # a fixed frame may be the base
+    start = inverse(places[base][1]) if base in places else np.eye(4)
+    last = places[ends.tip][1] if ends.tip in places else np.eye(4)
+    ends = replace(ends, base=base or ends.base)
+    return chain_robot(tree, ends, "pinocchio", lambda joint: _pinocchio_motion(pin, model, joint, tree),
+                       Angles(as_written), [], (start, last))  # fmt: skip
+
+
+def to_pinocchio(robot: Robot) -> Any:
+    """A `pinocchio.Model` of the arm: its joints in order, and a frame with the name of `Robot.tip`.
+
+    Configurations are those of the arm. Joint frames have the axes of the base at q = 0; there are no masses.
+    `pinocchio.computeFrameJacobian(model, data, q, model.getFrameId(robot.tip), pinocchio.LOCAL_WORLD_ALIGNED)` is
+    `rankdrop.jacobian(robot, q)`.
+
+    Raises:
+        MissingExtraError: Pinocchio is not installed.
+        RobotError: a joint that follows another.
+    """
+    pin = _package("pinocchio", "pin", "cross")
+    joints, tip = axis_frames(robot, "Pinocchio", helical=True)
+    model = pin.Model()
+    model.name = robot.name
+    parent, link = 0, 0
+    for item in joints:
+        x, y, z = (float(part) for part in item.axis)
+        if item.joint.kind is JointKind.PRISMATIC:
+            kind = pin.JointModelPrismaticUnaligned(x, y, z)
+        elif item.joint.kind is JointKind.HELICAL:
+            kind = pin.JointModelHelicalUnaligned(x, y, z, item.pitch)
+        else:
+            kind = pin.JointModelRevoluteUnaligned(x, y, z)
+        limits = [np.array([value]) for value in (inf, item.joint.velocity, item.joint.lower, item.joint.upper)]
+        parent = model.addJoint(parent, kind, pin.SE3(np.eye(3), item.step), item.joint.name, *limits)
+        link = model.addFrame(pin.Frame(item.link, parent, link, pin.SE3.Identity(), pin.FrameType.BODY))
+    model.addFrame(pin.Frame(robot.tip, parent, link, pin.SE3(tip), pin.FrameType.OP_FRAME))
+    return model
+
+
+def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Motion:
+    if not joint.moves:
+        return Motion(np.eye(4))
+    i = int(joint.kind)
+    own = model.joints[i]
+    if own.nv != 1 or "Mimic" in own.shortname():
+        raise RobotError("a joint of the chain is not of one freedom of its own", where=tree.where(joint),
+                         got=own.shortname(), allowed="revolute, prismatic, helical",
+                         mend="name a base below it")  # fmt: skip
+    data = own.createData()
+    own.calc(data, pin.neutral(model))
+    v, omega = np.split(np.asarray(data.S).reshape(6), 2)
+    turning = JointKind.HELICAL if v.any() else JointKind.REVOLUTE
+    kind = turning if omega.any() else JointKind.PRISMATIC
+    axis, pitch = (v, 0.0) if kind is JointKind.PRISMATIC else (omega, float(v @ omega))
+    lower, upper = -inf, inf
+    if own.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
+        most = RANGE["length" if kind is JointKind.PRISMATIC else "angle"]
+        lower, upper = (float(limit[own.idx_q]) for limit in (model.lowerPositionLimit, model.upperPositionLimit))
+        lower, upper = (lower if lower >= -most else -inf), (upper if upper <= most else inf)
+    velocity = float(model.velocityLimit[own.idx_v]) if len(model.velocityLimit) else inf
+    rate = velocity if 0.0 < velocity <= RANGE["angle"] else inf  # 0 and huge numbers: not known
+    return Motion(model.jointPlacements[i].homogeneous, kind, axis, pitch=pitch, lower=lower, upper=upper,
+                  velocity=rate)  # fmt: skip
+
+
+def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False) -> Robot:
+    """A robot from a Robotics Toolbox robot (`DHRobot`, `Robot`, …), or from its elementary transforms (`ETS`).
+
+    Its sequence of elementary transforms is walked: Rx, Ry, Rz turn, tx, ty, tz slide, and a joint that is flipped
+    counts the other way. Base and tool of a `DHRobot`, and offsets of joints, are part of the sequence. Joint values
+    are those of `fkine` and `jacob0`.
+
+    Args:
+        model: of which the transforms are taken.
+        end: name of the last link, for robots with several.
+        as_written: take every number literally; else structure that holds but for noise is exact, with a note.
+
+    Raises:
+        RobotError: two transforms that share a variable, variables that are not numbered along the chain, or a
+            model without joints.
+    """
+    transforms = model if not hasattr(model, "ets") else model.ets() if end is None else model.ets(end=end)
+    name = visible(str(getattr(model, "name", "") or "robot"))
+    place = f"Robotics Toolbox model {name!r}"
+    moving = [item for item in transforms if item.isjoint]
+    check_joints(len(moving), place, steps=len(transforms))
+    numbers = [item.jindex for item in moving]
+    if None not in numbers and any(a >= b for a, b in pairwise(numbers)):
+        raise RobotError("the variables are not numbered along the chain", where=place, got=numbers,
+                         allowed="each once, from base to tip", mend="number the joints anew (jindex)")  # fmt: skip
+    pose = np.eye(4)
+    joints: list[Joint] = []
+    for item in transforms:
+        if not item.isjoint:
+            pose = pose @ rigid(item.A(), place)
+            continue
+        letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
+        direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
+        slides = letters[0] == "t"
+        kind = JointKind.PRISMATIC if slides else JointKind.REVOLUTE
+        screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(pose[:3, 3], direction), direction])
+        lower, upper = (-inf, inf) if item.qlim is None else (float(x) for x in np.ravel(item.qlim)[:2])
+        joints.append(Joint(f"joint{len(joints) + 1}", kind, screw + 0.0, lower, upper, inf, pose))
+    found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
+    return as_meant(found, Angles(as_written))
+
+
+def to_toolbox(robot: Robot) -> Any:
+    """A `roboticstoolbox.Robot` of the arm: elementary transforms, each joint about or along its own z axis.
+
+    Its configurations are those of the arm, `jacob0(q)` is `rankdrop.jacobian(robot, q)`.
+
+    Raises:
+        MissingExtraError: the toolbox is not installed.
+        RobotError: a helical joint, or one that follows another.
+    """
+    toolbox = _package("roboticstoolbox", "roboticstoolbox-python", "cross")
+    transform = toolbox.ET
+    joints, tip = axis_frames(robot, "the Robotics Toolbox")
+    at, sequence = np.eye(4), []
+    point = np.zeros(3)
+    for item in joints:
+        point = point + item.step
+        frame = frame_on_axis(item.axis, point)
+        sequence.append(transform.SE3(_between(at, frame)))
+        make = transform.tz if item.joint.kind is JointKind.PRISMATIC else transform.Rz
+        limits = [item.joint.lower, item.joint.upper]
+        sequence.append(make(qlim=limits) if np.isfinite(limits).all() else make())
+        at = frame
+    end = tip.copy()
+    end[:3, 3] += point
+    sequence.append(transform.SE3(_between(at, end)))
+    return toolbox.Robot(toolbox.ETS(sequence), name=robot.name)
+
+
+def _between(one: Array, two: Array) -> Array:
+    """(4, 4) the frame `two` seen from `one`, the inverse taken in closed form: R1ᵀ R2, R1ᵀ (p2 − p1)."""
+    found = np.eye(4)
+    found[:3, :3] = one[:3, :3].T @ two[:3, :3]
+    found[:3, 3] = one[:3, :3].T @ (two[:3, 3] - one[:3, 3])
+    return found
+
+
+def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
+    """A robot from a `yourdfpy.URDF` or its `robot`: the chain of joints between two links, as `from_urdf` reads it.
+
+    Origins are taken as the matrices that yourdfpy holds: digits of angles are not known any more.
+
+    Args:
+        model: URDF, or the record of its links and joints.
+        base, tip: names of links; chosen where not given, and `Robot.notes` says how.
+        as_written: take every number literally; else structure that holds but for noise is exact, with a note.
+
+    Raises:
+        RobotError: as `from_urdf`.
+    """
+    record = model.robot if hasattr(model, "robot") else model
+    name = visible(str(record.name or "robot"))
+    links = {str(link.name): 0 for link in record.links}
+    origins: dict[str, Array] = {}
+    joints = {}
+    for joint in record.joints:
+        key = str(joint.name)
+        if joint.origin is not None:
+            origins[key] = rigid(joint.origin, f"yourdfpy model {name!r}, joint {key!r}, origin")
+        joints[key] = TreeJoint(key, str(joint.type), str(joint.parent), str(joint.child), _urdf_element(joint))
+    tree = connected(Tree(name, f"yourdfpy model {name!r}", links, joints))
+    return from_tree(tree, "yourdfpy", base=base, tip=tip, as_written=as_written, origins=origins)
+
+
+def to_yourdfpy(robot: Robot) -> Any:
+    """A `yourdfpy.URDF` of the arm, from a link named as its base to one named as its tip, joints that follow included.
+
+    Its `cfg` is the arm's configuration. Links have no shapes; their frames have the axes of the base at q = 0.
+
+    Raises:
+        MissingExtraError: yourdfpy is not installed.
+        RobotError: a helical joint.
+    """
+    yourdfpy = _package("yourdfpy", "yourdfpy", "cross")
+    items, tip = axis_frames(robot, "URDF", mimics=True)
+    links, joints = [yourdfpy.Link(robot.base)], []
+    for item in items:
+        joint, origin = item.joint, np.eye(4)
+        origin[:3, 3] = item.step
+        slides = joint.kind is JointKind.PRISMATIC
+        free = joint.lower == -inf and joint.upper == inf
+        most = 2.0 * RANGE["length" if slides else "angle"]  # what is beyond the range reads as no limit
+        lower, upper = max(joint.lower, -most), min(joint.upper, most)
+        rate = None if joint.velocity == inf else joint.velocity
+        limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
+        follows = None
+        if joint.mimic is not None:
+            follows = yourdfpy.urdf.Mimic(joint.mimic.leader, joint.mimic.multiplier, joint.mimic.offset)
+        kind = "prismatic" if slides else "continuous" if free else "revolute"
+        if kind == "continuous":
+            limit = None if rate is None else yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
+        joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, item.link, origin, item.axis.copy(),
+                                     limit=limit, mimic=follows))  # fmt: skip
+        links.append(yourdfpy.Link(item.link))
+    names = {joint.name for joint in robot.joints}
+    last = f"{robot.tip} (fixed)"
+    while last in names:
+        last += "_"
+    joints.append(yourdfpy.Joint(last, "fixed", links[-1].name, robot.tip, tip))
+    links.append(yourdfpy.Link(robot.tip))
+    record = yourdfpy.Robot(robot.name, links, joints)
+    return yourdfpy.URDF(robot=record, load_meshes=False, load_collision_meshes=False)
+
+
+def _urdf_element(joint: Any) -> Element:
+    """The elements of a URDF joint that `from_tree` reads text of: axis, limit, mimic; numbers keep their bits."""
+    children = []
+
+    def add(tag: str, **given: Any) -> None:
+        written = {key: value if isinstance(value, str) else repr(float(value))
+                   for key, value in given.items() if value is not None}  # fmt: skip
+        children.append(Element(tag, written, 0))
+
+    if joint.axis is not None:
+        add("axis", xyz=" ".join(repr(float(part)) for part in joint.axis))
+    if joint.limit is not None:
+        add("limit", lower=joint.limit.lower, upper=joint.limit.upper, velocity=joint.limit.velocity)
+    if joint.mimic is not None:
+        follows = joint.mimic
+        add("mimic", joint=str(follows.joint), multiplier=follows.multiplier, offset=follows.offset)
+    return Element("joint", {}, 0, children)

@@ -23,7 +23,7 @@ from rankdrop.results import json_text
 
 _DPI = 150
 _ARROW = 0.34  # length of a unit vector, per reach of the arm that is drawn
-_STYLE = {
+_STYLE: Any = {  # matplotlib types its keys by literals
     "svg.hashsalt": "rankdrop", "svg.fonttype": "path", "font.size": 9, "axes.titlesize": 10, "axes.spines.top": False,
     "axes.spines.right": False,
 }  # fmt: skip

@@ -270,14 +270,15 @@ def test_a_reader_that_has_gone_is_no_error() -> None:
 def test_a_descent_is_told_its_start_its_steps_and_its_ties(run, tmp_path: Path) -> None:
     path = tmp_path / "one.json"
     common = ("find", "pa10", "--corank", "3", "--length-scale", "1", "--seed", "2", "--start", "269", "--quiet")
-    plain = run(*common, "--method", "gradient", "--json", str(path))
+    line = (*common, "--step", "line", "--iterations", "300")
+    plain = run(*line, "--method", "gradient", "--json", str(path))
     assert "random start 269" in plain.out
     assert "method gradient, line search, at most 300 iterations" in " ".join(plain.out.split())
     assert "It ended at σ4 … = 0.13" in " ".join(plain.out.split())
     record = json.loads(path.read_text(encoding="utf-8"))
     Draft202012Validator(load_schema("find")).validate(record)
     assert record["configurations"][0]["outcome"] == "slow"
-    treated = run(*common, "--method", "almarkhi", "--tie", "0.01", "--json", str(path))
+    treated = run(*line, "--method", "almarkhi", "--tie", "0.01", "--json", str(path))
     assert "1 of 1 starts converged" in treated.out
     assert json.loads(path.read_text(encoding="utf-8"))["configurations"][0]["iterations"] == 34
     run(*common, "--method", "almarkhi", "--tie", "0", "--step", "0.5", "--iterations", "7", "--json", str(path))
@@ -296,7 +297,7 @@ def test_a_start_can_be_given_in_degrees(run, tmp_path: Path) -> None:
 
 def test_stuck_on_a_crease_is_not_a_near_miss(run) -> None:
     ended = run("find", "pa10", "--corank", "2", "--length-scale", "1", "--seed", "2", "--start", "106", "--method",
-                "gradient", "--quiet")  # fmt: skip
+                "gradient", "--step", "line", "--quiet")  # fmt: skip
     assert "0 near misses, 1 stuck on a crease (a tie, no minimum), 0 slow." in " ".join(ended.out.split())
 
 

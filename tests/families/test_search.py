@@ -77,14 +77,14 @@ def test_ties_are_treated_below_the_gap_that_is_asked_for():
     robot = open_robot("pa10")
     task = resolve_task("pose", robot, length_scale=1.0)
     q = sample(robot, task, 106, 2)[-1:]
-    never = refine(robot, q, 2, task=task, method="almarkhi", tie=0.0)
-    plain = refine(robot, q, 2, task=task, method="gradient")
+    never = refine(robot, q, 2, task=task, method="almarkhi", tie=0.0, step=0.0)
+    plain = refine(robot, q, 2, task=task, method="gradient", step=0.0)
     assert np.array_equal(never.q, plain.q)
     assert plain.outcome[0] == Outcome.CREASE
-    treated = refine(robot, q, 2, task=task, method="almarkhi")
+    treated = refine(robot, q, 2, task=task, method="almarkhi", step=0.0)
     assert treated.outcome[0] == Outcome.CONVERGED
     assert treated.iterations[0] == 20
-    assert not np.array_equal(refine(robot, q, 2, task=task, method="almarkhi", tie=0.5).q, treated.q)
+    assert not np.array_equal(refine(robot, q, 2, task=task, method="almarkhi", tie=0.5, step=0.0).q, treated.q)
 
 
 def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
@@ -97,15 +97,25 @@ def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
 
 @pytest.mark.slow
 def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
-    found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient")
+    found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient", step=0.0, iterations=300)
     assert found.count(Outcome.CREASE) > 20
     assert found.count(Outcome.NEAR_MISS) == 0
     tied = found.sigma[found.outcome == Outcome.CREASE, 4:]
     assert (tied[:, 0] - tied[:, 1] < 1e-3 * tied[:, 0]).all()
 
 
+@pytest.mark.slow
+def test_the_default_steps_of_descents_reach_corank_3_where_a_line_search_is_stuck():
+    robot = open_robot("pa10")
+    default = search(robot, 3, starts=200, seed=2, method="gradient")
+    line = search(robot, 3, starts=200, seed=2, method="gradient", step=0.0, iterations=300)
+    assert default.count(Outcome.CONVERGED) == 200
+    assert line.count(Outcome.CONVERGED) < 80
+    assert line.count(Outcome.CREASE) > 20
+
+
 @pytest.mark.parametrize(
-    "wrong", [{"step": 0.5}, {"method": "gradient", "step": 0.0}, {"method": "gradient", "step": 2.5}, {"tie": -0.1},
+    "wrong", [{"step": 0.5}, {"method": "gradient", "step": -0.1}, {"method": "gradient", "step": 2.5}, {"tie": -0.1},
               {"tie": float("nan")}, {"iterations": 0}, {"iterations": 1.5}]
 )  # fmt: skip
 def test_rules_of_steps_that_cannot_be_are_refused(wrong):
@@ -169,7 +179,8 @@ def test_descent_methods_follow_almarkhi_and_keep_their_history():
     robot = open_robot("pa10")
     task = resolve_task("pose", robot, length_scale=1.0)
     for method in ("gradient", "almarkhi"):
-        found = search(robot, 2, task=task, starts=100, seed=0, method=method, history=True)
+        found = search(robot, 2, task=task, starts=100, seed=0, method=method, step=0.0, iterations=300,
+                       history=True)  # fmt: skip
         assert 0.6 < len(found.converged) / 100 < 0.9  # about 73 % of the starts reach corank 2
         sigma = found.history.sigma[:, :, found.rank]
         for start, used in enumerate(found.iterations):

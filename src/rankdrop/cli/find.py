@@ -37,7 +37,7 @@ def find(
     seed: Whole = 0,
     start: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    step: str = _LINE,
+    step: str | None = None,
     tie: float = TIE,
     iterations: Whole | None = None,
     threads: Whole = 0,
@@ -70,10 +70,10 @@ def find(
         start: One start in place of the random ones: a configuration (numbers as for explain --q) or, of the random
             ones, the number that --out and --json give it.
         deg: Angles of --start without a unit are in degrees.
-        step: Of gradient and almarkhi: line, the length that brings σ lowest, or a number f up to 2: the share f of
-            the step at whose end σ would be zero, were it linear.
+        step: Of gradient and almarkhi: a number f up to 2, the share of the step at whose end σ would be zero, were it
+            linear (default 0.5); or line, the length that brings σ lowest, which gets stuck more often.
         tie: Of almarkhi: relative gap below which singular values count as equal; 0 for no treatment of ties.
-        iterations: Most iterations per start; else 200, with gradient and almarkhi 300.
+        iterations: Most iterations per start; else 200, with gradient and almarkhi 3000.
         threads: Processors to use; 0 means all. The result does not depend on it.
         out: Write every start's outcome, configuration and singular values to this file: .csv, .json or .npz.
         json: Write the same as JSON to this file; - writes it to stdout in place of the summary.
@@ -161,10 +161,10 @@ class _Options(TypedDict):
     progress: Callable[[int, int], None]
 
 
-def _rule(step: str) -> float | None:
-    """The rule of the steps: None for a line search, else a share; what shares there are, the search says."""
-    if step.strip().lower() == _LINE:
-        return None
+def _rule(step: str | None) -> float | None:
+    """The rule of the steps: None for the method's own, 0 for a line search, else a share."""
+    if step is None or step.strip().lower() == _LINE:
+        return None if step is None else 0.0
     try:
         return float(step)
     except ValueError as error:
@@ -237,7 +237,7 @@ def _how(search: Search) -> str:
             return "reciprocal wrenches: every joint in closed form, or some joints by Newton's method"
         return "reciprocal wrenches: some joints by Newton's method, the others drawn"
     if search.method != "lm":
-        words.append("line search" if search.step is None else f"steps of {search.step:g} of that to linearised zero")
+        words.append("line search" if not search.step else f"steps of {search.step:g} of that to linearised zero")
     if search.method == "almarkhi":
         words.append(f"ties below {search.tie:g}" if search.tie else "ties not treated")
     return ", ".join([*words, f"at most {search.most:,} iterations"])

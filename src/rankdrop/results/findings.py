@@ -28,7 +28,7 @@ def find_to_dict(search: Search) -> Record:
             "seed": search.seed,
             "starts": len(search.q),
             "limits": search.limits,
-            "step": search.step,
+            "step": search.step or None,
             "tie": search.tie,
             "iterations": search.most,
             "length_scale": float(search.task.scale(search.robot)),

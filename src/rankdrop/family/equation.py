@@ -153,6 +153,8 @@ class Equation:
         """f as a Python expression in q1 … qn, sin, cos and pi; exact to the last digit, for numbers and arrays."""
         return self._text
 
+    __json__ = text
+
     @cached_property
     def _text(self) -> str:
         text = ""

@@ -1,6 +1,6 @@
 """A path judged, as what `check_path` returns.
 
-As plain data it has the names of docs/json.md and schema/path.schema.json; rows and joints are numbered from 1.
+As plain data it has the names of docs/json.md; rows and joints are numbered from 1.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ class Through:
         }[self.kind]
 
     def to_dict(self) -> Record:
-        """Plain data: docs/json.md and schema/through.schema.json."""
+        """Plain data: docs/json.md."""
         return {
             **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, generic_rank(self.robot, self.task)),

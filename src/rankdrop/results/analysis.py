@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rankdrop.codec import shown
 from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
-from rankdrop.results.believed import at, check_analysis, check_record
 from rankdrop.results.codec import (
     Record,
     corank_from_dict,
@@ -32,9 +32,10 @@ from rankdrop.results.codec import (
     save_record,
     task_from_dict,
 )
+from rankdrop.results.validate import at, check_analysis
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
-from rankdrop.schema.violations import shown
+from rankdrop.schema import check_record
 from rankdrop.sections import html, text
 from rankdrop.task import Task
 from rankdrop.text.families import inside_limits, overview, share_text
@@ -181,7 +182,7 @@ class Analysis:
     __hash__ = None  # type: ignore[assignment]  # equality is by value, of arrays too
 
     def to_dict(self) -> Record:
-        """The analysis as plain data: see docs/json.md and schema/analysis.schema.json."""
+        """The analysis as plain data: see docs/json.md."""
         return {
             **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
@@ -226,7 +227,7 @@ class Analysis:
             raise ResultFileError("this is not an analysis that can be read", got=shown(found), allowed=SCHEMA)
         if believe:
             return cls._from_dict(record)
-        check_record(record)
+        check_record("analysis", record)
         with np.errstate(all="ignore"):  # of numbers that no arm has, which are refused
             made = cls._from_dict(record)
             check_analysis(made, record)

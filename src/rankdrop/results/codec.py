@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -20,8 +19,10 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
+import msgspec
 import numpy as np
 
+from rankdrop.codec import plain as plain
 from rankdrop.disk import replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
@@ -64,12 +65,9 @@ def read_record(path: str | Path) -> Any:
         ResultFileError: the file cannot be read, is too large, or is not JSON; NaN and infinities are none.
     """
 
-    def refused(word: str) -> None:
-        raise ValueError(f"{word} is no number of JSON")
-
     try:
         Path(path).stat()
-        return json.loads(read_text(Path(path)), parse_constant=refused)
+        return msgspec.json.decode(read_text(Path(path)))
     except OSError as error:
         raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
     except RankdropError as error:
@@ -77,62 +75,13 @@ def read_record(path: str | Path) -> Any:
     except RecursionError:
         what = "the file cannot be read as JSON: its lists and objects are nested too deeply"
         raise ResultFileError(what, where=str(path)) from None
-    except ValueError as error:
+    except (ValueError, msgspec.MsgspecError) as error:
         raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)[:200]) from error
 
 
 def number_or_null(value: float) -> float | None:
     """A number, or None where it is infinite."""
     return value if isfinite(value) else None
-
-
-def plain(value: Any) -> Any:
-    """A record as plain data for JSON: its fields become an object, an equation its text, arrays and tuples lists,
-    infinities null.
-    """
-    kind = type(value)
-    if kind in _AS_IT_IS:
-        return value
-    if kind is float:
-        return number_or_null(value)
-    if kind is tuple or kind is list:  # of numbers and words, mostly: no call for each
-        return [
-            one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in value
-        ]
-    names = _fields_of(kind)
-    if names is not None:
-        entries = zip(names, map(value.__getattribute__, names), strict=True)
-        return {name: one if type(one) in _AS_IT_IS else plain(one) for name, one in entries}
-    if isinstance(value, Equation):
-        return value.text()
-    if isinstance(value, np.ndarray):
-        finite = value.dtype != np.float64 or bool(np.isfinite(value).all())
-        return value.tolist() if finite else plain(value.tolist())
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, float):
-        return number_or_null(value)
-    return value
-
-
-_AS_IT_IS = frozenset((str, int, bool, NoneType))
-
-
-_FIELDS: dict[type[Any], tuple[str, ...] | None] = {}
-
-
-def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
-    """The fields of a record that files hold; None for what is no record, and for an equation, which is its text."""
-    if kind not in _FIELDS:
-        record = is_dataclass(kind) and not issubclass(kind, Equation)
-        _FIELDS[kind] = tuple(one.name for one in fields(kind) if one.name[0] != "_") if record else None
-    return _FIELDS[kind]
 
 
 def restored(kind: Any, data: Any) -> Any:

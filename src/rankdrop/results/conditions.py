@@ -1,6 +1,6 @@
 """The result of an exact derivation: a frozen record that goes to JSON and code, and shows itself as text.
 
-As plain data it has the names of docs/json.md and schema/conditions.schema.json.
+As plain data it has the names of docs/json.md.
 """
 
 from __future__ import annotations
@@ -197,7 +197,7 @@ class Conditions:
         return between(self.chain, first, second)
 
     def to_dict(self) -> Record:
-        """Plain data: see docs/json.md and schema/conditions.schema.json. The time spent is not in it."""
+        """Plain data: see docs/json.md. The time spent is not in it."""
         return conditions_to_dict(self)
 
     def save(self, path: str | Path) -> None:

@@ -17,7 +17,7 @@ SCHEMA = "rankdrop/find/1"
 
 
 def find_to_dict(search: Search) -> Record:
-    """A search as plain data, starts that were not run left out: see docs/json.md and schema/find.schema.json."""
+    """A search as plain data, starts that were not run left out: see docs/json.md."""
     return {
         **heading(SCHEMA),
         "robot": robot_to_dict(search.robot, search.task, search.rank + search.corank),

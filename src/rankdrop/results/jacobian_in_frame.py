@@ -124,7 +124,7 @@ class LinkJacobian:
         return "\n".join(["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in found), *said, ""])
 
     def to_dict(self) -> Record:
-        """Plain data: see docs/json.md and schema/jacobian.schema.json."""
+        """Plain data: see docs/json.md."""
         closed, code = self.closed, Python(shifts=self.shifts)
         return {
             **heading(SCHEMA),

@@ -1,23 +1,41 @@
-"""The published JSON Schemas of the result files, as package data."""
+"""The entries of every kind of file, as tables: they encode, decode strictly, and are the published JSON Schemas."""
 
 from __future__ import annotations
 
-import json
-from importlib import resources
+from importlib import import_module
 from typing import Any
 
-from rankdrop.errors import OptionError
+from msgspec import Struct
 
-NAMES = (
-    "analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "path", "paths",
-    "aspects", "through", "path-rows", "cover", "certificate", "verified", "sweep", "side-by-side",
-)  # fmt: skip
+from rankdrop.codec import decode, json_schema
+from rankdrop.errors import OptionError, ResultFileError
+
+_ROOM = {
+    "analysis": "families", "find": "families", "explanation": "explanation", "escape": "explanation",
+    "nearest": "explanation", "tolerant": "explanation", "conditions": "families", "jacobian": "design",
+    "path": "motion", "paths": "motion", "aspects": "motion", "through": "motion", "path-rows": "motion",
+    "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
+}  # fmt: skip
+NAMES = tuple(_ROOM)
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
 `compare` the side-by-side."""
 
 
+def table_of(kind: str) -> type[Struct]:
+    """The table of a kind of file; imported when it is first used.
+
+    Raises:
+        OptionError: there is no such kind.
+    """
+    if kind not in _ROOM:
+        raise OptionError("there is no such schema", got=repr(kind), allowed=", ".join(NAMES))
+    name = f"{kind.upper().replace('-', '_')}_FILE"
+    made: type[Struct] = getattr(import_module(f"rankdrop.schema.{_ROOM[kind]}"), name)
+    return made
+
+
 def load_schema(name: str) -> dict[str, Any]:
-    """One schema.
+    """JSON Schema (draft 2020-12) of a kind of file, generated from its table.
 
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
@@ -32,8 +50,21 @@ def load_schema(name: str) -> dict[str, Any]:
         >>> load_schema("analysis")["properties"]["schema"]["const"]
         'rankdrop/analysis/1'
     """
-    if name not in NAMES:
-        raise OptionError("there is no such schema", got=repr(name), allowed=", ".join(NAMES))
-    text = (resources.files("rankdrop.schema") / f"{name}.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
-    return schema
+    schema = json_schema(table_of(name))
+    entry = schema["properties"]["schema"]
+    entry["const"] = entry.pop("enum")[0]
+    number = entry["const"].rpartition("/")[2]
+    return schema | {"$id": f"urn:rankdrop:{name}:{number}", "title": f"rankdrop {name}, version {number}"}
+
+
+def check_record(kind: str, record: Any) -> None:
+    """Compare plain data with the table of a kind of file.
+
+    Raises:
+        ResultFileError: with the path of the first element that is not as it should be.
+    """
+    try:
+        decode(table_of(kind), record)
+    except ResultFileError as error:
+        what = f"the {kind} is damaged: {error.what}"
+        raise ResultFileError(what, where=error.where, got=error.got, mend="make the file again") from None

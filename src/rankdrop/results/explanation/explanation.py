@@ -1,6 +1,6 @@
 """The explanation of one configuration: its data, and how it goes to JSON, to text and to a notebook.
 
-An explanation as plain data: the names of docs/json.md and schema/explanation.schema.json.
+An explanation as plain data: the names of docs/json.md.
 """
 
 from __future__ import annotations
@@ -328,7 +328,7 @@ class Explanation:
         return text(self.sections(parts=_SHOWN))
 
     def to_dict(self) -> Record:
-        """Plain data: see docs/json.md and schema/explanation.schema.json."""
+        """Plain data: see docs/json.md."""
         return explanation_to_dict(self)
 
     def save(self, path: str | Path) -> None:

@@ -69,7 +69,7 @@ SCHEMA = "rankdrop/tolerant/1"
 
 
 def tolerant_to_dict(tolerant: Tolerant) -> Record:
-    """Plain data: see docs/json.md and schema/tolerant.schema.json."""
+    """Plain data: see docs/json.md."""
     return {
         **heading(SCHEMA),
         "robot": robot_to_dict(tolerant.robot, tolerant.task, tolerant.generic_rank),

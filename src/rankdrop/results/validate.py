@@ -19,8 +19,6 @@ from rankdrop.robot.files import RANGE, allowed_range
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.robot.transform import rigid
-from rankdrop.schema import load_schema
-from rankdrop.schema.violations import first_violation
 from rankdrop.task import Task, link_index, resolve_task
 
 if TYPE_CHECKING:
@@ -32,17 +30,6 @@ _LOOSEST_SINGULAR = 1e-3
 _SAME = 1e-9  # lengths of axes, entries of rotations: what decimals of a file leave
 _HIGHEST = 64  # power or harmonic of a term; those found have at most 10
 _LOST = 1e-6  # |u · J| of a direction u that is lost, with J in metres of the reach
-
-
-def check_record(record: Any) -> None:
-    """Hold plain data against the schema of an analysis.
-
-    Raises:
-        ResultFileError: with the path of the first element that is not as it should be.
-    """
-    found = first_violation(record, load_schema("analysis"))
-    if found is not None:
-        raise damaged(found.what, found.where, found.got, found.allowed)
 
 
 def damaged(what: str, where: str, got: object = None, allowed: object = None) -> ResultFileError:

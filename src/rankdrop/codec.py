@@ -1,0 +1,280 @@
+"""Tables of the entries of a file: one table encodes a record, decodes data strictly, and is its JSON Schema.
+
+A table lists entries with their types, bounds, units and meaning; msgspec does the work. Units are metadata of the
+numbers: `num("rad", ge=0)`. Where the entries are the fields of a record class, `of=` takes them over, with the
+meanings from its docstring.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from math import isfinite
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+import numpy as np
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from rankdrop.errors import ResultFileError
+
+_SHOWN = 60  # characters of a value in an error
+_LARGEST = 2**53
+"""Whole numbers up to here are the same in every reader of JSON."""
+
+
+def num(unit: str, **bounds: Any) -> Any:
+    """Type of a number with its unit ("1": none) and bounds: ge, gt, le, lt."""
+    return Annotated[float, Meta(extra_json_schema={"unit": unit}, extra={"unit": unit}, **bounds)]
+
+
+def whole(ge: int = -_LARGEST, le: int = _LARGEST) -> Any:
+    """Type of a whole number between bounds."""
+    return Annotated[int, Meta(ge=ge, le=le)]
+
+
+def text(**bounds: Any) -> Any:
+    """Type of a text with a pattern or a min_length."""
+    return Annotated[str, Meta(**bounds)]
+
+
+def many(kind: Any) -> Any:
+    """Type of a list."""
+    return list[kind]
+
+
+def mapping(kind: Any) -> Any:
+    """Type of an object whose keys are free."""
+    return dict[str, kind]
+
+
+def pair(first: Any, second: Any) -> Any:
+    """Type of a list of two entries."""
+    return tuple[first, second]
+
+
+def row(kind: Any, length: int) -> Any:
+    """Type of a list of exactly so many entries."""
+    return Annotated[list[kind], Meta(min_length=length, max_length=length)]
+
+
+def some(kind: Any, min_length: int = 1, max_length: int | None = None) -> Any:
+    """Type of a list of at least one entry."""
+    return Annotated[list[kind], Meta(min_length=min_length, max_length=max_length)]
+
+
+def optional(kind: Any) -> Any:
+    """Type of an entry that may be absent."""
+    return Union[kind, UnsetType]  # noqa: UP007  # of types that are known at run time only
+
+
+Count, Positive = whole(ge=0), whole(ge=1)
+
+
+def table(name: str, about: str = "", /, *, of: type | None = None, **entries: Any) -> Any:
+    """A table of entries.
+
+    Args:
+        name: of the table, in the schema.
+        about: what such an object is.
+        of: record class whose fields are entries too, in their order and before the others; fields with a default may
+            be absent, since files of an earlier version do not have them.
+        entries: by name (a trailing _ is dropped): a type; or (type, meaning); or (type, meaning, function of the
+            record that gives the value), where the record has no attribute of that name. None leaves a field of `of`
+            out.
+    """
+    columns = {key.rstrip("_"): one if isinstance(one, tuple) else (one, "") for key, one in entries.items()}
+    if of is not None:
+        columns = {**_columns_of(of, columns), **columns}
+    columns = {key: one for key, one in columns.items() if one[0] is not None}
+    made = msgspec.defstruct(
+        name, [_field(key, *one) for key, one in columns.items()], kw_only=True, rename=_renamed,
+        namespace={"__doc__": about or None},
+    )  # fmt: skip
+    _GETTERS[made] = {key: one[2] for key, one in columns.items() if len(one) > 2}
+    if of is not None:
+        _TABLES.setdefault(of, made)
+    return made
+
+
+_GETTERS: dict[type, dict[str, Callable[[Any], Any]]] = {}
+_TABLES: dict[type, type[Struct]] = {}  # of record classes
+
+
+def _renamed(key: str) -> str:
+    return key.rstrip("_")
+
+
+def _field(key: str, kind: Any, about: str = "", *_: Any) -> tuple[Any, ...]:
+    kind = Annotated[kind, Meta(description=about)] if about else kind
+    key = f"{key}_" if key in ("from", "global", "is") else key
+    return (key, kind, UNSET) if UnsetType in _parts(kind) else (key, kind)
+
+
+def _parts(kind: Any) -> tuple[Any, ...]:
+    if get_origin(kind) is Annotated:
+        return _parts(get_args(kind)[0])
+    return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+
+
+def _columns_of(record: type, given: dict[str, Any]) -> dict[str, tuple[Any, ...]]:
+    """The fields of a record class as entries; those that are given are not looked at."""
+    hints, about, columns = get_type_hints(record, include_extras=True), meanings(record), {}
+    for one in fields(record):
+        if one.name.startswith("_"):
+            continue
+        if one.name in given:
+            kind, meaning, *getter = given[one.name]
+            columns[one.name] = (kind, meaning or about.get(one.name, ""), *getter)
+            continue
+        kind = _json_type(hints[one.name])
+        default = one.default is not MISSING or one.default_factory is not MISSING
+        columns[one.name] = (optional(kind) if default else kind, about.get(one.name, ""))
+    given.update({key: columns[key] for key in given.keys() & columns.keys()})
+    return columns
+
+
+def _json_type(kind: Any) -> Any:
+    """The type that a field has in JSON."""
+    inner = get_args(kind)
+    if get_origin(kind) is Annotated:
+        return kind
+    if isinstance(kind, type) and is_dataclass(kind):
+        return _TABLES[kind] if kind in _TABLES else table(kind.__name__, of=kind)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return Literal[tuple(one.value for one in kind)]
+    if get_origin(kind) in (Union, UnionType):
+        return Union[tuple(map(_json_type, inner))]  # noqa: UP007
+    if get_origin(kind) in (tuple, list):
+        if get_origin(kind) is list or inner[-1] is Ellipsis:
+            return list[_json_type(inner[0])]  # type: ignore[misc]
+        return tuple[tuple(map(_json_type, inner))]  # type: ignore[misc]
+    return kind
+
+
+@cache
+def meanings(record: type) -> dict[str, str]:
+    """Field -> what its class's docstring says of it under "Attributes:"."""
+    block = re.split(r"\n\s*\n", (record.__doc__ or "").partition("Attributes:\n")[2])[0]
+    told: dict[str, str] = {}
+    for part in re.split(r"\n {4,8}(?=\w+(?:, \w+)*:)", f"\n{block}")[1:]:
+        names, _, about = part.partition(":")
+        told |= dict.fromkeys(names.split(", "), " ".join(about.split()))
+    return told
+
+
+def encode(kind: type[Struct], record: Any) -> dict[str, Any]:
+    """A record as plain data: every entry of its table."""
+    data = {}
+    getters = _GETTERS[kind]
+    for one in msgspec.structs.fields(kind):
+        value = getters[one.encode_name](record) if one.encode_name in getters else _attribute(record, one.encode_name)
+        if value is not UNSET:
+            data[one.encode_name] = _encoded(one.type, value)
+    return data
+
+
+def _attribute(record: Any, name: str) -> Any:
+    return record.get(name, UNSET) if isinstance(record, dict) else getattr(record, name)
+
+
+def _encoded(kind: Any, value: Any) -> Any:
+    if get_origin(kind) is Annotated:
+        return _encoded(get_args(kind)[0], value)
+    if get_origin(kind) in (Union, UnionType) and value is not None:
+        inner = [one for one in get_args(kind) if one not in (NoneType, UnsetType)]
+        return _encoded(inner[0], value) if len(inner) == 1 else plain(value)
+    if isinstance(kind, type) and issubclass(kind, Struct):
+        return encode(kind, value)
+    if get_origin(kind) is list and not hasattr(value, "dtype"):
+        inner = get_args(kind)[0]
+        return [_encoded(inner, part) for part in value]
+    return plain(value)
+
+
+def plain(value: Any) -> Any:
+    """Data as JSON has it: fields of records become objects, arrays and tuples lists, infinities null.
+
+    A record that is a text in JSON has a method `__json__`.
+    """
+    kind: Any = type(value)
+    if kind in _AS_IT_IS:
+        return value
+    if kind is float:
+        return value if isfinite(value) else None
+    if kind is tuple or kind is list:  # of numbers and words, mostly: no call for each
+        return [
+            one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in value
+        ]
+    names = _fields_of(kind)
+    if names is not None:
+        return {name: plain(getattr(value, name)) for name in names}
+    if hasattr(kind, "__json__"):
+        return value.__json__()
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    return value.value if isinstance(value, Enum) else value
+
+
+_AS_IT_IS = frozenset((str, int, bool, NoneType))
+
+
+@cache
+def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
+    """The fields of a record that files hold; None for what is no record, or is a text."""
+    if is_dataclass(kind) and not hasattr(kind, "__json__"):
+        return tuple(one.name for one in fields(kind) if one.name[0] != "_")
+    return None
+
+
+def decode(kind: type[Struct], data: Any) -> Any:
+    """Data as an instance of a table.
+
+    Raises:
+        ResultFileError: with the path of the first element that is not as the table says.
+    """
+    try:
+        return msgspec.convert(data, kind)
+    except msgspec.ValidationError as error:
+        what, _, where = str(error).partition(" - at `")
+        path = where.removesuffix("`") or "$"
+        raise ResultFileError(what.replace("`", ""), where=path, got=shown(element(data, path))) from None
+
+
+def element(data: Any, path: str) -> Any:
+    """The element of data at a path, "$.families[0].witness[2]"; the last one that exists on the way."""
+    for key, index in re.findall(r"\.([^.\[]+)|\[(\d+)\]", path):
+        try:
+            data = data[key] if key else data[int(index)]
+        except (KeyError, IndexError, TypeError):
+            return data
+    return data
+
+
+def shown(value: Any) -> str:
+    """A value in an error: its beginning, or how large it is.
+
+    Example:
+        >>> shown([1, 2, 3]), shown("wrist")
+        ('a list of 3', "'wrist'")
+    """
+    if isinstance(value, list | dict):
+        return f"{'a list' if isinstance(value, list) else 'an object'} of {len(value)}"
+    if isinstance(value, int) and abs(value) > _LARGEST**2:
+        return "a number of hundreds of digits"
+    words = repr(value)
+    return words if len(words) <= _SHOWN else f"{words[:_SHOWN]} …"
+
+
+def json_schema(kind: type[Struct]) -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a table, other tables under `$defs`."""
+    _, rest = msgspec.json.schema_components([kind], ref_template="#/$defs/{name}")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **rest.pop(kind.__name__), "$defs": rest}

@@ -1,0 +1,106 @@
+"""Tables of what every file holds: the arm, its task, tolerances, how near an ideal arm is."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from rankdrop.certify.displaced import ModelTolerance
+from rankdrop.codec import Positive, many, mapping, num, optional, row, some, table, whole
+from rankdrop.family.record import Pin
+from rankdrop.robot.model import Joint, Mimic, Source
+from rankdrop.task import Frame
+from rankdrop.tolerances import Tolerances
+
+UNITS = table("units", angle=str, length=str, time=str, joint=str, distance=str)
+
+
+def file(kind: str, about: str, /, **entries: Any) -> Any:
+    """The table of a kind of file: `schema` and `units` first, then its entries."""
+    told = "units of the numbers of this file; the unit of each entry: `unit` of this schema"
+    return table(f"{kind}_file", about, schema=Literal[f"rankdrop/{kind}/1"], units=(optional(UNITS), told), **entries)
+
+
+JOINTS = table(
+    "joints",
+    name=str,
+    number=(Positive, "counted from 1"),
+    kind=Literal["revolute", "prismatic", "helical"],
+    lower=(num("joint") | None, "lower limit [rad or m]; null: none given"),
+    upper=(num("joint") | None, "upper limit [rad or m]; null: none given"),
+)
+NEAR = table(
+    "near",
+    of=ModelTolerance,
+    text=(str, "what it has, and how near it is"),
+    length=num("m", ge=0),
+    angle=num("rad", ge=0),
+    ideal=(str, "what the option --ideal takes to find it"),
+)
+SOURCE = table("source", of=Source)
+FRAME = table("frame", of=Frame, axes=whole(ge=-1), origin=whole(ge=-1), point=row(num("m"), 3))
+MIMIC = table("mimic", of=Mimic, multiplier=num("ratio"), offset=num("joint"))
+CHAIN = table(
+    "chain",
+    of=Joint,
+    kind=Literal["revolute", "prismatic", "helical"],
+    screw=row(num("screw"), 6),
+    lower=num("joint") | None,
+    upper=num("joint") | None,
+    velocity=num("joint/s") | None,
+    frame=row(row(num("pose"), 4), 4),
+)
+ROBOT = table(
+    "robot",
+    name=str,
+    n=(Positive, "number of joint variables: length of q"),
+    task=(str, "name of the task, or its rows joined by commas"),
+    generic_rank=(whole(ge=0, le=6), "rank of the task Jacobian almost everywhere; corank k is rank generic_rank − k"),
+    joints=(many(JOINTS), "the joint variables, in the order of q"),
+    base=(str, "first link"),
+    tip=(str, "last link"),
+    about=str,
+    lengths=(optional(mapping(num("m", gt=0))),
+        "letters that exact conditions write lengths with, and their values [m]; absent where the robot has "
+        "none"),
+    notes=(many(str), "choices made and things tolerated while reading the description"),
+    near=(optional(NEAR),
+        "where an ideal arm is near: the nearest one whose axes are exactly parallel, square and meeting"),
+    source=(SOURCE, "where the numbers come from"),
+    made_for=(str, "task the description names"),
+    frame=(FRAME, "frame of the task"),
+    rows=(some(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0"),
+    home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame"),
+    chain=(some(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame"),
+)
+TOLERANCES = table(
+    "tolerances",
+    of=Tolerances,
+    singular=num("1", gt=0),
+    target=num("1", gt=0),
+    stationary=num("1", gt=0),
+    block_rank=num("1/distance", gt=0),
+    tangent=num("1", gt=0),
+    value=num("joint", gt=0),
+    fit_gap=num("1", gt=0),
+    coefficient=num("1", gt=0),
+    explained=num("distance", gt=0),
+)
+PINNED = table("pinned", of=Pin, number=Positive, values=some(num("joint")))
+INSIDE_PINNED = table("inside_pinned", number=Positive, values=many(num("joint")))
+TOLERANCE = table(
+    "tolerance",
+    of=ModelTolerance,
+    text=str,
+    length=num("m", gt=0) | None,
+    angle=num("rad", gt=0) | None,
+)
+MOVED = table(
+    "moved",
+    name=str,
+    kind=Literal["twist", "angle", "distance", "offset", "base", "tip"],
+    joints=some(Positive),
+    before=num("entry"),
+    after=num("entry"),
+    by=num("entry", ge=0),
+    text=str,
+)

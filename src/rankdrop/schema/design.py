@@ -1,0 +1,170 @@
+"""Tables of the files of `sweep`, `compare` and `jacobian`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
+from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
+
+SHORTEST = table("shortest", terms=int, frame=int, at=int | None)
+ENTRIES = table("entries", text=str, latex=str, python=str)
+INVERSE = table("inverse", determinant=str, entries=(many(many(ENTRIES)), "one list per joint"))
+NUMBERS = table(
+    "numbers",
+    q=many(num("joint")),
+    matrix=many(many(num("screw"))),
+    determinant=num("product") | None,
+    inverse=many(many(num("rate"))) | None,
+    sigma=(many(num("1")), "singular values, lengths in metres"),
+)
+CHECKS = table(
+    "checks",
+    what=str,
+    holds=bool,
+    worst=(num("1") | None, "largest relative difference; null for an exact check"),
+)
+JACOBIAN_FILE = file(
+    "jacobian",
+    "The Jacobian seen from a link: written by `rankdrop jacobian --json`.",
+    robot=ROBOT,
+    frame=(Positive, "link whose axes are taken"),
+    at=(int | None, "link on whose frame's origin the reference point is; null for the tip"),
+    rows=(many(str), "of the task, vx … wz"),
+    letters=(mapping(num("m")), "value of each length that is a letter [m]"),
+    shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
+    matrix=(many(many(str)), "entries as text, one list per row; empty where numbers alone were asked for"),
+    latex=(str, "matrix, determinant and inverse as displayed formulas"),
+    shortest=(many(SHORTEST), "terms of all axes and reference points, the shortest first"),
+    inverse=(INVERSE | None, "in closed form; null where it was not asked for"),
+    numbers=(NUMBERS | None,
+        "at the configuration of --q; the inverse is null where it was not asked for, and at singular "
+        "configurations"),
+    checks=many(CHECKS),
+    holds=(bool, "whether every check does"),
+)
+MEASURES = table("measures", name=str, unit=str, meaning=str)
+ARMS_FAMILY = table(
+    "arms_family",
+    id=str,
+    key=str,
+    name=str,
+    corank=Positive,
+    dimension=Count,
+    pinned=many(INSIDE_PINNED),
+    free=many(int),
+    coupled=many(int),
+    conditions=many(str),
+    named=bool,
+    sound=row(int, 2),
+    explained=row(int, 2),
+    witness=many(num("joint")),
+)
+NEAR_SHARE = table("near_share", id=str, share=num("1"), error=num("1"), interval=row(num("1"), 2), bound=bool)
+ARMS_NEAR = table("arms_near", any=NEAR_SHARE, families=many(NEAR_SHARE))
+REGION = table(
+    "region",
+    poses=int,
+    reached=int,
+    lowest=num("1") | None,
+    sigma=num("1") | None,
+    at=many(num("m")) | None,
+    q=many(num("joint")) | None,
+)
+ARMS_PATH = table(
+    "arms_path",
+    name=str,
+    verdict=str,
+    sigma=num("1") | None,
+    distance=num("distance") | None,
+    q=many(num("joint")) | None,
+    why=str,
+)
+CERTIFIED = table("certified", free=num("1"), boxes=int, complete=bool)
+_MEASURED: dict[str, Any] = {
+    "measures": (mapping(num("entry") | None), "null where it could not be had"),
+    "error": str | None,
+    "verdict": optional(Literal["verified", "incomplete", "unsound", "contradicted"]),
+    "sentence": optional(str),
+    "rank": optional(int),
+    "families": optional(many(ARMS_FAMILY)),
+    "near": optional(ARMS_NEAR),
+    "region": optional(REGION),
+    "paths": optional(many(ARMS_PATH)),
+    "certified": optional(CERTIFIED),
+}
+ARMS = table(
+    "arms",
+    name=str,
+    about=str,
+    joints=int,
+    reach=num("m"),
+    **_MEASURED,
+)
+SIDE_BY_SIDE_FILE = file(
+    "side-by-side",
+    "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
+    version=str,
+    task=str,
+    length_scale=num("m", gt=0),
+    limits=bool,
+    seed=Count,
+    sentence=str,
+    holds=bool,
+    measures=many(MEASURES),
+    arms=many(ARMS),
+)
+SWEEP_PARAMETERS = table(
+    "sweep_parameters",
+    name=str,
+    unit=Literal["m", "rad"],
+    sets=many(str),
+    lower=num("entry"),
+    upper=num("entry"),
+)
+STRUCTURES = table("structures", families=many(str), variants=many(int), ranges=many(many(num("entry"))))
+CHANGES = table(
+    "changes",
+    kind=Literal["appears", "vanishes", "splits", "join"],
+    before=many(str),
+    after=many(str),
+    variants=row(int, 2),
+    parameter=str | None,
+    between=many(num("entry")) | None,
+)
+EXACT_FAMILIES = table("exact_families", id=str, name=str, corank=int, conditions=many(str), real=str)
+SWEEP_EXACT = table(
+    "sweep_exact",
+    variant=int,
+    letters=mapping(num("m")),
+    families=many(EXACT_FAMILIES),
+    not_real=many(str),
+)
+VARIANTS = table(
+    "variants",
+    number=Positive,
+    values=many(num("entry")),
+    **_MEASURED,
+)
+SWEEP_FILE = file(
+    "sweep",
+    "Written by `rankdrop sweep --json`: variants of an arm, measured for the same task. Variants and joints are "
+    "numbered from 1; angles in rad, lengths in m.",
+    robot=str,
+    sample=Literal["grid", "latin-hypercube", "sobol", "list"],
+    version=str,
+    task=str,
+    length_scale=num("m", gt=0),
+    limits=bool,
+    seed=Count,
+    sentence=str,
+    holds=bool,
+    measures=many(MEASURES),
+    parameters=many(SWEEP_PARAMETERS),
+    goals=mapping(Literal["less", "more"]),
+    pareto=many(Positive),
+    structures=many(STRUCTURES),
+    changes=many(CHANGES),
+    exact=many(SWEEP_EXACT),
+    variants=many(VARIANTS),
+)

@@ -1,0 +1,385 @@
+"""Tables of the files of `explain`, `escape`, `nearest` and `tolerant`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from rankdrop.codec import Count, Positive, many, num, optional, row, some, table
+from rankdrop.families.tolerant import Place
+from rankdrop.local.circuits import Circuit
+from rankdrop.local.cofactors import Hunt, HuntJoint
+from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
+from rankdrop.local.nearest import Nearest
+from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.rates import DirectionRates, Rates
+from rankdrop.local.redundant import RankNullity, Redundancy
+from rankdrop.local.relations import Relation
+from rankdrop.local.representation import Representation, Representations
+from rankdrop.local.screws import Screw
+from rankdrop.local.second_order import LostMotion
+from rankdrop.local.systems import ScrewSystem
+from rankdrop.local.verdict import Rank
+from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+
+ESCAPE_SETTINGS = table(
+    "escape_settings",
+    near=(num("distance", ge=0), "near within this distance [rad]"),
+    small=(num("1", ge=0), "σ_r at or below it is small"),
+    limits=bool,
+    evaluations=(Count, "budget of the certified radius"),
+    step=(num("distance", ge=0), "of the motions tried [rad; slides in length scales]"),
+    seed=Count,
+    length_scale=(num("m", gt=0), "translation is divided by it [m]"),
+    tolerances=TOLERANCES,
+    version=(str, "of rankdrop"),
+    frame=(optional(Literal["base", "tool", "link", ""]),
+        "in whose axes motions are told; empty: base, tool, and a link where they are simpler there"),
+)
+CIRCUIT = table(
+    "circuit",
+    of=Circuit,
+    numbers=some(Positive),
+    coefficients=many(num("entry")),
+    units=many(Literal["rad", "m"]),
+    sigma=num("1", ge=0),
+)
+ORDERED = table("ordered", of=OrderedSubset, first=Positive, last=Positive, dimension=Count, loss=Positive)
+SYSTEMS = table("systems", of=ScrewSystem, numbers=many(Positive), dimension=Count)
+HUNT_JOINTS = table("hunt_joints", of=HuntJoint, number=Positive, share=num("1", ge=0, le=1), rate=num("1/distance"))
+HUNT = table("hunt", of=Hunt, matrix=many(many(num("1"))))
+BLAME = table(
+    "blame",
+    circuits=(many(CIRCUIT), "all of `circuits`"),
+    smallest=(many(CIRCUIT), "the smallest special ones from which all dependencies follow"),
+    ordered=many(ORDERED),
+    systems=many(SYSTEMS),
+    always=(str | None, "why the arm is deficient everywhere"),
+    complete=(bool, "false: too many joints to list circuits"),
+    hunt=(optional(HUNT | None), "Hunt's matrix of cofactors; null where nothing is lost"),
+)
+WAY = table(
+    "way",
+    of=JointEscape,
+    number=Positive,
+    gain=Count,
+    order=Positive | None,
+    rate=num("1/joint^order"),
+    first_order=many(num("1/distance")),
+    receptors=many(Positive),
+    measured_gain=int,
+    step=num("joint"),
+    sigma_after=num("1", ge=0),
+)
+DIRECTION = table(
+    "direction",
+    of=Direction,
+    delta=many(num("joint")),
+    numbers=many(Positive),
+    gain=int,
+    order=Positive | None,
+    rate=num("1/distance^order"),
+    step=num("distance"),
+    sigma_after=num("1", ge=0),
+    measured_gain=int,
+)
+LOST_MOTION = table("lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")))
+ESCAPE = table("escape", of=Escape, corank=Count, floor=num("1", ge=0))
+_ASKED: dict[str, Any] = {
+    "robot": ROBOT,
+    "settings": (ESCAPE_SETTINGS, "what was asked for"),
+    "q": (many(num("joint")), "the configuration asked about [rad, m]"),
+    "outside_limits": (many(Positive), "joints beyond a limit"),
+    "at_limits": (many(Positive), "joints that stand at a limit"),
+    "verdict": Literal["regular", "near", "singular", "always-singular"],
+    "reason": str,
+    "rank": Count,
+    "generic_rank": (Count, "almost everywhere"),
+    "corank": (Count, "task freedoms lost: generic_rank - rank"),
+    "nullity": (Count, "joint motions that leave the task still: n - rank"),
+    "sigma": (many(num("1", ge=0)), "descending; translation divided by the length scale"),
+}
+_WAYS: dict[str, Any] = {
+    "circuits": (many(some(Positive)), "every inclusion-minimal dependent set of joints"),
+    "blame": (BLAME, "which joints make the dependency"),
+    "escape": (ESCAPE, "how to get out"),
+}
+ESCAPE_FILE = file(
+    "escape",
+    "Written by `rankdrop escape --json`: the entries of an explanation that lead out. Twists are (v; ω), linear "
+    "part first, in the task's frame.",
+    **_ASKED,
+    **_WAYS,
+    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+    lie=(dict[str, Any] | None, "with --lie: the procedure of Gallardo-Alvarado and Rico-Martínez, step by step"),
+)
+EXPLANATION_FAMILY = table(
+    "explanation_family",
+    id=(str | None, "of the analysis; null where found on the spot"),
+    name=str,
+    corank=Positive,
+    dimension=(Count, "in joint space"),
+    pinned=(many(PINNED), "joints with fixed values [rad, m]"),
+    free=(many(Positive), "joints that do not matter"),
+    coupled=(many(Positive), "joints tied together"),
+    conditions=(many(str), "for reading"),
+    equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family"),
+    residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),
+    source=Literal["catalogue", "analysis", "on the spot"],
+)
+RELATIONS = table("relations", of=Relation, joints=many(Positive))
+SCREW = table(
+    "screw",
+    of=Screw,
+    point=row(num("m"), 3) | None,
+    direction=row(num("1"), 3),
+    pitch=num("m/rad") | None,
+    magnitude=num("twist", ge=0),
+)
+LOST_FRAME = table(
+    "lost_frame",
+    name=str,
+    axes=int,
+    origin=int,
+    point=row(num("m"), 3),
+    directions=many(row(num("1"), 6)),
+    twist_screws=many(SCREW),
+    wrench_screws=many(SCREW),
+)
+RATES = table(
+    "rates",
+    of=DirectionRates,
+    direction=row(num("entry"), 6),
+    unit=Literal["m/s", "rad/s", "1"],
+    joint_rates=many(num("joint/s")),
+    norm=num("distance/s", ge=0) | None,
+    worst=Positive | None,
+    speed_smallest_rates=num("entry", ge=0) | None,
+    speed=num("entry", ge=0) | None,
+)
+JOINT_RATES = table(
+    "joint_rates",
+    of=Rates,
+    limits=many(num("joint/s") | None),
+    length_scale=num("m"),
+    lost_shares=optional(many(num("1", ge=0, le=1.000001))),
+    remaining=optional(many(RATES | None)),
+)
+NEAREST = table(
+    "nearest",
+    of=Nearest,
+    distance=num("distance", ge=0),
+    q=many(num("joint")),
+    delta=many(num("joint")),
+    corank=Positive,
+    sigma=optional(num("1", ge=0)),
+    stationarity=optional(num("1", ge=0)),
+    starts=optional(Positive),
+    agreeing=optional(Count),
+    within_limits=optional(bool),
+    family=EXPLANATION_FAMILY | None,
+)
+FAMILIES_AWAY = table(
+    "families_away",
+    id=str,
+    name=str,
+    distance=num("distance", ge=0),
+    q=many(num("joint")),
+    delta=many(num("joint")),
+    residual=num("distance", ge=0) | None,
+    sigma=num("1", ge=0) | None,
+    exact=bool,
+)
+CERTIFICATE = table(
+    "certificate",
+    radius=(num("distance", ge=0), "[rad]"),
+    single=(num("distance", ge=0), "of the first enclosure"),
+    at_most=num("distance", ge=0),
+    q=many(num("joint")),
+    task=str,
+    rank=Count,
+    setting=dict[str, Any],
+    evaluations=Count,
+    model=str,
+    complete=bool,
+    version=str,
+    rows=some(Literal[0, 1, 2, 3, 4, 5], min_length=1, max_length=6),
+    frame=FRAME,
+)
+FAILURES = table(
+    "failures",
+    number=Positive,
+    joint=str,
+    sigma=(many(num("1", ge=0)), "singular values of the others' Jacobian, descending"),
+    sigma_min=(num("1", ge=0), "the one at the generic rank of the whole arm; 0 where the rank is lower"),
+    rank=Count,
+    share=(num("1", ge=0, le=1.000001), "what is left of the square root of det(J Jᵀ)"),
+    lost_directions=(many(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words"),
+    lost_words=many(str),
+)
+ELLIPSOID = table(
+    "ellipsoid",
+    of=Ellipsoid,
+    axes=many(many(num("1"))),
+    half_lengths=many(num("entry", ge=0) | None),
+    semi_axes=many(many(num("entry") | None)),
+)
+INDEX = table("index", of=Index, value=num("entry", ge=0) | None, length_scale=num("m") | None)
+SHAPE = table(
+    "shape", name=str, velocity=ELLIPSOID, force=ELLIPSOID, sigma_min=INDEX, condition=INDEX, manipulability=INDEX,
+)  # fmt: skip
+SHAPES = table("shapes", of=PartSet, joints=many(num("joint/s") | None))
+ELLIPSOIDS = table("ellipsoids", of=Ellipsoids, length_scale=num("m"))
+RANK = table(
+    "rank",
+    of=Rank,
+    sigma=many(num("1", ge=0)),
+    sigma_error=num("1", ge=0),
+    rank=Count,
+    generic_rank=Count,
+    corank=Count,
+    nullity=Count,
+    tolerance=num("1", ge=0),
+)
+CHECK = table("check", of=RankNullity, rank=Count, nullity=Count, n=Count, largest=num("1"))
+REDUNDANCY = table(
+    "redundancy",
+    of=Redundancy,
+    range_basis=many(many(num("twist"))),
+    null_basis=many(many(num("joint/s"))),
+    projector=many(many(num("ratio"))),
+    closed_form=many(many(num("ratio"))),
+    difference=num("ratio", ge=0),
+    idempotent=num("ratio", ge=0),
+    annihilates=num("1", ge=0),
+    closed_annihilates=num("1", ge=0),
+    joint_scale=many(num("joint")),
+)
+COORDINATES = table(
+    "coordinates",
+    of=Representation,
+    coordinates=many(num("coordinate") | None),
+    sigma_min=num("1", ge=0),
+    determinant=num("1") | None,
+    angle=num("rad", ge=0) | None,
+    jump=num("rad") | None,
+)
+REPRESENTATIONS = table("representations", of=Representations)
+HERE = table(
+    "here",
+    number=Positive,
+    sigma=num("1", ge=0),
+    distance=num("distance", ge=0) | None,
+    q=many(num("joint")) | None,
+    there=num("1", ge=0) | None,
+)
+EXPLANATION_IDEAL = table(
+    "explanation_ideal",
+    tolerance=TOLERANCE,
+    moved=(many(MOVED), "numbers of the chain that were moved [rad, m]"),
+    real=(dict[str, Any], "the arm itself, as robot"),
+    families=many(dict[str, Any]),
+    here=HERE,
+)
+LOST_SEEN = table(
+    "lost_seen",
+    frame=Literal["base", "tool", "link"],
+    axes=str,
+    directions=many(row(num("1"), 6)),
+    constraints=many(str),
+    short=many(str),
+)
+_FAR: dict[str, Any] = {
+    "nearest": (NEAREST | None, "null: none found"),
+    "families_away": (many(FAMILIES_AWAY), "nearest first"),
+    "certified_radius": (num("distance", ge=0) | None,
+        "no singular configuration within it, proven; 0 at a singular configuration, null where nothing can "
+        "be certified"),
+    "certificate": CERTIFICATE | None,
+    "uncertified": (str, "why there is no certificate; else empty"),
+    "near_miss": (num("1", ge=0) | None,
+        "σ_r at the nonzero minimum where a descent from q ends; null unless that is what is near"),
+}
+EXPLANATION_FILE = file(
+    "explanation",
+    "Written by `rankdrop explain --json` and Explanation.save. Twists are (v; ω), linear part first, in the "
+    "task's frame.",
+    **_ASKED,
+    sentence=(str, "verdict and reason for people, printed first and last"),
+    sigma_error=(num("1", ge=0), "bound on the error of each"),
+    always_singular=(bool, "generic_rank is below the smaller of rows and joints"),
+    tolerance=(num("1", ge=0), "σ at or below it is zero"),
+    nearly_lost=(Count, "further singular values at or below settings.small: freedoms nearly lost"),
+    focus=(many(num("joint")),
+        "the configuration that family, relations and blame speak of: q, or the nearest singular one where q "
+        "is near it"),
+    family=(EXPLANATION_FAMILY | None, "the family that is met; null where the verdict is regular"),
+    families=(many(EXPLANATION_FAMILY), "all that are met"),
+    family_source=Literal["catalogue", "analysis", "on the spot"],
+    relations=many(RELATIONS),
+    lost_directions=(many(row(num("1"), 6)),
+        "orthonormal; twists (v; ω) that cannot be made, in the task's frame. Nearly lost ones where the "
+        "verdict is near"),
+    lost_words=many(str),
+    blocked_wrenches=(many(row(num("1"), 6)), "the same numbers read as (f; τ): carried without joint torque"),
+    blocked_words=many(str),
+    lost_frame=(LOST_FRAME | None, "the frame where they are sparsest"),
+    weakest_direction=(row(num("1"), 6), "that of σ_r"),
+    never_possible=(many(row(num("1"), 6)), "twists beyond the generic rank"),
+    **_WAYS,
+    joint_rates=(JOINT_RATES, "what motion costs"),
+    **_FAR,
+    failure_bound=(num("1", ge=0) | None,
+        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration"),
+    failures=(many(FAILURES), "what the failure of each joint leaves: it stands still, its column is gone"),
+    ellipsoids=(ELLIPSOIDS, "velocity and force ellipsoids"),
+    redundancy=(REDUNDANCY, "range, null space and projectors"),
+    representations=(REPRESENTATIONS, "singularities of coordinates of the orientation"),
+    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+    ideal=(optional(EXPLANATION_IDEAL),
+        "with --ideal: the arm that was given, beside the ideal one that all else is about"),
+    lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]"),
+)
+NEAREST_FILE = file(
+    "nearest",
+    "Written by `rankdrop nearest --json`: the entries of an explanation that say how far. Twists are (v; ω), "
+    "linear part first, in the task's frame.",
+    **_ASKED,
+    **_FAR,
+    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+)
+TOLERANT_SETTINGS = table(
+    "tolerant_settings",
+    measure=(Literal["sigma", "relative"], "the least σ_r left, or that divided by σ1 of the whole arm"),
+    seed=Count,
+    starts=Positive,
+    limits=bool,
+    length_scale=num("m", gt=0),
+    tolerances=TOLERANCES,
+    version=str,
+)
+TOLERANT_PLACES = table(
+    "tolerant_places",
+    of=Place,
+    q=some(num("joint")),
+    value=num("1", ge=0),
+    slope=num("1/distance", ge=0),
+    sigma_min=(num("1", ge=0), "σ_r of the whole arm"),
+    failure_bound=(num("1", ge=0) | None,
+        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration"),
+    failures=many(FAILURES),
+)
+TOLERANT_FILE = file(
+    "tolerant",
+    "Written by `rankdrop tolerant --json`: configurations that bear the failure of any one joint best.",
+    robot=ROBOT,
+    settings=TOLERANT_SETTINGS,
+    complete=(bool, "false: interrupted"),
+    done=(Count, "starts climbed from"),
+    spare=(Count, "n − r, joints to spare"),
+    bound=(num("1", ge=0, le=1), "√((n − r)/n), above every relative worst case"),
+    optimal=(bool, "the best place reaches the bound"),
+    free=(many(Positive), "joints that may take any value"),
+    crucial=(many(Positive), "joints whose failure costs a freedom at every configuration"),
+    places=(many(TOLERANT_PLACES), "local maxima, best first"),
+)

@@ -1,0 +1,308 @@
+"""Tables of the files of `analyze`, `find` and `conditions`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
+from rankdrop.compare.comparison import Comparison, ExactRow, Match, Wider
+from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
+from rankdrop.exact.determinants import Determinants
+from rankdrop.exact.family import Assumption
+from rankdrop.exact.reading.lint import Difference, Example, LintResult
+from rankdrop.exact.writing.notation import Step
+from rankdrop.families.share import Near
+from rankdrop.family.equation import Term
+from rankdrop.family.record import Check, CorankSummary, Unseen
+from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+
+SETTINGS = table(
+    "settings",
+    seed=(Count, "of every random choice"),
+    starts=(Positive, "random starts for each corank"),
+    limits=(bool, "whether only the space within the joint limits was searched"),
+    length_scale=(num("m", gt=0), "translation rows were divided by it [m]"),
+    tolerances=TOLERANCES,
+    version=(str, "of rankdrop"),
+)
+SHARE = table(
+    "share",
+    tested=(Count, "independent singular configurations of exactly this corank"),
+    explained=(Count, "how many of them satisfy a row"),
+)
+UNSEEN = table("unseen", of=Unseen, estimate=num("1", ge=0, le=1), upper=num("1", ge=0, le=1))
+SUMMARY = table(
+    "summary", of=CorankSummary, corank=whole(ge=1, le=6), rank=whole(ge=0, le=5), starts=Count, converged=Count,
+    near_misses=Count, slow=Count, smallest_near_miss=num("1") | None, completeness=SHARE, higher=Count,
+)  # fmt: skip
+INSIDE = table(
+    "inside",
+    holds=(bool, "false: the row lies outside the joint limits"),
+    pinned=(many(INSIDE_PINNED), "values inside the limits, moved by whole turns"),
+    outside=(many(INSIDE_PINNED), "values that no turn brings inside"),
+)
+TERMS = table(
+    "terms",
+    of=Term,
+    coefficient=num("1"),
+    kind=Literal["sin", "cos"],
+    harmonics=many(num("1")),
+    powers=many(Count),
+    shift=num("rad"),
+)
+SOUNDNESS = table(
+    "soundness",
+    tested=(Count, "points solved from the equations from random starts"),
+    singular=(Count, "how many of them have the corank or more"),
+)
+FAMILY = table(
+    "family",
+    id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
+    name=str,
+    named=(bool, "false: points were found, but no condition"),
+    corank=whole(ge=1, le=6),
+    dimension=(Count, "of the family in joint space"),
+    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
+    inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values"),
+    free=(many(Positive), "numbers of the joints that do not matter"),
+    coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
+    equations=(many(text(min_length=1)),
+        "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
+        "pinned joints included"),
+    terms=(many(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers"),
+    witness=(some(num("joint")), "a configuration on the family [rad, m]"),
+    lost_directions=(many(row(num("1"), 6)),
+        "orthonormal rows (v; ω) lost at the witness, in the frame of the task, metres and radians"),
+    lost_words=(many(str), "the same in words, one sentence each"),
+    soundness=SOUNDNESS,
+    explained=SHARE,
+    evidence=(str, "how the conditions were obtained"),
+)
+FAMILIES = table(
+    "families",
+    of=ExactRow,
+    id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
+    corank=Positive,
+    dimension=Count,
+)
+MATCHES = table(
+    "matches",
+    of=Match,
+    row=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
+    families=many(text(pattern="^k[1-6]\\.f[1-9][0-9]*$")),
+    parts=many(text(pattern="^k[1-6]\\.f[1-9][0-9]*$")),
+)
+NUMERIC = table(
+    "numeric",
+    of=Check,
+    tested=(Count, "points tried"),
+    agree=(Count, "how many of them lie on the other side"),
+)
+WIDER = table("wider", of=Wider, family=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"), solved=Count, elsewhere=Count)
+EXACT = table(
+    "exact",
+    of=Comparison,
+    status=Literal["agrees", "differs", "not derived"],
+    asked=Literal["auto", "on"],
+    seconds=num("s", gt=0),
+    letters=mapping(num("m")) | None,
+    shifts=many(num("joint")),
+)
+NEAR_FAMILIES = table(
+    "near_families",
+    id=(str, "of the family; empty for all together"),
+    near=Count,
+    samples=Positive,
+    bound=(bool, "true: the share may be larger"),
+    share=num("1", ge=0, le=1),
+    error=(num("1", ge=0), "standard error"),
+    low=(num("1", ge=0, le=1), "95 % confidence, Wilson"),
+    high=num("1", ge=0, le=1),
+)
+ANALYSIS_NEAR = table(
+    "analysis_near", of=Near, within=num("distance", gt=0), samples=Positive, seed=Count,
+    families=many(NEAR_FAMILIES), any=NEAR_FAMILIES,
+)  # fmt: skip
+SIGMA = table("sigma", least=num("1", ge=0), median=num("1", ge=0), most=num("1", ge=0))
+DISTANCE = table("distance", least=num("distance", ge=0), median=num("distance", ge=0), most=num("distance", ge=0))
+IDEAL_FAMILIES = table(
+    "ideal_families", id=str, name=str, corank=Positive, points=Positive, number=Positive, sigma=SIGMA,
+    singular=Count, searched=Positive, distance=DISTANCE | None,
+)  # fmt: skip
+IDEAL = table(
+    "ideal",
+    tolerance=TOLERANCE,
+    moved=(many(MOVED), "numbers of the chain that were moved [rad, m]"),
+    real=(dict[str, Any], "the arm itself, as robot"),
+    families=(many(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
+)
+ANALYSIS_FILE = file(
+    "analysis",
+    "Every family of singular configurations of an arm.",
+    robot=ROBOT,
+    settings=SETTINGS,
+    verdict=(
+        optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "interrupted"]),
+        "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
+        "ways differ; unsound: the conditions of a row hold elsewhere too"),
+    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds"),
+    sentence=(optional(str), "the verdict for people, printed first and last"),
+    complete=(bool, "false: interrupted; the coranks listed are complete"),
+    unfinished=(Positive | None, "the corank that was interrupted"),
+    notes=(many(str), "what the reader should be told"),
+    coranks=(many(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
+    families=(many(FAMILY), "all rows, by corank"),
+    exact=optional(EXACT),
+    near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for"),
+    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about"),
+)
+CONDITIONS_SETTINGS = table(
+    "conditions_settings",
+    method=(str, "asked for, for corank 1"),
+    lengths=(Literal["auto", "letters", "numbers"] | mapping(num("m")),
+        "as asked for: a word, or values by letter [m]"),
+    coranks=(Positive | None, "the highest one asked for; null: all"),
+    seconds=(num("s", gt=0) | None, "time limit; null: none"),
+    seed=(Count, "of every random choice"),
+    points=(Count, "numerically found configurations to try, of corank 1"),
+    special=(bool, "whether arms of special lengths were derived too"),
+    steps=(bool, "whether the derivation was written down"),
+    version=(str, "of rankdrop"),
+    basic=(optional(many(int) | None), "numbers of the basic screws asked for"),
+    frame=(optional(int | None), "link in whose frame the screws were asked for"),
+)
+STEPS = table("steps", of=Step)
+FACTORS = table("factors", text=str, latex=str, multiplicity=int)
+MINORS = table(
+    "minors",
+    name=str,
+    mark=(str, "name in code"),
+    joints=(many(int), "of its columns, in order"),
+    rows=(many(str), "of the task, vx … wz, in order"),
+    about=str,
+    factored=(bool, "whether its factors were found"),
+    sign=(Literal[-1, 0, 1], "of the number before the factors"),
+    number=(str, "before the factors, a whole number or p/q"),
+    factors=many(FACTORS),
+    terms=(int, "of the polynomial in sines and cosines"),
+    text=str,
+    latex=str,
+    python=(str, "in q1 …, sin, cos and the lengths"),
+    c=(str, "in q[0] … and the lengths"),
+)
+DETERMINANTS = table("determinants", of=Determinants, minors=many(MINORS))
+CONDITIONS_FAMILY = table(
+    "conditions_family",
+    id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
+    name=str,
+    corank=whole(ge=1, le=6),
+    dimension=(Count, "of the family in joint space"),
+    codimension=(Positive, "number of joints less the dimension"),
+    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
+    free=(many(Positive), "numbers of the joints that do not matter"),
+    coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
+    conditions=(some(text(min_length=1)),
+        "every condition for people, in θ = q + shift: s_i is sin θi, c_ij is cos(θi + θj)"),
+    latex=(some(text(min_length=1)), "the same conditions as LaTeX mathematics"),
+    equations=(some(text(min_length=1)),
+        "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
+        "pinned joints included"),
+    terms=(some(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers"),
+    reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it"),
+    witness=(some(num("joint")), "a configuration on the family [rad, m]"),
+    lost_words=(many(str), "the same in words, one sentence each"),
+    rank_check=(NUMERIC, "rank modulo the prime 2^61 − 1 at random points of the family"),
+)
+ASSUMPTIONS = table("assumptions", of=Assumption)
+EXAMPLE = table(
+    "example",
+    of=Example,
+    q=some(num("joint")),
+    degrees=some(num("deg or m")),
+    value=num("1"),
+    sigma=num("1", ge=0),
+)
+MISSING = table("missing", of=Difference)
+TEST = table("test", of=LintResult, verdict=Literal["exact", "too small", "too large", "both"])
+FLAGS = table("flags", of=Flag, sign=Literal[-1, 0, 1] | None, value=num("1"))
+CONDITIONS_FLAGS = table("conditions_flags", of=Flags, q=some(num("joint")), tolerance=num("1", ge=0))
+CROSSINGS = table(
+    "crossings",
+    of=Crossing,
+    at=num("1", ge=0, le=1),
+    kind=Literal["crosses", "touches", "starts on", "ends on", "lies in"],
+)
+BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), open=many(Count))
+CONDITIONS_FILE = file(
+    "conditions",
+    "The singularity conditions of an arm, derived exactly: written by `rankdrop conditions --json` and "
+    "Conditions.save.",
+    robot=ROBOT,
+    settings=CONDITIONS_SETTINGS,
+    letters=(mapping(num("m")), "value of each length that is a letter [m]"),
+    shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
+    remarks=(many(str), "what was rounded, or is nearly so"),
+    method=(str, "how corank 1 was derived beside the rank tree"),
+    reason=(str, "why so"),
+    steps=(many(STEPS), "that derivation, step by step"),
+    determinants=(optional(DETERMINANTS | None),
+        "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked "
+        "for"),
+    verdict=(
+        optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted"]),
+        "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
+        "ways differ; unsound: the conditions of a row hold elsewhere too"),
+    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds"),
+    sentence=(optional(str), "the verdict for people, printed first and last"),
+    complete=(bool, "nothing was left unfinished"),
+    interrupted=(bool, "Ctrl-C ended the derivation"),
+    verified=(bool, "complete, and every check that was made holds"),
+    left=(many(str), "what was not finished"),
+    disagreements=(many(str),
+        "what two methods, or the derivation and a check, say differently; empty when all is well"),
+    lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
+    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
+    assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
+    not_real=(many(str), "sets on which no real point is known, and why"),
+    explained=SHARE,
+    test=(optional(TEST | None), "what --test says (command line only)"),
+    flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)"),
+    between=(optional(BETWEEN | None), "what --from and --to say (command line only)"),
+    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about"),
+)
+FIND_SETTINGS = table(
+    "find_settings",
+    corank=whole(ge=1, le=6),
+    rank=(whole(ge=0, le=5), "rank kept"),
+    method=Literal["lm", "gradient", "almarkhi", "reciprocal"],
+    seed=(Count, "of every random choice"),
+    starts=(Positive, "random starts for each corank"),
+    limits=(bool, "whether only the space within the joint limits was searched"),
+    step=(num("1", gt=0, le=2) | None, "share of the step to linearised zero; null: line search, or method lm"),
+    tie=(num("1", ge=0, le=1), "relative gap below which almarkhi counts singular values as equal"),
+    iterations=(Count, "most iterations per start; 0: none, method reciprocal"),
+    length_scale=(num("m", gt=0), "translation rows were divided by it [m]"),
+    tolerances=TOLERANCES,
+    version=(str, "of rankdrop"),
+)
+STRATA = table("strata", name=str, count=Count, residual=(num("1", ge=0), "largest σ_r/σ_1 of them"))
+COUNTS = table("counts", converged=Count, near_miss=Count, slow=Count, not_run=Count, crease=Count)
+CONFIGURATIONS = table(
+    "configurations",
+    start=(Positive, "counted from 1"),
+    outcome=Literal["converged", "near_miss", "slow", "crease"],
+    iterations=Count,
+    q=(some(num("joint")), "configuration reached [rad, m]"),
+    sigma=(some(num("1", ge=0)), "singular values there, largest first"),
+)
+FIND_FILE = file(
+    "find",
+    "Configurations of one corank, one per start.",
+    robot=ROBOT,
+    settings=FIND_SETTINGS,
+    strata=(optional(many(STRATA)),
+        "only of method reciprocal: what was begun with, and how many configurations came of it"),
+    counts=(COUNTS, "starts by outcome"),
+    complete=(bool, "false: interrupted"),
+    configurations=(many(CONFIGURATIONS), "one per start that was run, in order"),
+)

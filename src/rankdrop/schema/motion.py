@@ -1,0 +1,254 @@
+"""Tables of the files of `path`, `aspects` and `through`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from rankdrop.codec import Count, Positive, many, num, optional, row, some, table, text, whole
+from rankdrop.exact.posture_changes import Decision
+from rankdrop.schema.arm import ROBOT, TOLERANCES, file
+
+ASPECTS_SETTINGS = table(
+    "aspects_settings",
+    poses=Positive,
+    starts=Positive,
+    seed=Count,
+    limits=bool,
+    length_scale=num("m", gt=0),
+    version=str,
+)
+ASPECTS_EXACT = table(
+    "aspects_exact",
+    of=Decision,
+    kind=Literal["signs", "no cusp", "cusps", "open"],
+    cusps=many(row(num("rad"), 2)),
+    nodes=many(row(num("rad"), 2)) | None,
+)
+SOLUTIONS = table(
+    "solutions",
+    q=some(num("joint")),
+    aspect=(Positive, "equal numbers: joined by paths proven free"),
+    sign=(Literal[-1, 1], "of det J"),
+    name=str,
+)
+POSES = table(
+    "poses",
+    solutions=(some(SOLUTIONS), "the first is the configuration whose pose it is"),
+    per_aspect=(some(Positive), "solutions in each aspect, most first"),
+    near_cusp=(bool, "chosen next to a cusp, not at random"),
+)
+PATH = table(
+    "path",
+    q=(some(some(num("joint")), min_length=2),
+        "corners, straight lines in joint space between them; the end is a solution up to whole turns"),
+    from_q=(bool, "starts at the first solution of its pose"),
+    clearance=(num("1", gt=0), "smallest |det J| at its sample points, J without unit"),
+    evaluations=Positive,
+)
+ASPECTS_FILE = file(
+    "aspects",
+    "Written by `rankdrop aspects --json`: solutions of the inverse by the aspect they lie in, and a path from "
+    "one to another without a singularity.",
+    robot=ROBOT,
+    settings=ASPECTS_SETTINGS,
+    verdict=(Literal["cuspidal", "not cuspidal", "none found"],
+        "cuspidal: with a path that is proven free; not cuspidal: proven; none found: no proof of absence"),
+    sentence=str,
+    exact=ASPECTS_EXACT,
+    poses=many(POSES),
+    path=PATH | None,
+    notes=many(str),
+    complete=(bool, "false: interrupted"),
+)
+COLUMNS = table("columns", name=str, meaning=str)
+PATH_ROWS_FILE = file(
+    "path-rows",
+    "Written by `rankdrop path --rows OUT.json`: a judged path row by row. The names of the columns end in their "
+    "unit; null where there is no number.",
+    robot=str,
+    verdict=Literal["free", "crossing", "touching", "too near", "undecided"],
+    version=str,
+    columns=some(COLUMNS),
+    rows=some(many(num("column") | str | None)),
+)
+PATH_SETTINGS = table(
+    "path_settings",
+    interpolate=Literal["linear", "cubic", "quintic"],
+    min_distance=num("distance", ge=0),
+    limits=bool,
+    evaluations=Positive,
+    length_scale=num("m", gt=0),
+    tolerances=TOLERANCES,
+    version=str,
+    frame=(optional(Literal["base", "tool", "link"]), "in whose axes lost motions are told"),
+)
+UNDECIDED = table("undecided", time=num("s", ge=0) | None, share=num("1", ge=0, le=1), length=num("distance", ge=0))
+PATH_CROSSINGS = table(
+    "path_crossings",
+    rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
+    time=(row(num("s"), 2) | None, "[s]; null without times"),
+    family=(str, "id of the family; empty where it is not of an atlas"),
+    name=str,
+    corank=Positive,
+    q=some(num("joint")),
+    touching=(bool, "no change of sign: singular within the tolerance"),
+    lies=(bool, "all of it is singular wherever it was looked at"),
+    how=str,
+)
+CLOSEST = table(
+    "closest",
+    row=num("row", ge=1),
+    time=num("s") | None,
+    q=some(num("joint")),
+    distance_rad=(num("distance", ge=0) | None, "to the nearest singular configuration known; null where none is"),
+    singular_q=many(num("joint")) | None,
+    sigma=num("1", ge=0),
+    weak_share=(num("1", ge=0, le=1.000001) | None,
+        "share of the tool's travel along the direction of the smallest singular value; null where it stands "
+        "still"),
+)
+STRETCHES = table(
+    "stretches",
+    rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
+    time=(row(num("s"), 2) | None, "[s]; null without times"),
+    family=(str, "id of the family; empty where it is not of an atlas"),
+    name=str,
+    verdict=Literal["free", "crossing", "touching", "undecided"],
+    corank=Count,
+    how=str,
+    closest=CLOSEST,
+    lost=many(str),
+    null_share=(num("1", ge=0, le=1.000001) | None, "share of the joints' motion there that does not move the task"),
+    rates=(many(num("1", ge=0)) | None, "largest joint rates of the commanded motion; null without times"),
+    speed_factor=(num("1", ge=0, le=1.000001) | None,
+        "factor on the speed that keeps the velocity limits; null without times or limits"),
+    slowest=(Positive | None, "number of the joint that decides it"),
+)
+PROFILE = table(
+    "profile",
+    position=many(num("row", ge=1)),
+    time=many(num("s")) | None,
+    distance=many(num("distance", ge=0) | None),
+    family=many(whole(ge=-1)),
+    sigma=many(num("1", ge=0)),
+    rates=many(num("1", ge=0) | None),
+    ids=many(str),
+)
+PARAMETERS = table(
+    "parameters",
+    name=str,
+    value=num("entry") | many(num("entry")),
+    unit=(str, "\"rad, m\": joint values"),
+)
+GAINS = table(
+    "gains",
+    what=(Literal["distance", "speed", "duration"],
+        "distance to the nearest singular configuration known, factor of the speed that keeps the limits, "
+        "duration"),
+    before=num("entry") | None,
+    after=num("entry") | None,
+    unit=str,
+)
+LIMITS = table("limits", rate=num("1"), acceleration=num("1"), how=str)
+TOOL_OFF = table("tool_off", m=num("m"), rad=num("rad") | None)
+TRAJECTORY = table(
+    "trajectory",
+    interpolate=Literal["linear", "cubic", "quintic"],
+    t=many(num("s")) | None,
+    q=many(many(num("joint"))),
+    velocities=many(many(num("joint/s"))) | None,
+    accelerations=many(many(num("joint/s²"))) | None,
+)
+FOUND = table(
+    "found",
+    kind=Literal["null-space", "flip", "blend", "tool tilt", "base shift", "retime"],
+    words=str,
+    parameters=many(PARAMETERS),
+    gains=many(GAINS),
+    verdict=(Literal["free", "crossing", "touching", "too near", "undecided"],
+        "of the mended path: free, but of retime, which keeps the path and is judged by its limits"),
+    sentence=str,
+    limits=(LIMITS | None, "shares of the limits that it nowhere exceeds; null without times or limits"),
+    tool_off=(TOOL_OFF,
+        "how far the tool is from its path between rows, measured in their middles; of a blend from the old "
+        "path"),
+    retimed=(bool, "it has a new time law"),
+    trajectory=TRAJECTORY,
+)
+REMEDIES = table(
+    "remedies",
+    needed=(bool, "the path is not proven free and far enough, or breaks limits"),
+    sentence=str,
+    found=many(FOUND),
+    notes=(many(str), "kinds without a remedy: what was tried and what came of it"),
+    complete=(bool, "false where it was interrupted"),
+)
+TOOL = table(
+    "tool",
+    poses=Positive,
+    complete=bool,
+    reached=num("row", ge=1),
+    reason=Literal["", "start", "singular", "limit", "stuck"],
+    words=str,
+    start=many(num("joint")),
+    chosen=str,
+    off=num("m", ge=0),
+)
+PATH_FILE = file(
+    "path",
+    "Written by `rankdrop path --json`: a path judged at every one of its points. Rows and joints are numbered "
+    "from 1; angles in rad, lengths in m; stretches worst first, crossings along the path.",
+    robot=ROBOT,
+    settings=PATH_SETTINGS,
+    rows=Positive,
+    verdict=Literal["free", "crossing", "touching", "too near", "undecided"],
+    sentence=text(min_length=1),
+    free_share=(num("1", ge=0, le=1), "of the length in joint space, proven free"),
+    undecided=UNDECIDED,
+    min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for"),
+    crossings=many(PATH_CROSSINGS),
+    stretches=many(STRETCHES),
+    profile=(PROFILE, "numbers along the path, for drawings; family: index into ids"),
+    evaluations=Count,
+    source=Literal["catalogue", "analysis", "on the spot"],
+    notes=many(str),
+    complete=bool,
+    remedies=(optional(REMEDIES), "only where remedies were asked for: what mends the path, each judged again"),
+    tool=(TOOL | None, "Where poses of the tip were given: how joint values were found; else null."),
+)
+PATHS = table(
+    "paths",
+    file=str,
+    verdict=Literal["bad input", "free", "crossing", "touching", "too near", "undecided"],
+    sentence=text(min_length=1),
+    rows=Positive | None,
+    free_share=num("1", ge=0, le=1.000001) | None,
+    met=(Count | None, "crossings and touches"),
+    nearest_rad=num("distance", ge=0) | None,
+    complete=bool,
+)
+PATHS_FILE = file(
+    "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
+    robot=str, paths=many(PATHS),
+)  # fmt: skip
+MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=many(many(num("joint"))))
+THROUGH_FILE = file(
+    "through",
+    "Written by `rankdrop through --json`: whether a tool path through a singular configuration can be tracked, "
+    "and with which time law.",
+    robot=ROBOT,
+    version=str,
+    q=some(num("joint")),
+    along=(some(num("task")), "dx/ds, one number for each row of the task, in the base's axes"),
+    bend=(some(num("task")), "d²x/ds²"),
+    kind=Literal["regular", "passes", "tangent", "turns back", "corner", "not trackable", "undecided"],
+    sentence=str,
+    trackable=(bool, "from one side of the configuration to the other"),
+    order=(Positive | None, "k of s = c t^k; 1: any smooth law"),
+    side=(Literal[-1, 0, 1], "of s, on which a path that turns back is tracked"),
+    outside=(num("1", ge=-1.000001, le=1.000001), "share of the direction that is lost"),
+    motion=(MOTION, "followed by finite motion; empty where there is none"),
+    off=(num("1", ge=0), "largest deviation from the path, lengths by the length scale"),
+    rate=(num("distance/s", ge=0), "largest joint rate under the law"),
+    exponent=(num("1"), "measured power of |s| of the joint rates at constant path speed; 0 where they stay finite"),
+)

@@ -1,0 +1,148 @@
+"""Tables of the files of `cover`, `verify`, and of certificates."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from rankdrop.certify.proof.intervals import Tolerance
+from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
+from rankdrop.compare.covered import Spot
+from rankdrop.schema.arm import FRAME, ROBOT, file
+
+ARM_JOINTS = table(
+    "arm_joints",
+    name=str,
+    kind=Literal["revolute", "prismatic", "helical"],
+    screw=(row(num("screw"), 6),
+        "twist (v; ω) at q = 0 in base coordinates, linear part first; the axis has the direction of ω (of v "
+        "for a slide), whatever its length"),
+    variable=(Positive, "number of the variable that moves it"),
+    follows=(str | None, "name of the joint that it follows"),
+    multiplier=num("ratio"),
+    offset=(num("joint"), "value = multiplier · variable + offset"),
+)
+ARM = table(
+    "arm",
+    name=str,
+    joints=some(ARM_JOINTS, min_length=1, max_length=32),
+    home=(row(row(num("pose"), 4), 4), "of the tip at q = 0"),
+    last=(row(row(num("pose"), 4), 4), "of the frame of the last link at q = 0"),
+    fingerprint=(str, "of the arm's numbers, as in a covering"),
+)
+TASK = table("task", name=str, rows=some(whole(ge=0, le=5)), frame=FRAME)
+VIEW = table("view", link=Count, point=(row(num("m"), 3), "at q = 0 in base coordinates"), length=num("m", gt=0))
+CERTIFICATE_TOLERANCE = table(
+    "certificate_tolerance",
+    of=Tolerance,
+    length=num("m", ge=0),
+    angle=num("rad", ge=0),
+    points=many(row(num("m"), 3)),
+)
+_PLACE = (pair(Count, num("1", ge=0, le=1)), "stretch from 0, share of the way to the next row")
+SPAN = table(
+    "span",
+    from_=_PLACE,
+    to=_PLACE,
+    kind=(Literal["free", "crossing", "open"],
+        "free: the rank is kept; crossing: a configuration of lower rank lies between the places of `bracket`; "
+        "open: nothing is claimed"),
+    bracket=optional(row(_PLACE[0], 2)),
+)
+CLAIM = table(
+    "claim",
+    q=(optional(many(num("joint"))), "centre [rad, m]"),
+    radius=(optional(num("distance", ge=0)),
+        "of a ball: every configuration nearer to q in the joints that matter has the rank; of an existence: a "
+        "configuration of lower rank differs from q by at most this in every joint"),
+    scale=(optional(many(num("joint"))), "unit of motion of each variable: 1 for turns [rad], a length for slides [m]"),
+    verdict=(optional(Literal["free", "met"]), "of a path; free: every span is"),
+    degree=optional(whole(ge=1, le=9)),
+    points=(optional(some(many(num("joint")), min_length=2)),
+        "Bernstein control points of all stretches, the last of each the first of the next [rad, m]"),
+    spans=(optional(some(SPAN)), "from the first row to the last without a gap"),
+    file=(optional(str), "name of the covering (`rankdrop cover --out`), in the same folder"),
+    sha256=(optional(str), "its hash"),
+    variables=optional(many(Positive)),
+    lower=optional(many(num("joint"))),
+    upper=optional(many(num("joint"))),
+    turns=optional(many(bool)),
+    limits=optional(bool),
+    corank=(optional(Positive), "every configuration of this corank or more is in a box"),
+)
+CERTIFICATE_FILE = file(
+    "certificate",
+    "Written with --certificate by `rankdrop nearest`, `explain`, `path` and `cover`, checked by `rankdrop "
+    "verify`: a claim, the numbers of the arm it is about, and what a checker needs to prove it again. Joints are"
+    " numbered from 1; angles in rad, lengths in the arm's unit (m).",
+    kind=Literal["ball", "path", "covering", "existence"],
+    version=(str, "of rankdrop that wrote it"),
+    arm=ARM,
+    task=TASK,
+    rank=(whole(ge=1, le=6), "that is kept; of an existence, that is not reached"),
+    view=(VIEW, "where the proof looks from: any would do"),
+    tolerance=CERTIFICATE_TOLERANCE | None,
+    claim=(CLAIM, "entries by the kind"),
+    proof=(dict[str, Any], "what the checker needs"),
+    sha256=(text(pattern="^[0-9a-f]{64}$"), "of the rest as JSON, keys sorted, no blanks, ASCII: tells damage"),
+)
+COVER_SETTINGS = table(
+    "cover_settings",
+    width=num("distance", gt=0),
+    limits=bool,
+    corank=(whole(ge=1, le=6), "the boxes hold every configuration of this corank or more"),
+    version=str,
+)
+LEAF = table("leaf", halvings=many(Count), width=num("distance"))
+BOXES = table("boxes", all=num("1"), left=Count, proven=Count, tested=Count)
+EXPLAINED_FAMILIES = table("explained_families", id=str, name=str, boxes=Count)
+PLACES = table(
+    "places",
+    of=Spot,
+    boxes=Count,
+    proven=Count,
+    kind=Literal["singular, proven", "singular, found", "near miss", "undecided"],
+    sigma=num("1"),
+    q=many(num("joint")),
+    lower=many(num("joint")),
+    upper=many(num("joint")),
+)
+EXPLAINED = table(
+    "explained",
+    source=Literal["catalogue", "analysis", "made here"],
+    families=many(EXPLAINED_FAMILIES),
+    freed=Count,
+    diagonal=num("distance"),
+    places=many(PLACES),
+    places_in_all=Count,
+)
+COVER_FILE = file(
+    "cover",
+    "Written by `rankdrop cover --json`: boxes of the joint space that hold every singular configuration, and "
+    "what known families explain of them. The boxes themselves are in the file of `--out`.",
+    robot=ROBOT,
+    settings=COVER_SETTINGS,
+    method=Literal["split determinant", "enclosures"],
+    sentence=str,
+    complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
+    stopped=str | None,
+    joints=many(Positive),
+    ranges=many(row(num("joint"), 2)),
+    leaf=LEAF,
+    boxes=(BOXES, "all: boxes of the last level; left: not proven free; proven: to hold a singular configuration"),
+    free_share=num("1", ge=0, le=1),
+    sha256=str | None,
+    explained=EXPLAINED | None,
+)
+VERIFIED_FILE = file(
+    "verified",
+    "Written by `rankdrop verify --json`: whether a certificate holds.",
+    holds=bool,
+    kind=(Literal["ball", "path", "covering", "existence", ""], "empty: the file is damaged"),
+    arm=str,
+    claim=(str, "what holds; empty where it does not"),
+    reason=(str, "why it does not hold; empty where it does"),
+    assumed=(many(str), "what the proof rests on beside the arm's numbers"),
+    enclosures=Count,
+    complete=(bool, "false: interrupted"),
+    version=str,
+)

@@ -5,7 +5,8 @@
 
 The rows name kinematic skeletons in tests/data (the numbers of the makers' files, word for word) and where they come
 from. Angles and axes are read as `open_robot` reads them, that is with rounded right angles taken for right angles.
-Nothing is written where the table does not put the tip where the file puts it, to 1e-8 m at 50 random configurations.
+A row with `ideal` names a tolerance, and in `because` why the ideal arm within it is taken (`rankdrop.robot.ideal`).
+Nothing is written where the table does not put the tip where that arm puts it, to 1e-8 m at 50 random configurations.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dh_table import angle_text, dh_table, joint_tables, number_text, pose_lines
 
 from rankdrop.disk import replace_file
 from rankdrop.kinematics import pose
+from rankdrop.robot.ideal import ideal, read_tolerance
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.toml_file import robot_from_toml
@@ -44,10 +46,12 @@ def toml_of(row: dict[str, str], robot: Robot, text: str) -> str:
         quoted = ", ".join(f'"{alias}"' for alias in row["aliases"].split())
         head.append(f"aliases = [{quoted}]")
     at = f" at {row['commit']}" if row["commit"] else ""
+    to = " to 1 mm" if row["ideal"] else ""
     source = (
         f"github.com/{row['repository']}{at}, {row['path']}, {row['base']} to {row['tip']}. "
-        f"Right angles are exact; the pose of the tip is that of the file (tests/robot/test_sources.py)."
+        f"Right angles are exact; the pose of the tip is that of the file{to} (tests/robot/test_sources.py)."
     )
+    source += f" {row['because']}" if row["because"] else ""
     common = ['task = "pose"', f'about = "{row["about"]}, {form_of(robot)}"', *_wrapped(source), ""]
     if all(joint.kind is JointKind.REVOLUTE for joint in robot.joints):
         base, rows, tool = dh_table(robot)
@@ -153,6 +157,8 @@ def write(row: dict[str, str]) -> None:
     """Write one arm's file."""
     path = DATA / row["file"]
     robot = open_robot(path, base=row["base"], tip=row["tip"])
+    if row["ideal"]:
+        robot = ideal(robot, length=read_tolerance(row["ideal"]).length)[0]
     text = toml_of(row, robot, path.read_text(encoding="utf-8"))
     off = difference(robot, robot_from_toml(text, file=row["name"]))
     if not (isfinite(off) and off < 1e-8):

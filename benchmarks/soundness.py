@@ -25,10 +25,10 @@ import numpy as np
 
 from rankdrop.certify.ball import certified_radius, settings_of
 from rankdrop.certify.covering import Covering, covering
-from rankdrop.certify.proof.intervals import BITS, Arm, Link, Region, flint
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.families.searching import search
 from rankdrop.motion.bound import Along
+from rankdrop.proof.arm import BITS, Arm, Link, Region, flint
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -4,11 +4,13 @@ Two numbers are told apart. The nearest singularity found is an upper bound, che
 The certified radius is a lower bound, proven: nothing inside that ball is singular.
 """
 
+import tempfile
+
 import numpy as np
 
 import rankdrop
+from rankdrop.certify import ball_certificate, verify, write_certificate
 from rankdrop.certify.ball import certified_radius
-from rankdrop.certify.check import check
 from rankdrop.families.distance import family_distances
 from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
@@ -27,5 +29,6 @@ proven = certified_radius(arm, q, evaluations=20000)
 share = proven.radius / near.distance
 print(f"proven free: {np.floor(1e3 * proven.radius) / 1e3:.3f} rad, {100 * share:.1f} % of that distance")
 
-small = certified_radius(arm, q, at_most=0.3, keep_boxes=True)
-print("a ball of 0.3 rad, proven again by another program:", check(arm, small).holds)
+with tempfile.TemporaryDirectory() as folder:
+    place = write_certificate(ball_certificate(arm, q, radius=0.3), f"{folder}/ball.json")
+    print("a ball of 0.3 rad, proven again by another program:", verify(place, arm).holds)

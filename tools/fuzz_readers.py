@@ -38,13 +38,13 @@ NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "y
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
     from rankdrop.certify import verify
-    from rankdrop.certify.coverfile import load
-    from rankdrop.certify.proof.reading import sealed
+    from rankdrop.certify.covering import load_covering
     from rankdrop.cli.arm import parse_configuration
     from rankdrop.designs.spec import read_spec
     from rankdrop.kinematics import jacobian, pose
     from rankdrop.motion.files import read_trajectory
     from rankdrop.motion.pose_file import holds_poses, read_poses
+    from rankdrop.proof.record import sealed
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance
     from rankdrop.robot.open import open_robot
@@ -108,7 +108,7 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     found = (robot(".txt"), number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
              trajectory(".csv"), trajectory(".json"), trajectory(".yaml"), trajectory(".npy"),
              poses(".csv"), poses(".json"), poses(".yaml"), lambda data: Analysis.load(written(data, ".json")),
-             lambda data: load(written(data, ".cover")), certificate,
+             lambda data: load_covering(written(data, ".cover")), certificate,
              lambda data: read_spec(written(data, ".toml")), robot(".xml"))  # fmt: skip
     return dict(zip(NAMES, found, strict=True))
 

@@ -1,4 +1,4 @@
-from .certify.proof.verifying import verify as verify
+from .certify.certificates import verify as verify
 from .designs.sweeping import sweep as sweep
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor

@@ -15,15 +15,18 @@ from reference import arms
 
 from rankdrop import _core
 from rankdrop.certify import covering as module
-from rankdrop.certify.coverfile import (
-    _check_shape,
+from rankdrop.certify.covering import (
+    Covering,
     batch_from_bytes,
     batch_to_bytes,
-    digest,
-    load,
+    chunk_of,
+    covering,
+    load_covering,
+    looked_into,
+    plan_of,
+    put_together,
     write_covering,
 )
-from rankdrop.certify.covering import Covering, chunk_of, covering, looked_into, plan_of, put_together
 from rankdrop.compare.covered import Explainer, keys
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.measured import distances
@@ -32,6 +35,7 @@ from rankdrop.jobs import progress_of
 from rankdrop.jobs.folder import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale
+from rankdrop.proof.boxes import check_plan, digest
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -52,7 +56,7 @@ def covered(name: str, corank: int = 1) -> Covering:
 
 
 def hashed(found: Covering) -> str:
-    return digest(found.plan, found.tree.payload())
+    return digest(found.plan, found.tree)
 
 
 def singular(name: str, corank: int = 1, starts: int = 3000):
@@ -208,7 +212,7 @@ def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, 
     assert calls == list(range(there.done, there.chunks + 1))
     assert os.listdir(tmp_path) == ["half"]
     usual = covering(robot, width)
-    assert whole.sha256 == digest(usual.plan, usual.tree.payload()) == cover(robot, width=width, out=out).sha256
+    assert whole.sha256 == digest(usual.plan, usual.tree) == cover(robot, width=width, out=out).sha256
     assert (whole.covering.tested, whole.covering.freed) == (usual.tested, usual.freed)
 
 
@@ -234,10 +238,11 @@ def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
 
 def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
     found, path = covered("puma560"), tmp_path / "puma.cover"
-    write_covering(path, found.plan, found.tree, found.tested, found.freed)
-    plan, tree, tested, freed = load(path)
-    assert (plan, tested, freed) == (found.plan, found.tested, found.freed)
-    assert tree.payload() == found.tree.payload()
+    write_covering(path, found)
+    again = load_covering(path)
+    assert (again.plan, again.tested, again.freed) == (found.plan, found.tested, found.freed)
+    assert b"".join(again.tree.payload()) == b"".join(found.tree.payload())
+    assert load_covering(path, replace(found.plan, width=0.3)) is None
     raw = path.read_bytes()
     assert len(raw) < 60_000
     head = raw.index(b"\n", 30) + 1
@@ -246,7 +251,7 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
                     raw.replace(b'"width": 0.4', b'"width": 0.3'), raw.replace(b'"tested": ', b'"tasted": ')):
         path.write_bytes(changed)
         with pytest.raises(ResultFileError):
-            load(path)
+            load_covering(path)
 
 
 @pytest.mark.parametrize("change", [
@@ -255,9 +260,9 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
 ])  # fmt: skip
 def test_each_number_of_boxes_is_looked_at(change):
     plan = covering(open_robot("planar3r"), 0.4).plan
-    _check_shape(plan)
+    check_plan(plan)
     with pytest.raises(ValueError, match=r"halvings|depth has|corank is"):
-        _check_shape(replace(plan, **change))
+        check_plan(replace(plan, **change))
 
 
 def test_parts_of_another_covering_are_refused(tmp_path):

@@ -13,16 +13,16 @@ import pytest
 from reference import arms
 from reference import kinematics as oracle
 
-from rankdrop.certify.coverfile import write_covering
-from rankdrop.certify.proof import covers, determinant
-from rankdrop.certify.proof.determinant import Determinant, applies
-from rankdrop.certify.proof.intervals import BITS, Arm, Link
-from rankdrop.certify.proof.reading import Unproven
-from rankdrop.certify.proof.verifying import verify
-from rankdrop.certify.proof.writing import covering_certificate, write_certificate
+from rankdrop.certify.certificates import covering_certificate, verify, write_certificate
+from rankdrop.certify.covering import write_covering
 from rankdrop.certify.setting import middle_of
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.reciprocal import drawn
+from rankdrop.proof import covers, determinant
+from rankdrop.proof.arm import BITS, Arm, Link
+from rankdrop.proof.boxes import digest
+from rankdrop.proof.determinant import Determinant, applies
+from rankdrop.proof.record import Unproven
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units
@@ -161,10 +161,10 @@ def _few_across(monkeypatch):
 def test_a_covering_of_six_joints_is_verified_whole(ur5):
     told = verify(ur5[1], open_robot("ur5"))
     assert told.holds, told.reason
-    assert "by the determinant in Bernstein form" in told.claim
+    assert "by the determinant in Bernstein form" in told.how
     assert 1 <= told.enclosures < 10_000
-    assert " chosen at random by " in told.claim
-    assert not told.claim.split("; ")[1].startswith("0 of")
+    assert " chosen at random by " in told.how
+    assert not told.how.split("; ")[1].startswith("0 of")
 
 
 def test_a_covering_of_six_joints_that_lost_a_box_does_not_hold(ur5, tmp_path):
@@ -177,7 +177,8 @@ def test_a_covering_of_six_joints_that_lost_a_box_does_not_hold(ur5, tmp_path):
     assert last[place] & (last[place] - 1)  # more than one
     last[place] &= last[place] - 1
     lost = replace(tree, masks=(*tree.masks[:-1], last), proven=tree.proven & last)
-    told = write_covering(tmp_path / "ur5.cover", plan, lost, covering.tested, covering.freed)
+    write_covering(tmp_path / "ur5.cover", replace(covering, tree=lost))
+    told = digest(plan, lost)
     record = covering_certificate(open_robot("ur5"), plan, told, "ur5.cover", ur5[2].task)
     found = verify(write_certificate(record, tmp_path / "c.json"), enclosures=3000)
     assert not found.holds
@@ -190,7 +191,7 @@ def test_what_the_determinant_leaves_is_left_to_enclosures(ur5, monkeypatch):
     monkeypatch.setattr(Determinant, "free", lambda self, levels, cells: np.arange(len(cells)) > 0)
     found = verify(ur5[1])
     assert found.holds
-    assert " and 9 by enclosures; " in found.claim
+    assert " by enclosures; " in found.how
     monkeypatch.setattr(Determinant, "free", lambda self, levels, cells: np.zeros(len(cells), dtype=bool))
     assert not verify(ur5[1], enclosures=50).holds
 
@@ -216,11 +217,11 @@ def test_a_journal_keeps_what_is_proven(ur5, tmp_path):
     assert resumed.holds
     assert seen[0] >= half
     count = int(journal.read_bytes().split(b"\n")[-2])
-    assert f"{half:,} of them in an earlier run, as the journal says, {count - half:,} by the det" in resumed.claim
+    assert f"{half:,} of them in an earlier run, as the journal says, {count - half:,} by the det" in resumed.how
     seen.clear()
     again = verify(ur5[1], journal=journal, progress=lambda done, total: seen.append(done))
     assert again.holds
-    assert f"{count:,} of them in an earlier run, as the journal says, 0 by the determinant" in again.claim
+    assert f"{count:,} of them in an earlier run, as the journal says, 0 by the determinant" in again.how
     assert not seen  # all are proven
     journal.write_bytes(journal.read_bytes() + b"%d\n" % (count + 1))
     with pytest.raises(ResultFileError, match="more boxes than the covering has"):
@@ -245,4 +246,4 @@ def test_a_check_that_would_take_hours_says_so_first(tmp_path):
     assert verify(place, enclosures=3, every=True, journal=journal).holds
     again = verify(place, enclosures=3, every=True, journal=journal)
     assert again.enclosures == 0
-    assert "in an earlier run, as the journal says" in again.claim
+    assert "in an earlier run, as the journal says" in again.how

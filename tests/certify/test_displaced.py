@@ -11,16 +11,15 @@ from reference import arms, region
 from reference.displaced import displaced_arm
 
 from rankdrop.certify.ball import certified_radius
+from rankdrop.certify.certificates import ball_certificate, verify, write_certificate
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns, displaced_jacobian, points_of
-from rankdrop.certify.proof.reading import sealed
-from rankdrop.certify.proof.verifying import verify
-from rankdrop.certify.proof.writing import ball_certificate, write_certificate
 from rankdrop.certify.setting import settings_for
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
 from rankdrop.motion.certificate import path_certificate, proven_for_near_arms
 from rankdrop.motion.check import check_path
+from rankdrop.proof.record import sealed
 from rankdrop.robot.model import JointKind, Mimic
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -12,7 +12,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.certify import verify
-from rankdrop.certify.coverfile import load, write_covering
+from rankdrop.certify.covering import Covering, write_covering
+from rankdrop.proof.boxes import load
 from rankdrop.results.analysis import Analysis
 from rankdrop.schema import NAMES, load_schema
 
@@ -80,7 +81,7 @@ def test_a_saved_covering_is_written_again_as_it_was(path: Path, tmp_path: Path)
     """The hash of a plan is over its text: another order of entries would be another file."""
     plan, tree, tested, freed = load(path)
     again = tmp_path / "again.cover"
-    write_covering(again, plan, tree, tested, freed)
+    write_covering(again, Covering(plan, tree, tested, freed))
     old, new = (content.split(b"\n", 2) for content in (path.read_bytes(), again.read_bytes()))
     assert new[:2] == old[:2]
     assert zlib.decompress(new[2]) == zlib.decompress(old[2])

@@ -7,8 +7,8 @@ import json
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.certify.proof.reading import sealed
 from rankdrop.cli.main import run
+from rankdrop.proof.record import sealed
 from rankdrop.schema import load_schema
 
 NEAREST = ["nearest", "planar3r", "--q", "0.3,1.2,0.4", "--evaluations", "2000", "--quiet"]

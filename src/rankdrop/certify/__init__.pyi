@@ -1,9 +1,10 @@
 from .ball import Certificate as Certificate
 from .ball import certified_radius as certified_radius
+from .certificates import Verified as Verified
+from .certificates import asked_about as asked_about
+from .certificates import ball_certificate as ball_certificate
+from .certificates import covering_certificate as covering_certificate
+from .certificates import existence_certificate as existence_certificate
+from .certificates import verify as verify
+from .certificates import write_certificate as write_certificate
 from .displaced import ModelTolerance as ModelTolerance
-from .proof.verifying import Verified as Verified
-from .proof.verifying import verify as verify
-from .proof.writing import ball_certificate as ball_certificate
-from .proof.writing import covering_certificate as covering_certificate
-from .proof.writing import existence_certificate as existence_certificate
-from .proof.writing import write_certificate as write_certificate

@@ -42,7 +42,6 @@ class Certificate:
         rank: the rank proven to hold.
         setting: link, point, length and reaches the bound was computed with.
         evaluations: enclosures computed.
-        boxes: (centre, half) of the free boxes, relative to q and scaled, each (B, n); None unless kept.
         model: fingerprint of the arm.
         complete: False where it was interrupted; the radius holds all the same.
         version: of rankdrop.
@@ -57,7 +56,6 @@ class Certificate:
     rank: int
     setting: Setting
     evaluations: int
-    boxes: tuple[Array, Array] | None
     model: str
     complete: bool = True
     version: str = VERSION
@@ -114,7 +112,6 @@ def certified_radius(
     at_most: float = LARGEST,
     enough: float = np.inf,
     evaluations: int = 20_000,
-    keep_boxes: bool = False,
 ) -> Certificate:
     """A radius around q within which no configuration is singular: a proof up to the rounding allowance it states.
 
@@ -133,7 +130,6 @@ def certified_radius(
         at_most: no larger radius is sought, e.g. the distance of a singularity that is known; in (0, π].
         enough: branch and bound ends once this radius is proven.
         evaluations: budget of branch and bound; 0: one enclosure only. About 2 µs each.
-        keep_boxes: keep the free boxes, for `rankdrop.certify.check`; each is free as a whole then, which takes more.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -156,17 +152,15 @@ def certified_radius(
     setting, single = settings[best], min(singles[best], at_most)
     if single < at_most:
         single *= 1.0 - _MARGIN
-    radius, used, complete, boxes = single, len(settings), True, None
-    if (evaluations and single < min(at_most, enough)) or keep_boxes:
-        inner = 0.0 if keep_boxes else single
+    radius, used, complete = single, len(settings), True
+    if evaluations and single < min(at_most, enough):
         smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
-        radius, count, stopped, middle, half = _core.ball(
+        radius, count, stopped, _, _ = _core.ball(
             chain_of(robot), setting.view(robot), centre, setting.matters, setting.told(at_most),
-            inner=inner, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=keep_boxes,
+            inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
         )  # fmt: skip
         used, complete = used + count, not stopped
-        boxes = (middle, half) if keep_boxes else None
     return Certificate(
-        float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, boxes, fingerprint(robot),
+        float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, fingerprint(robot),
         complete, rows=resolved.rows, frame=resolved.frame,
     )  # fmt: skip

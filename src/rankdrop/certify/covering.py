@@ -15,22 +15,25 @@ Variables that move no column against another are free: a box is a cylinder over
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, log2, pi
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.certify.bittree import BitTree, Shape, counts, joined
-from rankdrop.certify.coverfile import Batch, Plan
-from rankdrop.certify.enclosed import BudgetSpent, Looked, Near, closer, enclosed_trees, viewed
+from rankdrop.certify.certificates import refused_as_result
+from rankdrop.certify.enclosed import Batch, BudgetSpent, Looked, Near, closer, enclosed_trees, viewed
 from rankdrop.certify.setting import Setting
 from rankdrop.certify.split import split_of
-from rankdrop.errors import OptionError
+from rankdrop.disk import replace_file
+from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.local.block import generic_rank
+from rankdrop.proof.boxes import BitTree, Masks, Plan, Shape, counts, covering_bytes, load, load_plan
 from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
@@ -223,9 +226,89 @@ def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "") ->
     for chunk in batches:
         finished[chunk * size : (chunk + 1) * size] = True
     ordered = [batches[chunk] for chunk in sorted(batches)]
-    tree = joined(shape, finished, [(masks, sizes) for masks, sizes, _, _ in ordered])
     tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
-    return Covering(plan, tree, tested, freed, stopped)
+    return Covering(plan, _joined(shape, finished, ordered), tested, freed, stopped)
+
+
+def _joined(shape: Shape, finished: NDArray[np.bool_], batches: list[Batch]) -> BitTree:
+    """One tree of bits from those of the boxes of level `top` that are finished, in their order."""
+    parts = shape.levels - shape.top + 1
+    pieces: list[list[Masks]] = [[np.zeros(0, shape.kind)] for _ in range(parts)]
+    roots = ~finished
+    filled = [np.zeros(0, dtype=np.bool_)]
+    for masks, sizes, _, _ in batches:
+        which = np.repeat(np.tile(np.arange(parts), len(sizes)), sizes.reshape(-1))
+        for part in range(parts):
+            pieces[part].append(masks[which == part])
+        filled.append(sizes[:, 0] > 0)
+    roots[finished] = np.concatenate(filled)
+    levels = [np.concatenate(one).astype(shape.kind) for one in pieces]
+    return BitTree(shape, finished, roots, tuple(levels[:-1]), levels[-1])
+
+
+_HEAD = struct.Struct("<qqqq")  # of a chunk: boxes, masks, tested, freed
+
+
+def batch_to_bytes(batch: Batch) -> bytes:
+    """A chunk as it is kept: counts, then sizes, then masks, all little-endian."""
+    masks, sizes, tested, freed = batch
+    body = sizes.astype("<i4").tobytes() + np.ascontiguousarray(masks).tobytes()
+    return _HEAD.pack(len(sizes), len(masks), tested, freed) + body
+
+
+def batch_from_bytes(content: bytes, shape: Shape) -> Batch:
+    """What `batch_to_bytes` made of a chunk of such boxes.
+
+    Raises:
+        ValueError: it did not make this.
+    """
+    parts = shape.levels - shape.top + 1
+    if len(content) < _HEAD.size:
+        raise ValueError("a chunk of a covering that ends too soon")
+    boxes, count, tested, freed = _HEAD.unpack_from(content)
+    begin = _HEAD.size + boxes * parts * 4
+    if len(content) != begin + count * shape.kind.itemsize:
+        raise ValueError("a chunk of another covering")
+    sizes = np.frombuffer(content[_HEAD.size : begin], "<i4").reshape(boxes, parts).astype(np.int32)
+    return np.frombuffer(content[begin:], shape.kind), sizes, tested, freed
+
+
+def write_covering(path: Path, found: Covering) -> None:
+    """Write a finished covering, all or nothing.
+
+    Raises:
+        ResultFileError: it cannot be written.
+    """
+    try:
+        replace_file(path, covering_bytes(found.plan, found.tree, found.tested, found.freed))
+    except OSError as error:
+        raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
+
+
+def load_covering(path: Path, plan: Plan | None = None) -> Covering | None:
+    """Read a covering and check its hash.
+
+    Args:
+        path: of the file.
+        plan: None is returned, and no box read, where the file holds another covering than this.
+
+    Raises:
+        ResultFileError: it cannot be read, is no covering, or was damaged or changed.
+    """
+    with refused_as_result():
+        if plan is not None and load_plan(path)[0].line() != plan.line():
+            return None
+        return Covering(*load(path))
+
+
+def finished_leaves(path: Path) -> int:
+    """How many boxes the covering of a file has, as it says.
+
+    Raises:
+        ResultFileError: it is no covering.
+    """
+    with refused_as_result():
+        return int(load_plan(path)[1]["leaves"])
 
 
 def plan_of(
@@ -281,14 +364,14 @@ def _range(robot: Robot, setting: Setting, j: int, width: float, limits: bool) -
     joint = robot.variables[j]
     unit = float(setting.scale[j])
     low, high = joint.lower, joint.upper
-    if joint.kind is JointKind.REVOLUTE and (not limits or not high - low < 2 * pi):
+    if robot.periodic[j] and (not limits or not high - low < 2 * pi):
         depth = _halvings(2 * pi, width)
         begin = -pi - pi / 2**depth
         return begin, begin + 2 * pi, depth, True
     if not (np.isfinite(low) and np.isfinite(high)):
         raise OptionError(
             "a joint without limits cannot be covered", where=f"joint {joint.name!r}", got=f"{low} … {high}",
-            mend="give it limits",
+            allowed="limits, or a joint that turns, with all that follows it, in whole turns", mend="give it limits",
         )
     return low, high, _halvings((high - low) / unit, width), False
 

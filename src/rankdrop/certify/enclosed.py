@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.ball import settings_of
-from rankdrop.certify.bittree import Cells, Flags, Masks, Shape, allowed, bits, packed
-from rankdrop.certify.coverfile import Batch, Plan
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
+from rankdrop.proof.boxes import Cells, Flags, Masks, Plan, Shape, allowed, bits, packed
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
@@ -25,6 +24,9 @@ _ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
 
 
+Batch = tuple[Masks, NDArray[np.int32], int, int]
+"""Of boxes of the level `top`: masks, box by box and in each level by level (the proven last); (boxes, levels + 1) how
+many; boxes tested; leaves freed."""
 Near = Callable[[Cells, int], NDArray[np.int64]]
 """near(parts of leaves, how often they are halved) -> for each the number of a family that is near, or −1."""
 Looked = tuple[NDArray[np.int8], NDArray[np.int64]]

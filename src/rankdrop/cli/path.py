@@ -246,7 +246,7 @@ def path(
             result, near
         )
         wanted = certificate is not None and result.complete
-        proven = path_certificate(result, near if kept else None) if wanted else None
+        proven = path_certificate(result, near if kept else None, file=found[0]) if wanted else None
         hand_over(
             lambda: _print(result, remedies, near, full=full, kept=bool(kept)),
             (certificate, lambda target: save_certificate(proven, target)),

@@ -16,13 +16,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.bittree import Cells, Flags
 from rankdrop.certify.covering import Covering
 from rankdrop.families.searching import refine
 from rankdrop.family.equation import SOLVED, System
 from rankdrop.family.record import Family
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
+from rankdrop.proof.boxes import Cells, Flags
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.ball import settings_of
+from rankdrop.certify.certificates import file_hash, record_of
 from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
-from rankdrop.certify.proof.reading import PATH, Record
-from rankdrop.certify.proof.regions import CLEAR, CROSSING, OPEN
-from rankdrop.certify.proof.writing import record_of
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED
 from rankdrop.motion.curve import boxes, halves
 from rankdrop.motion.data import CROSSING as CROSSES
 from rankdrop.motion.data import FREE, Place, Stretch
 from rankdrop.motion.prove import box_tree, chosen
+from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
 from rankdrop.robot.model import Array, Robot
 
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ EVALUATIONS = 500_000
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
-def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None) -> Record:
+def path_certificate(
+    check: PathCheck, tolerance: ModelTolerance | None = None, *, file: Path | None = None
+) -> Record:
     """What is proven of a path, with the numbers of the arm and the control points of the path.
 
     Spans that touch the singular set or are undecided are open: nothing is claimed of them. Crossings are claimed where
@@ -37,6 +39,7 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None) 
     Args:
         check: a judged path.
         tolerance: the free spans are free for every arm so near to this one; found by the checker, not here.
+        file: that the path was read from: its name and hash are part of the claim.
 
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
@@ -64,6 +67,8 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None) 
     }  # fmt: skip
     if check.margin == "kept":
         claim |= {"min_distance": check.settings.min_distance, "scale": setting.scale.tolist()}
+    if file is not None:
+        claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
 
 

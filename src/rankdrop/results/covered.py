@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.coverfile import digest
 from rankdrop.certify.covering import Covering
 from rankdrop.compare.covered import Spot
 from rankdrop.family.record import Family
+from rankdrop.proof.boxes import digest
 from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
@@ -81,7 +81,7 @@ class Covered:
     @property
     def sha256(self) -> str:
         """Hash of plan and boxes: the same for every way the covering was made; "" where it is not complete."""
-        return digest(self.covering.plan, self.covering.tree.payload()) if self.complete else ""
+        return digest(self.covering.plan, self.covering.tree) if self.complete else ""
 
     @property
     def sentence(self) -> str:

@@ -12,35 +12,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.bittree import Cells
-from rankdrop.certify.coverfile import (
-    Batch,
-    Plan,
-    batch_from_bytes,
-    batch_to_bytes,
-    load,
-    plan_from_entries,
-    write_covering,
-)
 from rankdrop.certify.covering import (
     BUDGET,
     SPENT,
     SPLIT,
     Covering,
+    batch_from_bytes,
+    batch_to_bytes,
     check_budget,
     chunk_of,
     chunks_of,
+    finished_leaves,
+    load_covering,
     looked_into,
     plan_of,
     put_together,
+    write_covering,
 )
-from rankdrop.certify.enclosed import BudgetSpent
+from rankdrop.certify.enclosed import Batch, BudgetSpent
 from rankdrop.compare.covered import Explainer, spots
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.jobs import Engine, Job, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
+from rankdrop.proof.boxes import Cells, Plan, plan_from_entries
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.covered import Account, Covered
@@ -136,7 +132,7 @@ def how_far(out: str | Path) -> str:
     """
     file, folder = Path(out), _parts_of(Path(out))
     if file.is_file() and not folder.is_dir():
-        return f"finished: {load(file)[1].leaves:,} boxes in {file}"
+        return f"finished: {finished_leaves(file):,} boxes in {file}"
     return progress_of(file if file.is_dir() else folder).sentence
 
 
@@ -153,15 +149,15 @@ def _made(
 ) -> Covering:
     """The covering from its file, or made, chunk by chunk, in a folder beside it."""
     if out is not None and out.is_file() and out.stat().st_size:
-        there = Covering(*load(out))
-        if there.plan.line() == plan.line():
-            return there
+        kept = load_covering(out, plan)
+        if kept is not None:
+            return kept
     folder = None if out is None else _parts_of(out)
     if plan.shape.leaves <= (_QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES) and engine.scheduler is None:
         engine = Engine(here=True)
     found = _by_chunks(robot, task, plan, folder, budget, engine, tell)
     if found.complete and out is not None and folder is not None:
-        write_covering(out, found.plan, found.tree, found.tested, found.freed)
+        write_covering(out, found)
         shutil.rmtree(folder, ignore_errors=True)
     return found
 

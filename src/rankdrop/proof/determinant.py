@@ -21,9 +21,8 @@ from math import comb, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.proof.intervals import TURN, Arm, Interval, Matrix, flint
-from rankdrop.certify.proof.reading import Unproven
-from rankdrop.robot.model import Array
+from rankdrop.proof.arm import Arm, Interval, Matrix, flint
+from rankdrop.proof.record import TURN, Array, Unproven
 
 _U = 2.0**-53
 _WIDEST = 3.0  # half-widths of boxes, at most: tan(h/2) is finite [rad]

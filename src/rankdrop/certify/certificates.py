@@ -1,30 +1,41 @@
-"""Certificates made: a claim, the numbers of the arm it is about, and what a checker needs to prove it again."""
+"""Certificates made and verified: a claim, the numbers of the arm it is about, and what a checker needs for a proof.
+
+The checker is `rankdrop.proof`, which imports nothing of this package; here are its errors and its text.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
-from rankdrop.certify.coverfile import Plan
 from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian, points_of
 from rankdrop.certify.enclosed import viewed
-from rankdrop.certify.proof.reading import BALL, COVERING, EXISTENCE, SCHEMA, Record, sealed
-from rankdrop.certify.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.disk import replace_file
-from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.proof.boxes import Plan
+from rankdrop.proof.check import Asked, Verdict, check_certificate
+from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Refused, Work, sealed
+from rankdrop.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
+from rankdrop.sections import Section, html, text
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading
 from rankdrop.version import VERSION
 
+ENCLOSURES = 500_000
+"""Of interval arithmetic, at most: about a millisecond each."""
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3)
 """Of the radius that is certified, the shares that a certificate claims: the first that few boxes are enough for."""
 BOXES = 20_000
@@ -37,7 +48,7 @@ _NEAR = 1e-9  # how far from q a singular configuration is claimed at least [rad
 
 
 def arm_record(robot: Robot) -> Record:
-    """The numbers of an arm that decide its Jacobian."""
+    """The numbers of an arm that decide its Jacobian, and its limits."""
     place = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
     joints = []
     for joint in robot.joints:
@@ -47,11 +58,22 @@ def arm_record(robot: Robot) -> Record:
             "variable": place[mimic.leader if mimic else joint.name],
             "follows": mimic.leader if mimic else None,
             "multiplier": mimic.multiplier if mimic else 1.0, "offset": mimic.offset if mimic else 0.0,
+            "lower": _finite(joint.lower), "upper": _finite(joint.upper),
         })  # fmt: skip
     return {
         "name": robot.name, "joints": joints, "home": robot.home.tolist(), "last": robot.joints[-1].frame.tolist(),
         "fingerprint": fingerprint(robot),
     }  # fmt: skip
+
+
+def _finite(limit: float) -> float | None:
+    return limit if np.isfinite(limit) else None
+
+
+def task_record(task: Task) -> Record:
+    """What a task asks for, as a certificate has it."""
+    frame = {"axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)}
+    return {"name": task.name, "rows": list(task.rows), "frame": frame}
 
 
 def record_of(
@@ -67,9 +89,7 @@ def record_of(
     if tolerance is not None:
         near = {"length": tolerance.length, "angle": tolerance.angle, "points": points_of(robot).tolist()}
     return sealed({
-        **heading(SCHEMA), "kind": kind, "version": VERSION, "arm": arm_record(robot),
-        "task": {"name": task.name, "rows": list(task.rows), "frame": {
-            "axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)}},
+        **heading(SCHEMA), "kind": kind, "version": VERSION, "arm": arm_record(robot), "task": task_record(task),
         "rank": setting.rank,
         "view": {"link": min(setting.link, len(robot.joints)), "point": point.tolist(), "length": setting.length},
         "tolerance": near, "claim": claim, "proof": proof,
@@ -89,6 +109,158 @@ def write_certificate(record: Record, path: str | Path) -> Path:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ResultFileError(f"cannot write: {reason}", where=str(path)) from error
     return place
+
+
+@dataclass(frozen=True)
+class Verified(Verdict):
+    """Result of checking a certificate, with its sections of text; true where the claim holds."""
+
+    def __bool__(self) -> bool:
+        return self.holds
+
+    def sections(self) -> tuple[Section, ...]:
+        """As sections of text."""
+        of = f"{self.kind} of {self.arm}" if self.kind else "certificate"
+        counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
+        if not self.holds:
+            return (Section("Not confirmed", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
+        lines = (f"{self.claim}.", *self.statement)
+        return (Section("Holds", of, lines, notes=(*filter(None, (self.how,)), *counted, *self.assumed), tone="good"),)
+
+    def __str__(self) -> str:
+        return text(self.sections())
+
+    def _repr_html_(self) -> str:
+        return html(self.sections())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record that `rankdrop verify --json` writes."""
+        return {
+            "schema": "rankdrop/verified/1", "holds": self.holds, "kind": self.kind, "arm": self.arm,
+            "claim": self.claim, "statement": list(self.statement), "reason": self.reason,
+            "assumed": list(self.assumed), "how": self.how, "enclosures": self.enclosures, "complete": self.complete,
+            "version": VERSION,
+        }  # fmt: skip
+
+
+@contextmanager
+def refused_as_result() -> Iterator[None]:
+    """Turn what the checker refuses into an error of this package.
+
+    Raises:
+        ResultFileError: a file that it refuses.
+        MissingExtraError: python-flint is not installed.
+    """
+    try:
+        yield
+    except Refused as error:
+        raise ResultFileError(error.what, **error.parts) from error
+    except ImportError as error:
+        raise MissingExtraError("python-flint", None, "checking certificates") from error
+
+
+def asked_about(
+    robot: Robot | None, task: str | Task | None = None, *, q: ArrayLike | None = None, path: str | Path | None = None,
+    rows: ArrayLike | None = None, limits: bool | None = None,
+) -> Asked:  # fmt: skip
+    """What a certificate must be about; what is None may be anything.
+
+    Args:
+        robot: the arm.
+        task: of the arm.
+        q: (n,) the place [rad, m].
+        path: the file of a path.
+        rows: (M, n) the rows of that file [rad, m].
+        limits: a covering within the joint limits (True), or of the whole joint space (False).
+
+    Raises:
+        OptionError: a task without an arm.
+        ResultFileError: the file of the path cannot be read.
+    """
+    if task is not None and robot is None:
+        raise OptionError("a task is that of an arm", where="task", got=task, mend="name the arm",
+                          typed="name the arm with --robot")  # fmt: skip
+    about = None
+    if task is not None and robot is not None:
+        resolved = resolve_task(task, robot)
+        about = {**task_record(resolved), "scale": joint_scale(robot, resolved).tolist()}
+    return Asked(
+        None if robot is None else arm_record(robot), about, None if q is None else np.asarray(q, dtype=np.float64),
+        None if path is None else file_hash(Path(path)), None if rows is None else np.asarray(rows, dtype=np.float64),
+        limits,
+    )  # fmt: skip
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file; 64 hex digits.
+
+    Raises:
+        ResultFileError: it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise ResultFileError(f"cannot read: {error.strerror}", where=str(path)) from error
+
+
+def verify(
+    file: str | Path,
+    about: Robot | Asked | None = None,
+    *,
+    enclosures: int = ENCLOSURES,
+    sample: int | None = None,
+    every: bool = False,
+    journal: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Verified:
+    """Check a certificate: prove its claim again from the numbers of the arm that are in it, and state the whole claim.
+
+    Interval arithmetic with 90 bits and rounding outwards (Arb), and other mathematics than that which made it
+    (`rankdrop.proof.arm`). Of the certificate nothing is believed but the claim itself, where to look from, and how to
+    cut a region into boxes; a bad choice of these proves nothing, and never something wrong.
+
+    Args:
+        file: written by `rankdrop nearest`, `path`, `cover` or `explain` with --certificate.
+        about: the arm that the certificate must be about, or all that is asked (`asked_about`); None: the arm whose
+            numbers are in it.
+        enclosures: to be spent at most, about a millisecond each.
+        sample: of a covering, only so many of the boxes it leaves out; then nothing is confirmed, but a box may fail.
+        every: of a covering, all boxes that it leaves out, whatever `enclosures` allows.
+        journal: of a covering, this file keeps how many boxes are proven: the same call goes on there. Believed as it
+            stands: take none from others.
+        progress: progress(done, all).
+
+    Returns:
+        Whether it holds, what holds, and why it does not.
+
+    Raises:
+        ResultFileError: the file cannot be read, is no certificate, or is malformed.
+        OptionError: a budget outside what is allowed, or a journal of what is no covering.
+        MissingExtraError: python-flint is not installed.
+
+    Example:
+        >>> import tempfile
+        >>> from rankdrop.certify.certificates import ball_certificate, write_certificate
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("planar3r")
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     place = write_certificate(ball_certificate(arm, [0.3, 1.2, 0.4], radius=1.1), f"{folder}/ball.json")
+        ...     print(verify(place, arm).claim)
+        no configuration within 1.1 rad of q has a rank below 3; joints 1 and 3 may stand anywhere
+    """
+    for name, value in (("enclosures", enclosures), ("sample", sample)):
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1):
+            raise OptionError("this is a whole number from 1 up", where=name, got=repr(value))
+    if sample is not None and journal is not None:
+        raise OptionError("a journal is kept of all boxes of a covering", where="journal", got="a sample",
+                          mend="leave it out")  # fmt: skip
+    kept = None if journal is None else Path(journal)
+    work = Work(int(enclosures), progress, sample=sample, every=every, journal=kept)
+    asked = asked_about(about) if about is None or isinstance(about, Robot) else about
+    with refused_as_result():
+        found = check_certificate(Path(file), asked, work)
+    return Verified(**vars(found))
 
 
 def ball_certificate(

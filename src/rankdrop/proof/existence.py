@@ -8,15 +8,15 @@ number of rows, or of joints. A joint whose axis goes through the point of a tra
 
 Where the set has more dimensions than its equations let it have (the crossing of two families, many arms with spherical
 wrist and shoulder) F′ has no such inverse: nothing is proven here, but perhaps in rational numbers
-(`rankdrop.certify.proof.minors`).
+(`rankdrop.proof.minors`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.certify.proof.intervals import Arm, Interval, Matrix, Region, flint
-from rankdrop.certify.proof.reading import Told, Unproven, number, vector
+from rankdrop.proof.arm import Arm, Interval, Matrix, Region, flint
+from rankdrop.proof.record import Claim, Unproven
 
 _ROUNDS = 8  # of Newton's iteration
 _LEAST = 1e-7  # share of the largest singular value of F' that the smallest must have
@@ -24,40 +24,38 @@ _TRIED = 8  # configurations, of which one has to have the rank
 _WIDTHS = (1e-16, 1e-13, 1e-10)  # half-widths of X that are tried
 
 
-def verify_existence(arm: Arm, told: Told) -> str:
-    """A configuration whose rank is below that of the certificate within the radius of its q.
+def verify_existence(arm: Arm, claim: Claim) -> None:
+    """A configuration whose rank is below that of the certificate exists within the radius of its q.
 
     Raises:
-        ValueError: the claim is malformed.
         Unproven: it could not be shown.
     """
-    q, radius = vector(told.claim["q"], told.variables, "q"), number(told.claim["radius"], 0.0, 1.0, "radius")
-    rows = told.whole_rows
-    if len(rows) != told.rank:
-        if len(told.rows) == told.rank and told.frame[0] == 0:
-            rows = list(told.rows)  # a planar task: its own rows, in base axes, where the others are zero
-        elif told.rank != told.variables:
-            raise Unproven(f"by intervals existence is shown where all {len(rows)} rows, or all {told.variables} "
-                           f"joints, are independent almost everywhere, not for rank {told.rank}")  # fmt: skip
-    _attained(arm, told, rows)
+    q, radius = claim.entries["q"], claim.entries["radius"]
+    rows = claim.whole_rows
+    if len(rows) != claim.rank:
+        if len(claim.rows) == claim.rank and claim.frame[0] == 0:
+            rows = list(claim.rows)  # a planar task: its own rows, in base axes, where the others are zero
+        elif claim.rank != claim.variables:
+            raise Unproven(f"by intervals existence is shown where all {len(rows)} rows, or all {claim.variables} "
+                           f"joints, are independent almost everywhere, not for rank {claim.rank}")  # fmt: skip
+    _attained(arm, claim, rows)
     far, width = _Zero(arm, q, rows).proven()
     if not far + width <= radius:
         raise Unproven(f"the singular configuration that exists is up to {far + width:.3g} away, not {radius:.3g}")
-    return f"a configuration of rank below {told.rank} exists within {radius:.3g} of q, joint by joint [rad, m]"
 
 
-def _attained(arm: Arm, told: Told, rows: list[int]) -> None:
+def _attained(arm: Arm, claim: Claim, rows: list[int]) -> None:
     """Some configuration has the rank: of an arm that never has it a lower one would be no finding.
 
     Raises:
         Unproven: none of some taken at random.
     """
     f = flint()
-    zero = [f.arb(0)] * told.variables
-    for q in np.random.default_rng(2).uniform(-1.0, 1.0, (_TRIED, told.variables)):
-        if arm.keeps_rank(Region([f.arb(float(x)) for x in q], zero), rows, told.rank):
+    zero = [f.arb(0)] * claim.variables
+    for q in np.random.default_rng(2).uniform(-1.0, 1.0, (_TRIED, claim.variables)):
+        if arm.keeps_rank(Region([f.arb(float(x)) for x in q], zero), rows, claim.rank):
             return
-    raise Unproven(f"the rank is below {told.rank} at {_TRIED} configurations taken at random")
+    raise Unproven(f"the rank is below {claim.rank} at {_TRIED} configurations taken at random")
 
 
 class _Zero:

@@ -1,6 +1,6 @@
-"""An arm in interval arithmetic (Arb, through python-flint), and the proof that its rank is kept in a region.
+"""An arm in exact rings (Arb's intervals or rational numbers, python-flint), and the proof that it keeps its rank.
 
-Nothing here comes from what made a certificate: the core, `setting`, `kinematics`. The mathematics differs as well. The
+Nothing here comes from what makes certificates: the core, `setting`, `kinematics`. The mathematics differs as well. The
 second derivatives are enclosed over the whole region, so that no bound on lengths is needed for what is beyond them:
 
     A(δ) = U^T J(c + δ) V  ∈  A(c) + Σ_k g_k δ_k + ½ Σ_kl H_kl([region]) δ_k δ_l
@@ -12,24 +12,22 @@ J is at least its size. Every number is an interval that holds the exact one: ro
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from rankdrop.errors import MissingExtraError
-from rankdrop.robot.model import Array
+from rankdrop.proof.record import SCREW, SLIDE, TURN, Array, Link, Tolerance
 
 Interval = Any
-"""A `flint.arb`."""
+"""A `flint.arb`; in rational numbers a `flint.fmpq`."""
 Matrix = Any
-"""A `flint.arb_mat`."""
+"""A `flint.arb_mat`; in rational numbers a `flint.fmpq_mat`."""
 
 BITS = 90
 """Of the midpoints: a path next to a singularity has σ of 1e-9, and half of these digits are left."""
-SLIDE, TURN, SCREW = "prismatic", "revolute", "helical"
 _LEAST = 1e-13  # share of the terms of a product that must be left of it: a thousand times what doubles round
 
 
@@ -37,46 +35,11 @@ def flint() -> ModuleType:
     """The module `flint`.
 
     Raises:
-        MissingExtraError: python-flint is not installed.
+        ImportError: python-flint is not installed.
     """
-    try:
-        import flint as module
-    except ImportError as error:
-        raise MissingExtraError("python-flint", None, "checking certificates") from error
+    import flint as module
+
     return module
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """One joint of a chain, as a certificate has it.
-
-    Attributes:
-        kind: "revolute", "prismatic" or "helical".
-        screw: six doubles (v; ω) at q = 0 in base coordinates. The axis has the direction of ω (of v for a slide),
-            whatever its length, and goes through ω × v / |ω|²; the pitch of a helical joint is ω · v / |ω|².
-        driver: place of the variable that moves it.
-        multiplier, offset: its value is multiplier · q[driver] + offset.
-    """
-
-    kind: str
-    screw: tuple[float, ...]
-    driver: int
-    multiplier: float = 1.0
-    offset: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Tolerance:
-    """How far the arms meant may be from the one of the numbers: every joint stands in the link before it so near.
-
-    Attributes:
-        length, angle: a joint is turned by at most `angle` about its point and moved by at most `length` [m, rad].
-        points: (N, 3) the point of each joint at q = 0, in base coordinates [m].
-    """
-
-    length: float
-    angle: float
-    points: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +79,7 @@ class Arm:
 
     def __init__(self, links: list[Link], variables: int, link: int, point: list[Interval], length: Interval) -> None:
         self._f = flint()
+        self._matrix = self.matrices()
         self.links, self.link, self.variables = links, link, variables
         self._point, self._length = point, length
         self._screws = [self._screw(one) for one in links]
@@ -124,6 +88,10 @@ class Arm:
         after, before = list(range(link, len(links))), list(range(link - 1, -1, -1))
         self._sides = ((after, 1), (before, -1))
         self.moving = sorted({links[i].driver for side, _ in self._sides for i in side[:-1]})
+
+    def matrices(self) -> Any:
+        """The type of its matrices."""
+        return self._f.arb_mat
 
     def _number(self, value: float) -> Interval:
         return self._f.arb(value)
@@ -135,21 +103,21 @@ class Arm:
         if one.kind == SLIDE:
             size = _norm(v)
             return [x / size / self._length for x in v] + [zero] * 3
-        square = _dot(w, w)
+        square = dot(w, w)
         size = square.sqrt()
-        foot = [x / square for x in _cross(w, v)]
+        foot = [x / square for x in cross(w, v)]
         axis = [x / size for x in w]
         arm = [x - y for x, y in zip(foot, self._point, strict=True)]
-        moment = _cross(arm, axis)
+        moment = cross(arm, axis)
         if one.kind == SCREW:
-            pitch = _dot(w, v) / square
+            pitch = dot(w, v) / square
             moment = [x + pitch * y for x, y in zip(moment, axis, strict=True)]
         return [x / self._length for x in moment] + axis
 
     def _ad(self, screw: Any) -> Matrix:
         """(6, 6) ad_S, with [S, T] = ad_S T, linear part first."""
         v1, v2, v3, w1, w2, w3 = screw
-        return self._f.arb_mat([
+        return self._matrix([
             [0, -w3, w2, 0, -v3, v2], [w3, 0, -w1, v3, 0, -v1], [-w2, w1, 0, -v2, v1, 0],
             [0, 0, 0, 0, -w3, w2], [0, 0, 0, w3, 0, -w1], [0, 0, 0, -w2, w1, 0],
         ])  # fmt: skip
@@ -158,32 +126,44 @@ class Arm:
         """(6, 6) Ad(exp(± S_i q)) for q in an interval."""
         arb, one = self._f.arb, self.links[i]
         middle, half = one.multiplier * middle + one.offset, abs(self._number(one.multiplier)) * half
-        unit = self._f.arb_mat(6, 6, [int(r == c) for r in range(6) for c in range(6)])
         value = _ball(arb, middle, half)
         if one.kind == SLIDE:
-            return unit + self._ads[i] * (sign * value)
+            return self.exponential(i, sign * value, 0)
         sine, cosine = _sine_cosine(arb, middle, half)
         if one.kind == TURN:
-            return unit + self._ads[i] * (sign * sine) + self._squares[i] * (1 - cosine)
+            return self.exponential(i, sign * sine, 1 - cosine)
+        unit = self.unit()
         axis = self._screws[i][3:]
-        pitch = _dot(axis, self._screws[i][:3])
+        pitch = dot(axis, self._screws[i][:3])
         turn = self._ad([x - pitch * y for x, y in zip(self._screws[i][:3], axis, strict=True)] + axis)
         slide = self._ad([pitch * x for x in axis] + [arb(0)] * 3)
         return (unit + turn * (sign * sine) + turn * turn * (1 - cosine)) * (unit + slide * (sign * value))
 
+    def unit(self) -> Matrix:
+        """(6, 6) the motion that moves nothing."""
+        return self._matrix(6, 6, [int(r == c) for r in range(6) for c in range(6)])
+
+    def exponential(self, i: int, once: Any, twice: Any) -> Matrix:
+        """(6, 6) 1 + once · ad + twice · ad² of a joint's screw: every turn and every shift has this form."""
+        return self.unit() + self._ads[i] * once + self._squares[i] * twice
+
     def seen(self, centre: list[Interval], half: list[Interval]) -> Seen:
         """All screws as the link sees them, over a box; multipliers are left out."""
+        return self.carried(lambda i, sign: self._motion(i, centre[self.links[i].driver], half[self.links[i].driver],
+                                                         sign))  # fmt: skip
+
+    def carried(self, motion_of: Callable[[int, int], Matrix]) -> Seen:
+        """All screws as the link sees them, with the motion (6, 6) of each joint i, forwards (1) or backwards (−1)."""
         found: list[Matrix] = [None] * len(self.links)
         motions: list[Matrix | None] = [None] * len(self.links)
         for side, sign in self._sides:
             motion = None
             for place, i in enumerate(side):
-                column = self._f.arb_mat(6, 1, self._screws[i])
+                column = self._matrix(6, 1, self._screws[i])
                 found[i] = column if motion is None else motion * column
                 motions[i] = motion
                 if place + 1 < len(side):
-                    driver = self.links[i].driver
-                    step = self._motion(i, centre[driver], half[driver], sign)
+                    step = motion_of(i, sign)
                     motion = step if motion is None else motion * step
         return Seen(found, motions)
 
@@ -425,7 +405,7 @@ class Arm:
         """Of a joint that screws, in lengths for a radian; else 0."""
         if self.links[i].kind != SCREW:
             return self._f.arb(0)
-        return _dot(self._screws[i][3:], self._screws[i][:3]).abs_upper()
+        return dot(self._screws[i][3:], self._screws[i][:3]).abs_upper()
 
     def _motions_at(self, point: list[Interval], motion: Matrix | None, slack: Interval) -> list[list[Interval]]:
         """Unit turns about a point that was moved, and unit moves, each six intervals."""
@@ -434,7 +414,7 @@ class Arm:
         found = []
         for k in range(6):
             axis = [one if r == k % 3 else zero for r in range(3)]
-            twist = f.arb_mat(6, 1, _cross(point, axis) + axis if k < 3 else axis + [zero] * 3)
+            twist = f.arb_mat(6, 1, cross(point, axis) + axis if k < 3 else axis + [zero] * 3)
             seen = (twist if motion is None else motion * twist).entries()
             wide = _ball(f.arb, zero, slack)
             found.append([x + wide for x in seen[:3]] + seen[3:] if k < 3 else seen)
@@ -445,8 +425,8 @@ class Arm:
         if self.links[i].kind == SLIDE:
             return self._f.arb(0)
         screw = self._screws[i]
-        moment = _cross(point, screw[3:])
-        along = _dot(screw[3:], screw[:3]) if self.links[i].kind == SCREW else self._f.arb(0)
+        moment = cross(point, screw[3:])
+        along = dot(screw[3:], screw[:3]) if self.links[i].kind == SCREW else self._f.arb(0)
         return _norm([x - y - along * z for x, y, z in zip(screw[:3], moment, screw[3:], strict=True)])
 
 
@@ -500,7 +480,8 @@ def _sum(parts: Iterable[Matrix]) -> Matrix:
     return total
 
 
-def _dot(a: list[Interval], b: list[Interval]) -> Interval:
+def dot(a: list[Interval], b: list[Interval]) -> Interval:
+    """Inner product of three numbers."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -509,5 +490,6 @@ def _norm(a: list[Interval]) -> Interval:
     return total.nonnegative_part().sqrt()
 
 
-def _cross(a: list[Interval], b: list[Interval]) -> list[Interval]:
+def cross(a: list[Interval], b: list[Interval]) -> list[Interval]:
+    """Cross product of three numbers."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

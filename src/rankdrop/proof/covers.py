@@ -1,0 +1,273 @@
+"""A covering proven again: every box that it leaves out is free, and its ranges are those of the claim.
+
+Where the arm has a determinant, all boxes of a level are proven by it at once (`determinant.py`), and some chosen at
+random by enclosures of the Jacobian as well; else, and what it does not decide, by enclosures alone.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from math import inf, pi
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from rankdrop.proof.arm import Interval, Region, flint
+from rankdrop.proof.boxes import BitTree, Plan, digest, load
+from rankdrop.proof.determinant import Determinant, applies
+from rankdrop.proof.record import TURN, Claim, Refused, Unproven, Work
+from rankdrop.proof.regions import Cell, Check, prove_free
+
+ACROSS, _FEW = 100, 100
+"""Boxes proven by the determinant that are looked at by enclosures as well, and parts of each, at most."""
+_SEAM = 1e-14  # boxes are proven so much wider [rad]: a whole turn of doubles is shorter than 2π
+_DEEPEST, _PARTS = 48, 10_000  # halvings of one box, and parts of it
+_OFTEN = 256  # boxes proven by enclosures from one line of a journal to the next
+_MILLISECONDS = 2.0  # of one enclosure, about: a check states its time before it begins
+_LONGEST = 1 << 22  # bytes of a journal
+
+
+def open_covering(claim: Claim) -> tuple[Plan, BitTree]:
+    """The covering that a certificate names, of the arm, task, rank and ranges that it states.
+
+    Raises:
+        Refused: the file is not there, or cannot be read.
+        Unproven: it is another covering, or damaged.
+    """
+    name = claim.entries["file"]
+    if "/" in name or "\\" in name or name in ("", ".", ".."):
+        raise Refused("the certificate is malformed", where="claim.file", got=repr(name),
+                      allowed="a name without a folder")  # fmt: skip
+    path = claim.folder / name
+    if not path.is_file():
+        raise Refused("the covering is not beside its certificate", where=str(path), mend="put it there")
+    try:
+        plan, tree, _, _ = load(path)
+    except Refused as error:
+        raise Unproven(f"{name}: {error.what}") from error
+    if digest(plan, tree) != claim.entries["sha256"]:
+        raise Unproven(f"{name} is another covering than the one of the certificate: its hash differs")
+    if plan.fingerprint != claim.record["arm"]["fingerprint"] or tuple(plan.rows) != claim.rows or (
+        plan.kept != claim.rank
+    ):
+        raise Unproven("the covering is about another arm or task than its certificate")
+    if corank_of(claim) != plan.corank:
+        raise Unproven("the covering is of another corank than its certificate says")
+    record = asdict(plan)
+    for key in ("variables", "lower", "upper", "turns", "limits"):
+        stated = claim.entries[key]
+        if (tuple(stated) if isinstance(stated, list) else stated) != record[key]:
+            raise Unproven(f"the covering has other {key} than its certificate says")
+    return plan, tree
+
+
+def check_ranges(claim: Claim, moving: list[int]) -> None:
+    """The ranges are all of the joint space that is claimed, in every variable that decides.
+
+    A joint that turns, with all that follows it, has the same columns again after a turn: its range is at least one,
+    or, of a covering within limits, the limits. Every other variable has its limits.
+
+    Raises:
+        Unproven: a variable that decides is left out, or a range is shorter.
+    """
+    entries = claim.entries
+    places = [j - 1 for j in entries["variables"]]
+    if len({len(entries[key]) for key in ("lower", "upper", "turns", "variables")}) != 1:
+        raise Unproven("the covering has another number of ranges than of variables")
+    if not set(moving) <= set(places) <= set(range(claim.variables)) or len(set(places)) < len(places):
+        raise Unproven("the covering leaves out a joint that decides")
+    for j, low, high, turns in zip(places, entries["lower"], entries["upper"], entries["turns"], strict=True):
+        whole = high - low > 2 * pi - _SEAM / 4
+        if turns and not (whole and periodic(claim, j)):
+            raise Unproven(f"the range of joint {j + 1} is said to be a turn, and is none")
+        if not low <= high:
+            raise Unproven(f"the range of joint {j + 1} ends before it begins")
+        if whole and periodic(claim, j):
+            continue
+        if not entries["limits"] and periodic(claim, j):
+            raise Unproven(f"the covering is not within limits, and the range of joint {j + 1} is less than a turn")
+        least, most = (-inf, inf) if claim.limits is None else claim.limits[j]
+        if not low <= least <= most <= high:
+            stated = "states no limits" if claim.limits is None else f"has limits from {least!r} to {most!r}"
+            raise Unproven(f"the range of joint {j + 1} is less than its limits: the arm of the certificate {stated}")
+
+
+def periodic(claim: Claim, j: int) -> bool:
+    """Does a whole turn of a variable lead to the same columns? It turns every joint that it drives, in whole turns."""
+    driven = [one for one in claim.links if one.driver == j]
+    return all(one.kind == TURN and one.multiplier.is_integer() for one in driven)
+
+
+def corank_of(claim: Claim) -> int:
+    """Of a covering: by how much the rank that is kept outside it is below the one almost everywhere, and one more.
+
+    Of all else 1.
+    """
+    return int(claim.entries.get("corank", 1))  # certificates of 0.2.0 do not have it
+
+
+class Boxes:
+    """The boxes that a covering leaves out.
+
+    Attributes:
+        plan, tree: the covering.
+    """
+
+    def __init__(self, check: Check) -> None:
+        self._check = check
+        self.plan, self.tree = open_covering(check.claim)
+        check_ranges(check.claim, check.arm.moving)
+
+    def verify(self) -> str:
+        """All boxes are free; how many were proven in which way, in words.
+
+        Raises:
+            Unproven: a box that is not confirmed, or boxes that were not looked at.
+            Refused: the journal cannot be read, or is that of another certificate.
+        """
+        work, count = self._check.work, self.tree.free_boxes
+        sample = work.sample
+        if sample is None or sample >= count:
+            return self._all()
+        for place, box in enumerate(self._chosen(sample)):
+            work.report(place, sample)
+            self._one(*box)
+        raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not looked at")
+
+    def _chosen(self, sample: int) -> Iterator[tuple[int, list[int]]]:
+        count = self.tree.free_boxes
+        numbers = np.sort(np.random.default_rng(0).choice(count, min(sample, count), replace=False))
+        begin = 0
+        for level, cells in self.tree.free():
+            inside = numbers[(numbers >= begin) & (numbers < begin + len(cells))] - begin
+            yield from ((level, cell) for cell in cells[inside].tolist())
+            begin += len(cells)
+
+    def _free(self, check: Check, level: int, cell: list[int], parts: int = _PARTS) -> bool:
+        """Is a box free, whole or in so many parts?"""
+        depth = self.plan.depth
+        start = Cell(tuple(cell), tuple(min(level, most) for most in depth))
+        return prove_free(
+            lambda part: check.keeps_rank(self._region(part)), start,
+            lambda part: min(range(len(depth)), key=lambda j: part.level[j] - depth[j]), parts=parts, deepest=_DEEPEST,
+        )  # fmt: skip
+
+    def _region(self, cell: Cell) -> Region:
+        f, variables = flint(), self._check.claim.variables
+        centre: list[Interval] = [f.arb(0)] * variables
+        half: list[Interval] = [f.arb(0)] * variables
+        for place, j in enumerate(self.plan.variables):
+            low, high = f.arb(self.plan.lower[place]), f.arb(self.plan.upper[place])
+            width = (high - low) / 2 ** (cell.level[place] + 1)
+            centre[j - 1] = low + (2 * cell.index[place] + 1) * width
+            half[j - 1] = width + _SEAM
+        return Region(centre, half)
+
+    def _one(self, level: int, cell: list[int]) -> None:
+        if not self._free(self._check, level, cell):
+            raise Unproven("a box that the covering leaves out could not be proven free again")
+
+    def _across(self) -> str:
+        """How many of some boxes, chosen at random, few enclosures prove as well."""
+        few = Check(self._check.arm, self._check.claim, Work(ACROSS * _FEW * 3))
+        free = [self._free(few, *box, _FEW) for box in self._chosen(ACROSS)]
+        self._check.work.done += few.work.done
+        return f"{sum(free)} of {len(free)} chosen at random by {few.work.done:,} enclosures too"
+
+    def _all(self) -> str:
+        check, plan, work, count = self._check, self.plan, self._check.work, self.tree.free_boxes
+        claim, split = check.claim, None
+        if claim.tolerance is None and applies(check.arm, claim.whole_rows, claim.rank):
+            places = [j - 1 for j in plan.variables]
+            split = Determinant(check.arm, claim.whole_rows, places, plan.lower, plan.upper, _SEAM)
+        elif count > work.most and not work.every:
+            hours = count * _MILLISECONDS / 3.6e6
+            raise Unproven(
+                f"not begun: {count:,} free boxes take more than the {work.most:,} enclosures allowed, "
+                f"about {hours:,.1f} hours; ask for all of them (--all), or for some (--sample)"
+            )
+        if work.every:
+            work.most = max(work.most, 1 << 62)
+        journal = None if work.journal is None else _Journal(work.journal, claim.record["sha256"], count)
+        try:
+            earlier, remaining = self._prove(split, journal)
+        finally:
+            if journal is not None:
+                journal.file.close()
+        ways = [f"{earlier:,} of them in an earlier run, as the journal says"] if earlier else []
+        if split is not None:
+            rest = f" and {remaining:,} by enclosures" if remaining else ""
+            ways += [f"{count - earlier - remaining:,} by the determinant in Bernstein form{rest}"]
+        across = f"; {self._across()}" if split is not None else ""
+        return f"{count:,} free boxes proven again{': ' * bool(ways)}{', '.join(ways)}{across}"
+
+    def _prove(self, split: Determinant | None, journal: _Journal | None) -> tuple[int, int]:
+        """Prove every box that a journal does not have: how many it had, and how many were left to enclosures."""
+        work, depth = self._check.work, self.plan.depth
+        known = 0 if journal is None else journal.known
+        begin, earlier, remaining = 0, 0, 0
+        for level, cells in self.tree.free():
+            end = begin + len(cells)
+            if end <= known:
+                begin, earlier = end, end
+                continue
+            work.report(begin, self.tree.free_boxes)
+            if split is None:
+                free = np.arange(begin, end) < known
+                earlier += int(free.sum())
+            else:
+                free = split.free([min(level, most) for most in depth], cells.astype(np.int64))
+                remaining += int((~free).sum())
+            for number, place in enumerate(np.flatnonzero(~free).tolist(), start=1):
+                self._one(level, cells[place].tolist())
+                if split is None:
+                    work.report(begin + place + 1, self.tree.free_boxes)
+                    if journal is not None and number % _OFTEN == 0:
+                        journal.add(begin + place + 1)
+            begin = end
+            if journal is not None:
+                journal.add(begin)
+        return earlier, remaining
+
+
+class _Journal:
+    """How many boxes, in the order of the covering, are proven; of one certificate alone."""
+
+    def __init__(self, path: Path, certificate: str, count: int) -> None:
+        head = json.dumps({"journal": "rankdrop/checked/2", "certificate": certificate}).encode() + b"\n"
+        try:
+            self.file: IO[bytes] = path.open("r+b" if path.is_file() and path.stat().st_size else "w+b")
+            content = self.file.read(_LONGEST)
+            lines = content[len(head) :].split(b"\n")[:-1]  # what stands behind the last line feed was cut off
+            known = [int(line) for line in lines if line.isdigit() and len(line) < 16]
+            self.known = known[-1] if known else 0
+            mine = content.startswith(head) or head.startswith(content)
+            if not mine or self.known > count:
+                self.file.close()
+                raise Refused(
+                    "the journal has more boxes than the covering has free" if mine else
+                    "this is the journal of another certificate, or no journal", where=str(path),
+                    got=self.known if mine else None, allowed=f"at most {count:,}" if mine else None,
+                    mend="name another file, or delete this one",
+                )  # fmt: skip
+            self.file.seek(0)
+            self.file.write(head + (b"%d\n" % self.known if self.known else b""))
+            self.file.truncate()
+            self.file.flush()
+        except OSError as error:
+            raise Refused(f"cannot open the journal: {error.strerror}", where=str(path)) from error
+
+    def add(self, proven: int) -> None:
+        """So many are proven now.
+
+        Raises:
+            Refused: it cannot be written.
+        """
+        try:
+            self.file.write(b"%d\n" % proven)
+            self.file.flush()
+        except OSError as error:
+            raise Refused(f"cannot write the journal: {error.strerror}", where=self.file.name) from error

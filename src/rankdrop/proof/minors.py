@@ -1,0 +1,190 @@
+"""A singular configuration proven to exist, in rational numbers: minors that vanish together.
+
+Where a singular set has more dimensions than its equations let it have no interval method can prove a point of it. The
+numbers of an arm are doubles, hence rational, and with x = tan(θ/2)/|ω| so is every motion about an axis ω through f:
+
+    Ad(exp) = 1 + 2x/(1 + x²|ω|²) ad + 2x²/(1 + x²|ω|²) ad²        ad of the screw (f × ω; ω), no root of |ω|² in it
+
+All joints but one are put at rational x: at 0 and π exactly, at ±π/2 where |ω| is rational, elsewhere where the double
+is. All minors of the Jacobian of as many rows as the rank are polynomials of the x of the one that is left. Where they
+are zero, or their greatest common divisor changes its sign next to q, there is a configuration of lower rank. No
+number is rounded, and neither rows, dimensions, nor the shape of the Jacobian play a part.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+from math import comb, pi
+from typing import Any
+
+import numpy as np
+
+from rankdrop.proof.arm import Arm, Interval, cross, dot, flint
+from rankdrop.proof.record import SCREW, SLIDE, Claim, Link, Unproven
+
+_SNAP = 1e-9  # joints so near to a multiple of a right angle are put there [rad]
+_STEPS = (60, 50, 40, 34, 30)  # a change of sign is looked for between −2^−k and 2^−k
+_MOST = 20_000  # minors times points, at most: some seconds
+
+Rational = Any
+"""A `flint.fmpq`."""
+Value = tuple[Rational, Rational, Interval]
+"""Where a joint stands: what ad and ad² are multiplied by (of a slide the shift and zero), and its angle [rad, m]."""
+_ANYWHERE = tuple(np.random.default_rng(2).uniform(-1.5, 1.5, 32).tolist())
+
+
+def verify_in_minors(claim: Claim) -> None:
+    """A configuration whose rank is below that of the certificate exists within the radius of its q.
+
+    Raises:
+        Unproven: it could not be shown.
+    """
+    q, radius = claim.entries["q"], claim.entries["radius"]
+    arm = _Exact(claim)
+    if arm.task_rows([arm.rational(k, value, snap=False) for k, value in enumerate(_ANYWHERE[: claim.variables])]).rank(
+    ) < claim.rank:  # fmt: skip
+        raise Unproven(f"the rank is below {claim.rank} at a configuration taken at random: that it is so near q is no "
+                       "finding")  # fmt: skip
+    given = [arm.rational(k, value, snap=True) for k, value in enumerate(q)]
+    away = max(arm.distance(one, value) for one, value in zip(given, q, strict=True))
+    if away <= radius and any(
+        arm.singular(given, moved, radius - away) is not None for moved in range(claim.variables)
+    ):
+        return
+    raise Unproven("in rational numbers no single joint, the others standing where they are, at right angles exactly, "
+                   "leads to a configuration of lower rank next to q: take one of the same family with its free joints "
+                   "elsewhere, or its exact conditions (rankdrop conditions)")  # fmt: skip
+
+
+class _Exact(Arm):
+    """The arm and the task of a certificate in rational numbers; axes as long as they are in the file, lengths in m.
+
+    Raises:
+        Unproven: joints that follow others or that screw, or a frame that the certificate does not have.
+    """
+
+    def __init__(self, claim: Claim) -> None:
+        self._claim = claim
+        for place, one in enumerate(claim.links):
+            if (one.driver, one.multiplier, one.offset) != (place, 1.0, 0.0) or one.kind == SCREW:
+                raise Unproven("in rational numbers joints turn or slide, each for itself")
+        self._partial = claim.whole_rows != list(claim.rows)
+        axes, origin, local = claim.frame
+        decides = [axes, origin] if self._partial else [origin] if claim.whole_rows == [0, 1, 2] else []
+        if any(one not in claim.poses for one in decides):
+            raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
+        pose = [[self._number(x) for x in row] for row in claim.poses.get(origin, np.eye(4))[:3].tolist()]
+        point = [dot(row[:3], [self._number(x) for x in local]) + row[3] for row in pose]
+        link = 0 if origin == 0 else len(claim.links)
+        super().__init__(claim.links, claim.variables, link, point, self._number(1))
+        turn = claim.poses.get(axes, np.eye(4))[:3, :3].T
+        self._axes = self._matrix([[self._number(x) for x in row] for row in turn.tolist()])
+        self._turned = 0 if (axes == 0) == (link == 0) else 1 if axes == 0 else -1  # from the link's axes to the task's
+        self._count = comb(len(claim.rows), claim.rank) * comb(claim.variables, claim.rank)
+
+    def matrices(self) -> Any:
+        """The type of its matrices."""
+        return flint().fmpq_mat
+
+    def _number(self, value: float) -> Rational:
+        return flint().fmpq(*float(value).as_integer_ratio())
+
+    def _screw(self, one: Link) -> list[Rational]:
+        v, w = ([self._number(x) for x in part] for part in (one.screw[:3], one.screw[3:]))
+        if one.kind == SLIDE:
+            return v + [self._number(0)] * 3
+        foot = [x / dot(w, w) - y for x, y in zip(cross(w, v), self._point, strict=True)]
+        return cross(foot, w) + w
+
+    def _square(self, k: int) -> Rational:
+        """Square of the length of an axis."""
+        axis = self._screws[k][:3] if self.links[k].kind == SLIDE else self._screws[k][3:]
+        return dot(axis, axis)
+
+    def rational(self, k: int, value: float, *, snap: bool) -> Value:
+        """A rational place of a joint next to a value."""
+        f, square = self._f, self._square(k)
+        zero, one = f.fmpq(0), f.fmpq(1)
+        length = float(square.p) / float(square.q)
+        if self.links[k].kind == SLIDE:
+            shift = self._number(value / length**0.5)
+            return (shift, zero, f.arb(shift) * f.arb(square).sqrt())
+        quarter = round(value / (pi / 2))
+        if snap and abs(value - quarter * (pi / 2)) <= _SNAP and (quarter % 2 == 0 or square == 1):
+            sine, cosine = ((0, 1), (1, 0), (0, -1), (-1, 0))[quarter % 4]
+            return (sine * one, (1 - cosine) / square, quarter * f.arb.pi() / 2)
+        turns = round(value / (2 * pi))
+        x = self._number(np.tan((value - turns * 2 * pi) / 2) / length**0.5)
+        return self._place(x, k, 2 * (f.arb(x) * f.arb(square).sqrt()).atan() + 2 * turns * f.arb.pi())
+
+    def _place(self, x: Rational, k: int, angle: Interval) -> Value:
+        below = 1 + x * x * self._square(k)
+        return (2 * x / below, 2 * x * x / below, angle)
+
+    def distance(self, one: Value, value: float) -> float:
+        """How far a place is from a value, at most."""
+        return float(abs(one[2] - self._f.arb(value)).upper())
+
+    def task_rows(self, given: list[Value], *, turned: bool = True) -> Any:
+        """(m, n) the rows of the task, columns as long as their axes are; in the axes of the task if `turned`."""
+        seen = self.carried(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
+        columns = [one.entries() for one in seen.columns]
+        blocks = [self._matrix([[one[row] for one in columns] for row in rows]) for rows in (range(3), range(3, 6))]
+        if turned and self._turned:
+            total = self.unit()
+            for i, (once, twice, _) in enumerate(given):
+                total = total * self.exponential(i, once, twice)
+            turn = self._matrix([row[:3] for row in total.tolist()[:3]])
+            blocks = [(turn if self._turned > 0 else turn.transpose()) * block for block in blocks]
+        rows = [row for block in blocks for row in (self._axes * block).tolist()]
+        return self._matrix([rows[row] for row in self._claim.rows])
+
+    def _after(self, one: Value, k: int, x: Rational) -> Value:
+        """The place of a joint that goes on from another one by x."""
+        if self.links[k].kind == SLIDE:
+            return (one[0] + x, one[1], one[2])
+        # the motions 1 + s ad + c ad² about one axis, ad³ = −|ω|² ad, multiplied out
+        s, c, square = one[0], one[1], self._square(k)
+        sine, shift, _ = self._place(x, k, one[2])
+        return (s + sine - square * (s * shift + c * sine), c + shift + s * sine - square * c * shift, one[2])
+
+    def singular(self, given: list[Value], moved: int, radius: float) -> float | None:
+        """How far a joint goes at most to a configuration of lower rank; None where that is not shown within radius."""
+        f, rank, square = self._f, self._claim.rank, self._square(moved)
+        slides = self.links[moved].kind == SLIDE
+        twice = 2 if self._partial and self._turned else 1  # axes that turn as well
+        degree = rank * (1 if slides else 2 * twice)
+        points = [f.fmpq(k) for k in range(-(degree // 2), degree - degree // 2 + 1)]
+        if len(points) * self._count > _MOST:
+            raise Unproven(f"in rational numbers there are {self._count:,} minors: too many")
+        scale = [f.fmpq(1) if slides else (1 + x * x * square) ** (twice * rank) for x in points]
+        tables = [
+            self.task_rows([*given[:moved], self._after(given[moved], moved, x), *given[moved + 1 :]],
+                          turned=self._partial).tolist()
+            for x in points
+        ]  # fmt: skip
+        inverse = f.fmpq_mat([[x**k for k in range(degree + 1)] for x in points]).inv()
+        divisor = None
+        for rows, columns in product(*(combinations(range(n), rank) for n in (len(self._claim.rows), len(given)))):
+            values = [f.fmpq_mat([[table[r][c] for c in columns] for r in rows]).det() * size
+                      for table, size in zip(tables, scale, strict=True)]  # fmt: skip
+            if not any(values):
+                continue
+            wave = f.fmpq_poly((inverse * f.fmpq_mat([[one] for one in values])).entries()).numer()
+            divisor = wave if divisor is None else divisor.gcd(wave)
+            if divisor.degree() == 0:
+                return None
+        if divisor is None or divisor(f.fmpq(0)) == 0:
+            return 0.0
+        return self._root(divisor, float(square.p) / float(square.q), radius)
+
+    def _root(self, divisor: Any, square: float, radius: float) -> float | None:
+        simple = divisor // divisor.gcd(divisor.derivative())
+        for step in _STEPS:
+            x = self._f.fmpq(1, 1 << step)
+            far = 2 * float(x.p) / float(x.q) * (1.0 + square)
+            if far > radius:
+                return None
+            if simple(x) * simple(-x) <= 0:
+                return far
+        return None

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from rankdrop.certify.proof.intervals import Tolerance
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
 from rankdrop.compare.covered import Spot
+from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
 
 ARM_JOINTS = table(
@@ -20,6 +20,8 @@ ARM_JOINTS = table(
     follows=(str | None, "name of the joint that it follows"),
     multiplier=num("ratio"),
     offset=(num("joint"), "value = multiplier · variable + offset"),
+    lower=(optional(num("joint") | None), "limit; null: none"),
+    upper=(optional(num("joint") | None), "limit; null: none"),
 )
 ARM = table(
     "arm",
@@ -48,6 +50,9 @@ SPAN = table(
         "open: nothing is claimed"),
     bracket=optional(row(_PLACE[0], 2)),
 )
+PATH_SOURCE = table(
+    "path_source", file=str, sha256=(text(pattern="^[0-9a-f]{64}$"), "of the bytes of the file")
+)
 CLAIM = table(
     "claim",
     q=(optional(many(num("joint"))), "centre [rad, m]"),
@@ -60,6 +65,8 @@ CLAIM = table(
     points=(optional(some(many(num("joint")), min_length=2)),
         "Bernstein control points of all stretches, the last of each the first of the next [rad, m]"),
     spans=(optional(some(SPAN)), "from the first row to the last without a gap"),
+    path=(optional(PATH_SOURCE), "the file that the path was read from"),
+    min_distance=(optional(num("distance", gt=0)), "no configuration nearer to the path has a lower rank"),
     file=(optional(str), "name of the covering (`rankdrop cover --out`), in the same folder"),
     sha256=(optional(str), "its hash"),
     variables=optional(many(Positive)),
@@ -140,8 +147,10 @@ VERIFIED_FILE = file(
     kind=(Literal["ball", "path", "covering", "existence", ""], "empty: the file is damaged"),
     arm=str,
     claim=(str, "what holds; empty where it does not"),
+    statement=(optional(many(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
     reason=(str, "why it does not hold; empty where it does"),
     assumed=(many(str), "what the proof rests on beside the arm's numbers"),
+    how=(optional(str), "how the boxes of a covering were proven"),
     enclosures=Count,
     complete=(bool, "false: interrupted"),
     version=str,

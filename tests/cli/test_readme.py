@@ -14,8 +14,11 @@ from rankdrop.cli.main import app
 from rankdrop.robot.open import robot_names
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "docs/json.md", "docs/robot-files.md")]
+DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "docs/json.md", "docs/robot-files.md",
+                                    "docs/command-line.md")]  # fmt: skip
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
+CLAIMS = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
 
 
 def command_lines() -> Iterator[str]:
@@ -51,15 +54,21 @@ def test_commands_and_options_exist(line: str) -> None:
         assert words[1] in robot_names()
 
 
-def test_every_command_is_in_the_readme() -> None:
-    named = {shlex.split(line)[1] for line in re.findall(r"^rankdrop [a-z]+", README, re.MULTILINE)}
-    inline = set(re.findall(r"`rankdrop ([a-z]+)", README))
+def test_the_readme_is_short() -> None:
+    """At most 600 words before the links, and the install line on the first screen."""
+    assert len(README[: README.index("## Links")].split()) <= 600
+    assert README.splitlines().index("## Install and try") < 10
+
+
+def test_every_command_is_on_the_page_of_the_command_line() -> None:
+    named = {shlex.split(line)[1] for line in re.findall(r"^rankdrop [a-z]+", COMMAND_LINE, re.MULTILINE)}
+    inline = set(re.findall(r"`rankdrop ([a-z]+)", COMMAND_LINE))
     assert {name for name in app if not name.startswith("-")} - named - inline == set()
 
 
 def test_exit_codes_are_documented() -> None:
     for code, meaning in exits.MEANING.items():
-        assert f"| {code} | {meaning} |" in README
+        assert f"| {code} | {meaning} |" in COMMAND_LINE
 
 
 def test_the_checks_run_the_test_command_of_the_readme() -> None:
@@ -68,8 +77,8 @@ def test_the_checks_run_the_test_command_of_the_readme() -> None:
     assert commands[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
-def test_tests_and_benchmarks_named_in_the_readme_exist() -> None:
-    named = set(re.findall(r"(?:tests|benchmarks)/[\w/.]+", README))
+def test_tests_and_benchmarks_named_in_the_claims_exist() -> None:
+    named = set(re.findall(r"(?:tests|benchmarks)/[\w/.]+", CLAIMS))
     assert len(named) > 5
     assert [name for name in named if not (ROOT / name).exists()] == []
 

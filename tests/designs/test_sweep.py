@@ -18,7 +18,7 @@ from rankdrop.cli import main
 from rankdrop.designs import Designs, side_by_side, write_tables
 from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
 from rankdrop.designs.measure import Effort, families_of
-from rankdrop.designs.outcome import pareto
+from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import Asks, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
@@ -215,8 +215,8 @@ def test_the_pareto_list_is_what_none_beats() -> None:
         return a[0] <= b[0] and a[1] >= b[1] and a != b
 
     expected = [i for i in there if not any(beats(values[j], values[i]) for j in there)]
-    assert pareto(records, goals) == expected
-    assert pareto(records, {}) == []
+    assert rank(records, goals).best == expected
+    assert rank(records, {}).best == []
 
 
 TOML = """robot = "planar3r"

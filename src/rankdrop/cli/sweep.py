@@ -24,6 +24,7 @@ def sweep(
     html: str | None = None,
     over: Annotated[str | None, Parameter(show_default=False)] = None,
     all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    precision: float | None = None,
     workers: Whole = 0,
     scheduler: str | None = None,
     status: str | None = None,
@@ -33,7 +34,8 @@ def sweep(
 
     Per variant what the file asks for: families, and how they differ from the
     neighbour's; the share of the joint space near them; σ over a region or on
-    paths; the share proven free. Then the variants that no other one beats.
+    paths; the share proven free. Then the Pareto-optimal variants: those that
+    no other one dominates by more than the error of the samples.
     How to write the file: docs/howto/comparing-designs.md.
 
     For example:
@@ -54,7 +56,8 @@ def sweep(
         figure: Draw every measure as a map over two parameters: .svg, .png or .pdf.
         html: Write a page that stands alone, with maps and every variant: .html.
         over: The two parameters of the maps, such as upper_arm,offset. Default: the first two.
-        all: Every variant in the table, not only those that no other one beats.
+        all: Every variant in the table, not only the Pareto-optimal ones.
+        precision: Standard error of sampled shares, such as 0.002: takes as many samples as it needs.
         workers: Local processes; 0: one for every processor. The result does not depend on it.
         scheduler: Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786).
         status: Only say how far the sweep in this folder is.
@@ -75,7 +78,7 @@ def sweep(
     axes = tuple(word.strip() for word in over.split(",")) if over else ()
     try:
         with reporter(quiet=quiet) as report:
-            found = run(name, out=out, workers=workers, scheduler=scheduler, report=report)
+            found = run(name, out=out, workers=workers, scheduler=scheduler, precision=precision, report=report)
     except KeyboardInterrupt:
         return _interrupted(out)
     hand_over(

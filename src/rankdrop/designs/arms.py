@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from math import hypot
 from pathlib import Path
 from typing import Any
 
 from rankdrop.designs.chunk import task_to_dict
 from rankdrop.designs.outcome import APART, MEANINGS, UNITS, measure_text
+from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import GOALS, Asks
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
@@ -75,15 +75,9 @@ class SideBySide:
         return all(one["error"] is None and one.get("verdict", "verified") == "verified" for one in self.records)
 
     def best(self, measure: str) -> tuple[int, ...]:
-        """The arms, from 0, that are best by one measure; shares that sampling cannot tell apart are equally good."""
-        sign = 1.0 if GOALS[measure] == "less" else -1.0
-        values = {i: sign * one["measures"][measure] for i, one in enumerate(self.records)
-                  if one["measures"].get(measure) is not None}  # fmt: skip
-        if not values:
-            return ()
-        first = min(values, key=values.__getitem__)
-        slack = {i: APART * hypot(self._error(measure, i), self._error(measure, first)) for i in values}
-        return tuple(i for i, value in values.items() if value - values[first] <= slack[i])
+        """The arms, from 0, that are best by one measure; those within the error of the best are too."""
+        records = [{**one, "error": None} for one in self.records]
+        return tuple(rank(records, {measure: GOALS[measure]}).best)
 
     def _error(self, measure: str, i: int) -> float:
         """Standard error of a measure that is a share of samples, else 0."""

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.covering import covering
+from rankdrop.designs.ranking import bits_to_text
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
 from rankdrop.families.residual import Memory
@@ -229,7 +230,8 @@ def _values(values: tuple[float, ...]) -> str:
 def _near(analysis: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
     near = near_shares(analysis.families, analysis.robot, analysis.task, asked["within"], limits=limits,
                        samples=asked["samples"], seed=seed)  # fmt: skip
-    record["near"] = {"any": _share(near.any), "families": [_share(one) for one in near.families]}
+    record["near"] = {"any": _share(near.any), "families": [_share(one) for one in near.families],
+                      "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip
     record["measures"]["near"] = near.any.share
 
 
@@ -252,6 +254,7 @@ def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, se
     record["region"] = {
         "poses": len(targets),
         "reached": int(met.found.sum()),
+        "each": [finite(value) for value in met.sigma],
         "lowest": finite(met.lowest),
         "sigma": None if worst is None else float(met.sigma[worst]),
         "at": None if worst is None else targets[worst, :3, 3].tolist(),

@@ -1,6 +1,6 @@
-"""What a sweep found: every variant with its measures, what differs between neighbours, which variants none beats.
+"""What a sweep found: every variant with its measures, what differs between neighbours, the Pareto-optimal variants.
 
-Of a variant that none beats, every better value of one measure costs something else.
+Of a Pareto-optimal variant, every better value of one measure costs something else.
 """
 
 from __future__ import annotations
@@ -13,48 +13,14 @@ from math import degrees
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from rankdrop.designs.changes import Change, Structure, changes, structures
+from rankdrop.designs.ranking import Ranking, rank
 from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
 from rankdrop.results.codec import save_record
 from rankdrop.sections import Section, html, text
 from rankdrop.units import heading
 from rankdrop.version import VERSION
-
-BLOCK = 2000
-
-
-def pareto(records: Sequence[Mapping[str, Any]], goals: Mapping[str, str]) -> list[int]:
-    """Numbers of the variants that are not dominated, from 0.
-
-    Args:
-        records: of the variants. One with an error, or without one of the measures, is not among them.
-        goals: measure -> "less" or "more".
-    """
-    if not goals:
-        return []
-    rows = []
-    for number, record in enumerate(records):
-        values = [record["measures"].get(name) for name in goals]
-        if record.get("error") is None and all(value is not None for value in values):
-            rows.append((number, values))
-    if not rows:
-        return []
-    signs = np.array([1.0 if want == "less" else -1.0 for want in goals.values()])
-    cost = np.array([values for _, values in rows], dtype=np.float64) * signs
-    kept = np.ones(len(cost), dtype=np.bool_)
-    for first in range(0, len(cost), BLOCK):
-        block = cost[first : first + BLOCK]
-        no_worse = np.ones((len(block), len(cost)), dtype=np.bool_)
-        better = np.zeros_like(no_worse)
-        for k in range(cost.shape[1]):
-            no_worse &= cost[None, :, k] <= block[:, None, k]
-            better |= cost[None, :, k] < block[:, None, k]
-        kept[first : first + BLOCK] = ~(no_worse & better).any(axis=1)
-    return [number for (number, _), stays in zip(rows, kept, strict=True) if stays]
-
 
 SCHEMA = "rankdrop/sweep/1"
 SHOWN = 20
@@ -142,9 +108,14 @@ class Designs:
         return changes(self.records, [one.name for one in self.parameters], self.pairs)
 
     @cached_property
+    def ranking(self) -> Ranking:
+        """The variants that no other one dominates beyond the error of the samples."""
+        return rank(self.records, self.goals)
+
+    @property
     def pareto(self) -> list[int]:
-        """Numbers of the variants that no other one beats, from 0."""
-        return pareto(self.records, self.goals)
+        """Their numbers, from 0."""
+        return self.ranking.best
 
     def values(self, measure: str) -> list[float | None]:
         """One measure of every variant.
@@ -169,12 +140,20 @@ class Designs:
             sets = len(self.structures)
             parts.append("all have the same families" if sets == 1 else f"{sets} different sets of families")
         if self.pareto:
-            parts.append(f"{len(self.pareto):,} that no other one beats")
+            parts.append(self._best())
         elif self.goals:
             missing = [name for name in self.goals if all(value is None for value in self.values(name))]
             parts.append(f"none is ranked, since none has {' and '.join(missing) or 'every measure'}")
         verified = ", the families of each verified by sampling" if self.structures else ""
         return f"{count}{verified}: {'; '.join(parts)}." if parts else f"{count} measured."
+
+    def _best(self) -> str:
+        best = len(self.pareto)
+        if best == 1:
+            return f"variant {self.pareto[0] + 1} is better than every other one"
+        if self.ranking.differ:
+            return f"{best:,} Pareto-optimal variants"
+        return f"{best:,} of {len(self.records):,} cannot be distinguished by their measures"
 
     def to_dict(self) -> dict[str, Any]:
         """The record of a JSON file: docs/json.md."""
@@ -197,6 +176,7 @@ class Designs:
             "measures": [{"name": name, "unit": UNITS[name], "meaning": MEANINGS[name]} for name in self.measures],
             "goals": dict(self.goals),
             "pareto": [number + 1 for number in self.pareto],
+            "pareto_differ": self.ranking.differ,
             "structures": [
                 {"families": list(one.keys), "variants": [i + 1 for i in one.variants],
                  "ranges": [list(pair) for pair in one.ranges]}
@@ -221,7 +201,7 @@ class Designs:
         save_record(self.to_dict(), path)
 
     def sections(self, *, every: bool = False) -> Iterator[Section]:
-        """As sections of text; `every`: all variants, not only those that none beats."""
+        """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
         yield Section("", lines=(self.sentence,))
         ranges = tuple(
             (one.name, ", ".join(map(str, one.places)), shown(one.lower, one), shown(one.upper, one))
@@ -252,7 +232,7 @@ class Designs:
             for i in chosen[:most]
         )  # fmt: skip
         wants = ", ".join(f"{want} {name}" for name, want in self.goals.items())
-        title = "Variants" if every or not self.pareto else "Variants that no other one beats"
+        title = "Variants" if every or not self.pareto else "Pareto-optimal variants"
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
         after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
         notes = tuple(f"{name}: {MEANINGS[name]}{self._doubt_of(name)}" for name in names)

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
-from math import ceil, sqrt
+from dataclasses import asdict, replace
+from math import ceil, isfinite, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +19,11 @@ import numpy as np
 
 from rankdrop.designs.changes import neighbours, structures
 from rankdrop.designs.chunk import task_to_dict
+from rankdrop.designs.measure import measured
 from rankdrop.designs.outcome import Designs
-from rankdrop.designs.spec import Parameter, Spec, goals, read_spec, spec_of
-from rankdrop.errors import MissingExtraError, RankdropError
+from rankdrop.designs.spec import Asks, Parameter, Spec, goals, read_spec, spec_of
+from rankdrop.errors import MissingExtraError, OptionError, RankdropError
+from rankdrop.families.residual import Memory
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array
@@ -41,6 +43,7 @@ def sweep(
     out: str | Path | None = None,
     workers: int = 0,
     scheduler: str | None = None,
+    precision: float | None = None,
     report: Report | None = None,
 ) -> Designs:
     """Measure every variant of an arm, and tell what differs between them.
@@ -55,6 +58,8 @@ def sweep(
             interruption. None: in memory.
         workers: local processes; 0 for one of every processor.
         scheduler: address of a Dask scheduler, whose workers make the chunks instead (extra `cluster`).
+        precision: standard error that sampled shares (`near`, `reached`) shall have at the nominal arm; the numbers of
+            configurations and poses in the specification are the fewest that are taken.
         report: report(label, done, total) of progress.
 
     Returns:
@@ -74,6 +79,8 @@ def sweep(
         [1, 1]
     """
     read = spec_of(spec) if isinstance(spec, Mapping) else read_spec(spec)
+    if precision is not None:
+        read = refined(read, precision)
     values = variants_of(read)
     tell = report or (lambda label, done, total: None)
     job = job_of(read, values)
@@ -94,6 +101,34 @@ def sweep(
         records=records, pairs=neighbours(values, grid, low, high),
         exact=exact, folder=None if out is None else Path(out),
     )  # fmt: skip
+
+
+FINEST = 1e-4
+"""Standard error of a share that is not gone below."""
+
+
+def refined(spec: Spec, precision: float) -> Spec:
+    """The specification with as many samples as a standard error of its shares takes, by a trial on the nominal arm.
+
+    Raises:
+        OptionError: no such precision, or nothing is sampled.
+    """
+    if not (isfinite(precision) and FINEST <= precision <= 0.5):
+        raise OptionError("this is no standard error of a share", where="precision", got=precision,
+                          allowed=f"{FINEST:g} … 0.5")  # fmt: skip
+    sampled = {"near": ("samples", "near", 1_000_000), "region": ("points", "reached", 100_000)}
+    given = {name: table for name in sampled if (table := getattr(spec.asks, name)) is not None}
+    if not given:
+        raise OptionError("nothing is sampled", where="precision", allowed="with [near] or [region]")
+    trial = measured(spec.drawing.nominal, spec.task, Asks(**given).to_dict(), Memory(), limits=spec.limits,
+                     seed=spec.seed)  # fmt: skip
+    asks = {}
+    for name, table in given.items():
+        key, measure, most = sampled[name]
+        share, count = trial["measures"].get(measure) or 0.0, table[key]
+        share += 2.0 * sqrt(max(share * (1.0 - share), 1.0 / count) / count) * (1.0 if share < 0.5 else -1.0)
+        asks[name] = {**table, key: min(most, max(count, ceil(share * (1.0 - share) / precision**2)))}
+    return replace(spec, asks=replace(spec.asks, **asks))
 
 
 def job_of(spec: Spec, values: np.ndarray[Any, np.dtype[np.float64]]) -> Job:

@@ -12,7 +12,7 @@ bound.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from math import sqrt
 
@@ -91,6 +91,12 @@ class Near:
     limits: bool
     families: tuple[NearShare, ...]
     any: NearShare
+    _hits: Mask | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def hits(self) -> Mask:
+        """(samples,) which configurations are near any of them; empty where the shares were read from a file."""
+        return np.zeros(0, dtype=np.bool_) if self._hits is None else self._hits
 
 
 def near_shares(
@@ -136,7 +142,8 @@ def near_shares(
     if progress is not None:
         progress(len(named), len(named))
     unsure = len(named) < len(families) or any(one.bound for one in met)
-    return Near(within, samples, seed, limits, tuple(met), NearShare("", int(every.sum()), samples, unsure))
+    shared = NearShare("", int(every.sum()), samples, unsure)
+    return Near(within, samples, seed, limits, tuple(met), shared, every)
 
 
 def check_within(within: float) -> None:

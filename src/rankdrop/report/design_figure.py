@@ -61,7 +61,7 @@ def maps_of(designs: Designs) -> list[tuple[str, Array]]:
 
 
 def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
-    """One map for each measure over two parameters; variants that no other one beats are ringed.
+    """One map for each measure over two parameters; Pareto-optimal variants are ringed.
 
     Args:
         designs: the sweep.

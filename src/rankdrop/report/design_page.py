@@ -1,4 +1,4 @@
-"""The page of a sweep: maps over two parameters, what none beats, sets of families, every variant in a table."""
+"""The page of a sweep: maps over two parameters, Pareto-optimal ones, sets of families, every variant in a table."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _maps(designs: Designs, over: tuple[str, ...]) -> str:
         y = numbers if first == second else in_shown_units(designs.parameters[second], values[:, second])
         names = (label(designs.parameters[first]), name if first == second else label(designs.parameters[second]))
         charts.append(f"<figure><figcaption>{escape(name)}</figcaption>{_map(designs, x, y, numbers, names)}</figure>")
-    told = '<p class="small">Every dot is a variant; ringed are those that no other one beats.</p>'
+    told = '<p class="small">Every dot is a variant; the Pareto-optimal ones are ringed.</p>'
     return f'<div class="cards">{"".join(charts)}</div>{told}' if charts else "<p>Nothing was measured.</p>"
 
 
@@ -106,7 +106,7 @@ def _table(designs: Designs) -> str:
     for record in designs.records[:_LISTED]:
         values = [shown(x, one) for x, one in zip(record["values"], designs.parameters, strict=True)]
         told = [measure_text(name, record["measures"].get(name)) for name in names]
-        note = record["error"] or ("none beats it" if record["number"] in best else "")
+        note = record["error"] or ("Pareto-optimal" if record["number"] in best else "")
         cells = [str(record["number"] + 1), *values, *told, note]
         rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
     left = len(designs.records) - _LISTED

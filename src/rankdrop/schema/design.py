@@ -61,7 +61,13 @@ ARMS_FAMILY = table(
     witness=many(num("joint")),
 )
 NEAR_SHARE = table("near_share", id=str, share=num("1"), error=num("1"), interval=row(num("1"), 2), bound=bool)
-ARMS_NEAR = table("arms_near", any=NEAR_SHARE, families=many(NEAR_SHARE))
+ARMS_NEAR = table(
+    "arms_near",
+    any=NEAR_SHARE,
+    families=many(NEAR_SHARE),
+    samples=(optional(Positive), "random configurations, the same for every variant"),
+    hits=(optional(str), "which of them are near any family: a bit each, as hexadecimal digits, the first one highest"),
+)
 REGION = table(
     "region",
     poses=int,
@@ -162,7 +168,8 @@ SWEEP_FILE = file(
     measures=many(MEASURES),
     parameters=many(SWEEP_PARAMETERS),
     goals=mapping(Literal["less", "more"]),
-    pareto=many(Positive),
+    pareto=(many(Positive), "variants that no other one dominates beyond the error"),
+    pareto_differ=(optional(bool), "some of them differ from one another beyond the error"),
     structures=many(STRUCTURES),
     changes=many(CHANGES),
     exact=many(SWEEP_EXACT),

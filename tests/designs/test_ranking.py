@@ -1,0 +1,109 @@
+"""Winners out of noise: variants that are equal by construction are not ranked, a clear winner is found."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rankdrop
+from rankdrop.designs.ranking import bits_to_text, deviations, rank, threshold
+from rankdrop.errors import OptionError
+
+SAMPLES = 2000
+
+
+def record(hits: np.ndarray) -> dict[str, Any]:
+    near = {"any": {"error": 0.0}, "samples": len(hits), "hits": bits_to_text(hits)}
+    return {"error": None, "measures": {"near": float(hits.mean())}, "near": near}
+
+
+def region(sigma: list[float | None]) -> dict[str, Any]:
+    known = [value for value in sigma if value is not None]
+    measures = {"sigma": min(known), "reached": len(known) / len(sigma)}
+    return {"error": None, "measures": measures, "region": {"each": sigma}}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_equal_variants_with_other_samples_are_not_ranked(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    records = [record(rng.random(SAMPLES) < 0.2) for _ in range(200)]
+    shares = [one["measures"]["near"] for one in records]
+    assert max(shares) - min(shares) > 4 * np.sqrt(0.2 * 0.8 / SAMPLES)  # two errors alone would rank them
+    found = rank(records, {"near": "less"})
+    assert found.best == list(range(200))
+    assert not found.differ
+
+
+def test_a_clear_winner_among_equals_is_found() -> None:
+    rng = np.random.default_rng(1)
+    records = [record(rng.random(SAMPLES) < (0.1 if number == 77 else 0.2)) for number in range(200)]
+    assert rank(records, {"near": "less"}).best == [77]
+    assert 77 not in rank(records, {"near": "more"}).best
+
+
+def test_differences_are_paired() -> None:
+    """Two shares that differ by a tenth of their own errors, at the same samples but for 30."""
+    hits = np.random.default_rng(2).random(SAMPLES) < 0.5
+    fewer = hits.copy()
+    fewer[np.flatnonzero(hits)[:30]] = False
+    gap = hits.mean() - fewer.mean()
+    assert gap < 2 * np.sqrt(0.25 / SAMPLES)
+    assert rank([record(hits), record(fewer)], {"near": "less"}).best == [1]
+
+
+def test_the_error_of_a_difference_is_that_of_paired_samples() -> None:
+    rng = np.random.default_rng(4)
+    first, second = (rng.random(SAMPLES) < p for p in (0.3, 0.5))
+    paired = (first.astype(float) - second).std() / np.sqrt(SAMPLES)
+    z = [deviations(record(hits), "near") for hits in (first, second)]
+    assert np.linalg.norm(z[0] - z[1]) == pytest.approx(paired, rel=1e-12)
+
+
+def test_a_minimum_over_poses_has_the_error_of_its_poses() -> None:
+    rng = np.random.default_rng(5)
+    sigma = rng.uniform(0.2, 1.0, 40)
+    missed = sigma.copy()
+    missed[sigma.argmin()] *= 0.9  # the posture search of one pose ended elsewhere
+    best = rank([region(sigma.tolist()), region(missed.tolist())], {"sigma": "more"})
+    assert best == ([0, 1], False)
+    better = rank([region(sigma.tolist()), region((1.5 * sigma).tolist())], {"sigma": "more"})
+    assert better.best == [1]
+
+
+def test_poses_that_are_not_reached_have_an_error_too() -> None:
+    few, many = [0.5] * 20 + [None] * 20, [0.5] * 22 + [None] * 18
+    assert rank([region(few), region(many)], {"reached": "more"}).best == [0, 1]
+    assert rank([region(few), region([0.5] * 40)], {"reached": "more"}).best == [1]
+
+
+def test_more_variants_need_larger_differences() -> None:
+    assert threshold(200) > threshold(20) > threshold(2) == pytest.approx(1.96, abs=0.01)
+    assert threshold(200, 2) > threshold(200)
+
+
+OFFSETS = {
+    "robot": "planar3r", "task": "planar-position", "near": {"within": "20 deg", "samples": 500},
+    "parameters": {"zero": {"sets": "2.theta", "values": ["0 deg", "25 deg", "50 deg", "75 deg", "100 deg"]}},
+}  # fmt: skip
+
+
+def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
+    """The zero of a joint moves the families in joint space and changes no share."""
+    found = rankdrop.sweep(OFFSETS, workers=1)
+    assert len(set(found.values("near"))) > 1
+    assert found.pareto == [0, 1, 2, 3, 4]
+    assert "5 of 5 cannot be distinguished by their measures" in found.sentence
+    assert found.to_dict()["pareto_differ"] is False
+
+
+def test_precision_spends_more_samples() -> None:
+    found = rankdrop.sweep(OFFSETS, workers=1, precision=0.003)
+    assert all(one["near"]["any"]["error"] < 0.0034 for one in found.records)
+    assert all(one["near"]["samples"] > 3000 for one in found.records)
+    for wrong in (0.0, -1.0, 1e-9, float("nan"), 0.7):
+        with pytest.raises(OptionError, match="precision"):
+            rankdrop.sweep(OFFSETS, workers=1, precision=wrong)
+    with pytest.raises(OptionError, match="nothing is sampled"):
+        rankdrop.sweep({key: one for key, one in OFFSETS.items() if key != "near"}, workers=1, precision=0.01)

@@ -15,9 +15,10 @@ from fractions import Fraction
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.exact.algebra.field import P, reduced
+from rankdrop.exact.algebra.field import P, roots_at
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.roots import ROOTS, image_modulo
 from rankdrop.exact.algebra.work import Work, spent, tick
 
 _EACH = 6  # polynomials kept of those in the same variables
@@ -55,7 +56,8 @@ def barren(
     rng = random.Random(_SEED)
     turned = _turned(ring, rng)
     known = _Known(ring)
-    lengths = {name: _number(work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))) for name in ring.letters}
+    lengths = {name: _number(work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH))))
+               for name in ring.letters if name not in ROOTS}  # fmt: skip
     for f in conditions:
         known.add(turned(Form(ring, f.subs(lengths), ring.form(f).degrees)))
     here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
@@ -96,7 +98,7 @@ def _turned(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
     turns = [(t + u, 1 - t * u) for t in context.gens()[: ring.angles] for u in [rng.randrange(2, P)]]
 
     def turned(form: Form) -> Polynomial:
-        residues, degrees = reduced(form.f), form.degrees
+        residues, degrees = image_modulo(form.f, roots_at(ring, P), P), form.degrees
         tick(20 + 12 * len(form.f) + 2 * prod(1 + degree for degree in degrees))
         powers: dict[tuple[int, int], Polynomial] = {}
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, used
 from rankdrop.exact.algebra.ring import Form
+from rankdrop.exact.algebra.roots import is_number
 from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
@@ -84,7 +85,7 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
         if sign_of(chain, found) < 0:
             none = np.empty((0, n))
             return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
-        if text and not _always(chain, found):
+        if text and not is_number(found) and not _always(chain, found):
             words.append(f"{text} ≥ 0")
     points, smooth, strays, unclear = _met(chain, piece, rank, rng)
     condition = "real if and only if " + " and ".join(words) if words else ""

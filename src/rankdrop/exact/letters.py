@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from rankdrop.exact.algebra.field import residue
-from rankdrop.exact.algebra.polynomial import Polynomial, flint, primitive
+from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import ROOTS, WRITTEN, approximation, factor, primitive, roots_in
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption
@@ -40,7 +41,7 @@ def _terms(chain: Chain, f: Polynomial) -> list[Fraction]:
         part = Fraction(int(value.p), int(value.q))
         for name, power in zip(chain.ring.names, powers, strict=True):
             if power:
-                part *= chain.letters[name] ** int(power)
+                part *= (approximation(name) if name in ROOTS else chain.letters[name]) ** int(power)
         parts.append(part)
     return parts
 
@@ -59,12 +60,14 @@ def never_zero(chain: Chain, f: Polynomial) -> bool:
 
 def letters_text(ring: Ring, f: Polynomial) -> str:
     """A polynomial in lengths alone, factored: "(d3 − d5 − a6) (d3 − d5 + a6)"; "" for a positive number."""
+    if roots_in(f):
+        return sum_text(ring, f)
     content, factors = f.factor()
     negative = bool(content < 0)
     parts = []
-    for factor, power in factors:
-        kept = primitive(factor)
-        if power % 2 and factor.coeffs()[0] < 0:
+    for part, power in factors:
+        kept = primitive(part)
+        if power % 2 and part.coeffs()[0] < 0:
             negative = not negative
         text = sum_text(ring, kept)
         parts.append((f"({text})" if len(kept) > 1 and len(factors) + power > 2 else text) + _power(int(power)))
@@ -77,7 +80,9 @@ def sum_text(ring: Ring, f: Polynomial) -> str:
     text = ""
     for powers, value in f.terms():
         number = abs(value)
-        factors = [f"{name}{_power(int(e))}" for name, e in zip(ring.names, powers, strict=True) if e]
+        factors = [
+            f"{WRITTEN.get(name, name)}{_power(int(e))}" for name, e in zip(ring.names, powers, strict=True) if e
+        ]
         body = " ".join(([] if number == 1 and factors else [str(number)]) + factors)
         if text:
             text += f" {'−' if value < 0 else '+'} {body}"
@@ -115,10 +120,10 @@ def doubled(chain: Chain, tree: Tree) -> bool:
     values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in chain.letters.items()}
     distinct = {str(f): f for drop in tree.drops for f in drop.piece.equations if len(f) <= _LONG}
     return bool(values) and any(
-        power > 1 and not chain.ring.is_unit(factor)
+        power > 1 and not chain.ring.is_unit(part)
         for f in distinct.values()
         if (own := f.subs(values)) != 0
-        for factor, power in own.factor()[1]
+        for part, power in factor(own)[1]
     )
 
 

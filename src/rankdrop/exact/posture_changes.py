@@ -94,7 +94,8 @@ def decide_postures(chain: Chain) -> Decision:
 def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:
     """Of a spherical wrist behind joint 3, in the frame of link 3."""
     link, along = chain.sections[2], chain.sections[3].d
-    return link.a, -link.twist.sin * along, link.twist.cos * along
+    cosine, sine = link.twist.rational
+    return link.a, -sine * along, cosine * along
 
 
 def _three_parallel(chain: Chain) -> str:

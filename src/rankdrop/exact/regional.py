@@ -21,8 +21,9 @@ from fractions import Fraction
 from math import atan2
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, used
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.work import tick
 from rankdrop.exact.arm.chain import Chain, Matrix, identity, times
 from rankdrop.exact.arm.geometry import Section
@@ -90,14 +91,14 @@ def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: t
 
 def _joint(ring: Ring, j: int, section: Section, tangent: Fraction) -> tuple[Matrix, float]:
     """Rz(θ + phase) Tz(d) with θ counted from another place, and by what the new θ is behind the old one."""
-    zero, one, phase = ring.zero, ring.one, section.phase
+    zero, one, phase = ring.zero, ring.one, section.phase.rational
     d = ring.constant(section.d)
     if section.kind is JointKind.PRISMATIC:
-        c, s, angle = ring.constant(phase.cos), ring.constant(phase.sin), 0.0
+        c, s, angle = ring.constant(phase[0]), ring.constant(phase[1]), 0.0
         d = d + ring.q[j]
     else:
         along, across = (1 - tangent**2) / (1 + tangent**2), 2 * tangent / (1 + tangent**2)
-        cosine, sine = phase.cos * along - phase.sin * across, phase.sin * along + phase.cos * across
+        cosine, sine = phase[0] * along - phase[1] * across, phase[1] * along + phase[0] * across
         c = ring.c[j] * ring.constant(cosine) - ring.s[j] * ring.constant(sine)
         s = ring.s[j] * ring.constant(cosine) + ring.c[j] * ring.constant(sine)
         angle = atan2(float(across), float(along))
@@ -106,7 +107,7 @@ def _joint(ring: Ring, j: int, section: Section, tangent: Fraction) -> tuple[Mat
 
 def _link(ring: Ring, section: Section) -> Matrix:
     """Tx(a) Rx(α)."""
-    c, s, a = (ring.constant(x) for x in (section.twist.cos, section.twist.sin, section.a))
+    c, s, a = (ring.constant(x) for x in (*section.twist.rational, section.a))
     zero, one = ring.zero, ring.one
     return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
 

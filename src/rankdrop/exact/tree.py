@@ -24,8 +24,9 @@ from dataclasses import dataclass, field
 from itertools import combinations, islice
 
 from rankdrop.exact.algebra.field import rank, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, primitive
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import is_number, primitive, reciprocal
 from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
@@ -64,12 +65,12 @@ def cleared(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Poly
         j, i = place
         pivot = here.pop(j)
         row = [column.pop(i) for column in here]
-        number = pivot.pop(i)
+        inverse = reciprocal(pivot.pop(i))
         for column, value in zip(here, row, strict=True):
             if value != 0:
                 for k, entry in enumerate(pivot):
                     if entry != 0:
-                        column[k] = ring.reduce(column[k] - entry * value / number.coeffs()[0])
+                        column[k] = ring.reduce(column[k] - entry * value * inverse)
         lower += 1
 
 
@@ -78,7 +79,7 @@ def _pivot(columns: list[list[Polynomial]]) -> tuple[int, int] | None:
     best: tuple[int, int, int] | None = None
     for j, column in enumerate(columns):
         for i, entry in enumerate(column):
-            if entry != 0 and entry.is_constant():
+            if entry != 0 and is_number(entry):
                 across = sum(len(other[i]) for other in columns if other is not column and other[i] != 0)
                 down = sum(len(x) for k, x in enumerate(column) if k != i and x != 0)
                 if best is None or across * down < best[0]:

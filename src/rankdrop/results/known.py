@@ -16,7 +16,7 @@ writes LaTeX, code and JSON as it did before. It no longer has the irreducible s
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -30,6 +30,7 @@ import numpy as np
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import root_values, with_inner
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import AnglePin, Condition
@@ -277,7 +278,10 @@ def from_stored(
 
 
 def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Conditions] | None) -> Conditions:
-    ring = cache(lambda: ring_of(robot, record["letters"]))  # made for the first polynomial: not all arms have one
+    used = {name for family in record["families"] for f in family["polynomials"] for powers, _ in f
+            for name in powers[::2]}  # fmt: skip
+    roots = with_inner(used)
+    ring = cache(lambda: ring_of(robot, (*record["letters"], *roots)))  # made for the first polynomial
     return Conditions(
         robot=robot,
         task=task,
@@ -288,7 +292,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         method=record["method"],
         reason=record["reason"],
         steps=restored(tuple[Step, ...], record["steps"]),
-        families=tuple(_family(one, ring, record) for one in record["families"]),
+        families=tuple(_family(one, ring, record, root_values(roots)) for one in record["families"]),
         lowest=record["lowest"],
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(record["not_real"]),
@@ -303,7 +307,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
     )
 
 
-def _family(record: Record, ring: Callable[[], Ring], whole: Record) -> ExactFamily:
+def _family(record: Record, ring: Callable[[], Ring], whole: Record, roots: Mapping[str, float]) -> ExactFamily:
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
@@ -319,7 +323,7 @@ def _family(record: Record, ring: Callable[[], Ring], whole: Record) -> ExactFam
         witness=tuple(record["witness"]),
         lost_words=tuple(record["lost_words"]),
         rank_check=restored(Check, record["rank_check"]),
-        numbers=dict(whole["letters"]),
+        numbers={**whole["letters"], **roots},
         shifts=tuple(whole["shifts"]),
         pieces=(),
     )

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rankdrop.exact.arm.chain import Chain, exact_chain
+
 if TYPE_CHECKING:
     from rankdrop.results.analysis import Analysis
     from rankdrop.results.conditions import Conditions
@@ -56,7 +58,8 @@ def of_analysis(analysis: Analysis, derived: Conditions | None = None) -> Verdic
         analysis: sampled, with or without exact conditions beside it.
         derived: exact conditions derived later, for a report; what they contradict is contradicted.
     """
-    claims = ((SAMPLED,) if analysis.sound_and_complete else ()) + ((EXACT,) if _agrees(analysis, derived) else ())
+    exact = _agrees(analysis, derived) and not exact_chain(analysis.robot, analysis.task).rounded
+    claims = ((SAMPLED,) if analysis.sound_and_complete else ()) + ((EXACT,) if exact else ())
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
         return Verdict(INTERRUPTED, claims, text)
@@ -73,7 +76,9 @@ def of_conditions(derived: Conditions, tested: str = "exact") -> Verdict:
         tested: what was found of a condition that was held against it: "exact", "too small", … "not tested".
     """
     ranks = sum(family.rank_check.tested for family in derived.families)
-    claims = ((EXACT,) if derived.complete else ()) + ((SAMPLED,) if derived.explained.tested and _met(derived) else ())
+    exactly, rounded = _exactness(derived.chain)
+    sampled = derived.explained.tested > 0 and _met(derived)
+    claims = ((EXACT,) if derived.complete and not rounded else ()) + ((SAMPLED,) if sampled else ())
     if derived.interrupted:
         return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
     wrong = [(CONTRADICTED, text) for text in derived.disagreements]
@@ -94,11 +99,20 @@ def of_conditions(derived: Conditions, tested: str = "exact") -> Verdict:
     asked = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for" if derived.lowest else ""
     if derived.explained.tested:
         on = f"{derived.explained.tested:,} of {derived.explained.tested:,} singular configurations found numerically"
-        return Verdict(VERIFIED, claims, f"Verified, derived exactly and sampled: {on} lie on {_the(count)}{asked}.")
+        return Verdict(VERIFIED, claims, f"Verified, {exactly} and sampled: {on} lie on {_the(count)}{asked}{rounded}.")
     if ranks:
         on = f"the rank is as claimed at {ranks:,} random points of {_the(count)}"
-        return Verdict(VERIFIED, claims, f"Verified, derived exactly: {on}; {tail}{asked}.")
-    return Verdict(UNCHECKED, claims, f"Derived exactly: {count}; {tail}{asked}.")
+        return Verdict(VERIFIED, claims, f"Verified, {exactly}: {on}; {tail}{asked}{rounded}.")
+    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {count}; {tail}{asked}{rounded}.")
+
+
+def _exactness(chain: Chain) -> tuple[str, str]:
+    """How a derivation was made, and what was rounded for it: "" where nothing was."""
+    if not chain.rounded:
+        return EXACT, ""
+    texts = [one.text for one in chain.rounded]
+    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+    return "derived for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
 
 
 def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | None:

@@ -14,7 +14,7 @@ from time import monotonic
 import numpy as np
 
 from rankdrop.compare.cloud import Cloud, cloud, explained
-from rankdrop.exact.algebra.field import PRIMES
+from rankdrop.exact.algebra.roots import PRIMES
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -74,7 +74,7 @@ def derived(
         robot=robot,
         task=chain.task,
         generic_rank=tree.generic_rank,
-        letters=chain.numbers,
+        letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.shifts),
         remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,

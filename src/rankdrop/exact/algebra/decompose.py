@@ -10,9 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.field import Point, residue, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, primitive, used
+from rankdrop.exact.algebra.field import Point, residue, roots_at, value_at
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, used
 from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.roots import factor, gcd, primitive
 from rankdrop.exact.algebra.solving import (
     Solved,
     atoms,
@@ -129,7 +130,7 @@ def _at_infinity(
 def _share(one: Form, two: Form, work: Work) -> bool:
     """Whether two forms have a common factor, be it at π of a joint."""
     at_pi = dict(one.at_pi).keys() & dict(two.at_pi).keys()
-    return bool(at_pi) or bool(factors(one.ring, one.f.gcd(two.f), work))
+    return bool(at_pi) or bool(factors(one.ring, gcd(one.f, two.f), work))
 
 
 def _eliminated(
@@ -165,7 +166,7 @@ def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomia
         replace(
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
-            equations=(*(primitive(h) for h, _ in f.factor()[1] if place in used(h)), *piece.equations),
+            equations=(*(primitive(h) for h, _ in factor(f)[1] if place in used(h)), *piece.equations),
             known=(*piece.known, *(_there(piece, others) if used(parts[1]) else ())),
         )
     ]
@@ -275,6 +276,7 @@ def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
         return False
     values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
     values.update((name, residue(value)) for name, value in work.lengths.items())
+    values.update(roots_at(ring, values.prime))
     return value_at(ring, f, values) == 0
 
 

@@ -10,22 +10,15 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from fractions import Fraction
 from functools import lru_cache
+from math import prod
 from typing import Any
 
 from rankdrop.exact.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import PRIMES, ROOTS, Number, Surd, residues_of_roots, roots_of
 from rankdrop.exact.algebra.work import tick
 
-_BELOW = (
-    11_913, 636_873, 2_465_193, 5_454_201, 7_198_593, 8_757_921, 9_646_521, 10_176_081, 10_526_961, 11_201_481,
-    12_427_041, 14_400_441, 16_867_161, 21_450_993, 22_957_953, 25_261_473, 25_265_841, 25_306_761, 26_721_321,
-    26_768_241, 27_325_953, 30_620_601, 31_134_561, 34_449_873, 34_751_601, 35_367_513, 40_584_753, 40_940_841,
-    42_313_113, 45_697_833, 46_343_121, 47_089_353,
-)  # fmt: skip
-PRIMES = tuple((1 << 61) - below for below in _BELOW)
-"""The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not."""
 P = PRIMES[0]
 """The one that is taken first."""
 
@@ -64,9 +57,21 @@ def modulo(value: Any, prime: int = P) -> int:
     return top if bottom == 1 else top * pow(bottom, -1, prime) % prime
 
 
-def residue(value: Fraction, prime: int = P) -> int:
-    """A rational number modulo a prime."""
+def residue(value: Number, prime: int = P) -> int:
+    """An exact number modulo a prime."""
+    if isinstance(value, Surd):
+        roots = residues_of_roots(tuple(roots_of([value])), prime) or {}
+        return sum(residue(part, prime) * prod(roots[name] for name in names) for names, part in value.terms) % prime
     return value.numerator % prime * pow(value.denominator, -1, prime) % prime
+
+
+@lru_cache
+def roots_at(ring: Ring, prime: int) -> dict[str, int]:
+    """Values of the roots of a ring modulo one of its primes."""
+    found = residues_of_roots(tuple(name for name in ring.letters if name in ROOTS), prime)
+    if found is None:
+        raise AssertionError("a ring takes its points modulo primes with its roots")
+    return found
 
 
 def reduced(f: Polynomial, prime: int = P) -> Polynomial:
@@ -216,6 +221,7 @@ def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -
     """
     prime = modulus(tangents)
     point = Point(tangents, prime)
+    point.update(roots_at(ring, prime))
     for j in ring.revolute:
         if j in pins:
             cosine, sine = COS_SIN[pins[j]]

@@ -7,7 +7,6 @@ in half-angle tangents = 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import gcd, lcm
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -42,19 +41,6 @@ def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
     for e, value in f.terms():
         parts.setdefault(e[place], {})[(*e[:place], 0, *e[place + 1 :])] = value
     return [context.from_dict(parts.get(power, {})) for power in range(max(parts, default=0) + 1)]
-
-
-def primitive(f: Polynomial) -> Polynomial:
-    """f with whole coprime coefficients, the first one positive."""
-    values = f.coeffs()
-    if not values:
-        return f
-    top, bottom = 0, 1
-    for value in values:
-        top, bottom = gcd(top, int(value.p)), lcm(bottom, int(value.q))
-    if values[0] < 0:
-        top = -top
-    return f * flint().fmpq(bottom, top)
 
 
 SIMPLE = ("0", "pi", "pi/2", "-pi/2")

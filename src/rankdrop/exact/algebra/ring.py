@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import prod
 from typing import Any
 
 from rankdrop.exact.algebra.polynomial import (
@@ -27,8 +28,16 @@ from rankdrop.exact.algebra.polynomial import (
     coefficients,
     flint,
     order,
-    primitive,
     used,
+)
+from rankdrop.exact.algebra.roots import (
+    Number,
+    Surd,
+    factor,
+    primes_with,
+    primitive,
+    reduced_roots,
+    with_inner,
 )
 from rankdrop.exact.algebra.work import OutOfTime, tick
 
@@ -45,7 +54,7 @@ class Ring:
     Args:
         revolute: numbers of the revolute joints.
         prismatic: numbers of the prismatic joints; their variables are q_j [m].
-        letters: names of the lengths that stay symbols [m].
+        letters: names of the lengths that stay symbols [m], and of the roots that numbers contain (`ROOTS`).
 
     Attributes:
         trig: context of s_j, c_j (every revolute joint), then q_j, then the lengths.
@@ -53,6 +62,7 @@ class Ring:
         s, c, q, letter: generators of `trig`, by joint number or name.
         t, q_half, letter_half: generators of `half`.
         names: names of the variables of `half`, in order.
+        primes: modulo which points of it are taken: those with its roots.
 
     Example:
         >>> ring = Ring([1, 2])
@@ -63,7 +73,10 @@ class Ring:
 
     def __init__(self, revolute: Sequence[int], prismatic: Sequence[int] = (), letters: Sequence[str] = ()) -> None:
         module = flint()
-        self.revolute, self.prismatic, self.letters = tuple(revolute), tuple(prismatic), tuple(letters)
+        self.revolute, self.prismatic = tuple(revolute), tuple(prismatic)
+        roots = tuple(with_inner(letters))  # the last variables: see `roots.monic`
+        self.letters = (*(name for name in letters if name not in roots), *roots)
+        self.primes = primes_with(roots)
         tail = [f"q{j}" for j in self.prismatic] + list(self.letters)
         # s before c in lexicographic order: division by s² + c² − 1 leaves s at most once
         names = [f"{x}{j}" for j in self.revolute for x in "sc"] + tail
@@ -97,8 +110,13 @@ class Ring:
         """Place of each variable of `half`."""
         return {name: place for place, name in enumerate(self.names)}
 
-    def constant(self, value: Fraction | int) -> Polynomial:
+    def constant(self, value: Number | int) -> Polynomial:
         """A number as an element of `trig`."""
+        if isinstance(value, Surd):
+            return sum(
+                (self.constant(part) * prod(self.letter[name] for name in names) for names, part in value.terms),
+                self.zero,
+            )
         value = Fraction(value)
         return self.trig.constant(flint().fmpq(value.numerator, value.denominator))
 
@@ -111,7 +129,7 @@ class Ring:
         for place, circle in enumerate(self._circle):
             if degrees[2 * place] > 1:
                 p = p % circle
-        return p
+        return reduced_roots(p)
 
     def to_half(self, p: Polynomial) -> Form:
         """p · Π (1 + t_j²)^m_j in half-angle tangents, which counts for the degrees 2 m_j; m_j is the degree of p."""
@@ -328,14 +346,14 @@ class Form:
             raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
         digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
         tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
-        content, found = f.factor()
+        content, found = factor(f)
         letters = list[tuple[Polynomial, int]]()
         atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
-        for factor, multiplicity in found:
-            if all(place >= ring.moving for place in used(factor)):
-                letters.append((primitive(factor), multiplicity))
-            elif not ring.is_unit(factor):
-                atoms.append((ring.atom(factor), multiplicity))
+        for one, multiplicity in found:
+            if all(place >= ring.moving for place in used(one)):
+                letters.append((primitive(one), multiplicity))
+            elif not ring.is_unit(one):
+                atoms.append((ring.atom(one), multiplicity))
         return Factors(content, tuple(letters), tuple(atoms))
 
 

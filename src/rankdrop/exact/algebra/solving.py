@@ -21,9 +21,10 @@ from functools import reduce
 from itertools import combinations, permutations
 from math import prod
 
-from rankdrop.exact.algebra.field import PRIMES, dense, reduced, residue, roots
+from rankdrop.exact.algebra.field import dense, reduced, residue, roots
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, flint, used
 from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.roots import PRIMES, primes_with, quotient, reduced_roots, residues_of_roots, roots_in
 from rankdrop.exact.algebra.work import OutOfTime, Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two
@@ -52,7 +53,7 @@ def put(form: Form, solved: Solved) -> Form:
     if turning:
         left[solved.place] = 0
     missing = power - int(f.degrees()[solved.place])
-    return Form(ring, substituted(f, solved) * solved.denominator**missing, tuple(left))
+    return Form(ring, reduced_roots(substituted(f, solved) * solved.denominator**missing), tuple(left))
 
 
 def substituted(f: Polynomial, solved: Solved) -> Polynomial:
@@ -67,13 +68,13 @@ def substituted(f: Polynomial, solved: Solved) -> Polynomial:
         raise OutOfTime(f"a condition of {len(f):,} terms would grow too long with a solution of {longest:,} put in")
     powers = [f.context().constant(1)]
     for _ in parts[1:]:
-        powers.append(powers[-1] * solved.denominator)
+        powers.append(reduced_roots(powers[-1] * solved.denominator))
     total = f.context().constant(0)
     top = f.context().constant(1)
     for power, part in enumerate(parts):
         if part != 0:
             total += part * top * powers[len(parts) - 1 - power]
-        top = top * solved.numerator
+        top = reduced_roots(top * solved.numerator)
     tick(20 + 2 * len(f) + (0.5 * len(solved.numerator) + 1) * len(total))
     return total
 
@@ -127,7 +128,7 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
 
 def divides(h: Polynomial, f: Polynomial) -> bool:
     """Whether the first polynomial divides the second one."""
-    return f != 0 and bool(divmod(f, h)[1] == 0)
+    return f != 0 and quotient(f, h) is not None
 
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
@@ -157,7 +158,7 @@ def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
     while g != 0 and g.degrees()[k] >= len(divisor) - 1:
         top = coefficients(g, k)[-1]
         tick(20 + len(f) * len(top) + len(g) * len(divisor[-1]))
-        g = g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1)
+        g = reduced_roots(g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1))
     if k < ring.angles:
         degree[k] = int(g.degrees()[k]) if g != 0 else 0
     return Form(ring, g, tuple(degree))
@@ -191,14 +192,14 @@ def _cost(f: Polynomial, g: Polynomial, k: int) -> tuple[int, int, int]:
 def combined(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polynomial:
     """Two conditions of degree 2 in a variable combined into one of degree 1; others into one without the variable."""
     if f.degrees()[k] == g.degrees()[k] == 2:
-        return f * coefficients(g, k)[2] - g * coefficients(f, k)[2]
+        return reduced_roots(f * coefficients(g, k)[2] - g * coefficients(f, k)[2])
     found = f.resultant(g, ring.names[k])
     tick(100 + 5 * len(f) * len(g) + 50 * len(found))
-    return found
+    return reduced_roots(found)
 
 
 _SEED = 20
-_SLICES = PRIMES[:12]  # a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
+_SLICES = 12  # primes: a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
 
 
 def binds_more(
@@ -224,7 +225,7 @@ def binds_more(
     if dimension > 2 or len(system) <= dimension:
         return False
     rng = random.Random(_SEED)
-    for prime in _SLICES:
+    for prime in primes_with(roots_in(system[0]))[:_SLICES]:
         found = _zeros(system, dimension, moving, rng, prime, lengths)
         if found is not None:
             return not found
@@ -269,10 +270,12 @@ def _zeros(
     x, y = context.gens()
     variables = (x, y)[:dimension]
     names = system[0].context().names()
+    known = residues_of_roots(roots_in(system[0]), prime) or {}
     tangents = {names[place] for f in system for place in used(f) if names[place][0] == "t" and place < moving}
     forms = []
     for place, name in enumerate(system[0].context().names()):
         start = residue(lengths[name], prime) if name in lengths else rng.randrange(prime)
+        start = known.get(name, start)
         form = context.constant(start)
         forms.append(sum((rng.randrange(prime) * v for v in variables), form) if place < moving else form)
     circles = [1 + forms[place] ** 2 for place, name in enumerate(system[0].context().names()) if name in tangents]

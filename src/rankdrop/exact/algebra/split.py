@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, flint, primitive, used
+from rankdrop.exact.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, flint, used
 from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.roots import norm, primitive
 from rankdrop.exact.algebra.solving import Solved, divides, factors, linear, put
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
@@ -138,6 +139,7 @@ def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
 
 def _without_real_root(f: Polynomial) -> bool:
     """Whether a polynomial in one variable has no real zero; False for others."""
+    f = norm(f)[0]
     places = used(f)
     if len(places) != 1:
         return False

@@ -15,7 +15,8 @@ from math import inf
 from time import process_time
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import Polynomial, primitive
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.roots import is_number, primitive
 
 _spent = 0.0
 
@@ -137,7 +138,7 @@ class Work:
     def assume(self, f: Polynomial) -> None:
         """Keep a factor in lengths alone as assumed ≠ 0."""
         f = primitive(f)
-        if not f.is_constant():
+        if not is_number(f):
             self.assumed.setdefault(str(f), f)
 
     def leave(self, pins: Mapping[int, str], system: Sequence[Polynomial]) -> None:

@@ -18,8 +18,6 @@ from functools import cached_property
 from itertools import combinations
 
 from rankdrop.exact.algebra.field import (
-    PRIMES,
-    P,
     Point,
     bivariate,
     common_zeros,
@@ -28,12 +26,14 @@ from rankdrop.exact.algebra.field import (
     holds,
     put_common_zero,
     roots,
+    roots_at,
     stands,
     univariate,
     value_at,
 )
 from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, used
 from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.roots import ROOTS
 from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
@@ -94,7 +94,7 @@ class ZeroSet:
     def point(self, rng: random.Random) -> Point | None:
         """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
         for number in range(_TRIES):
-            values = self._start(rng, P if number < _FIRST else PRIMES[number % len(PRIMES)])
+            values = self._start(rng, self.ring.primes[0 if number < _FIRST else number % len(self.ring.primes)])
             if not self._solve_rest(values, rng) or not self._fill_in(values):
                 continue
             point = complete(self.ring, values, self.pins)
@@ -105,6 +105,7 @@ class ZeroSet:
     def _start(self, rng: random.Random, prime: int) -> Point:
         """Random values of all variables, the pinned ones aside."""
         values = Point({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
+        values.update(roots_at(self.ring, prime))
         values.update((f"t{j}", TANGENT[value] % prime) for j, value in self.pins.items() if value != "pi")
         return values
 
@@ -214,13 +215,14 @@ class ZeroSet:
         taken = {one.place for one in self.solved}
         f, g = self.rest[:2]
         one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
-        points = not ring.letters and len({p for h in self.rest for p in used(h)}) == len(self.rest)
+        places = {p for h in self.rest for p in used(h) if p < ring.moving or ring.names[p] not in ROOTS}
+        points = len(places) == len(self.rest) and max(places) < ring.moving
         pairs = [
             (a, b) for a, b in combinations(sorted(one | two), 2) if (a in one and b in two) or (b in one and a in two)
         ]
         for a, b in pairs:
             names = ring.names[a], ring.names[b]
-            for prime in PRIMES if points else PRIMES[:_PLANES]:
+            for prime in ring.primes if points else ring.primes[:_PLANES]:
                 values = self._start(rng, prime)
                 two_in = (bivariate(self.ring, h, *names, values) for h in (f, g))
                 zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))

@@ -14,10 +14,20 @@ from functools import cached_property
 import numpy as np
 
 from rankdrop.errors import TaskError
-from rankdrop.exact.algebra.polynomial import Polynomial, flint, primitive
+from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import ROOTS, Number, primitive, root_values, roots_of
 from rankdrop.exact.algebra.work import OutOfTime
-from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, named_lengths, sections
+from rankdrop.exact.arm.geometry import (
+    Rounding,
+    Section,
+    decimals,
+    exact_cosine,
+    first_and_last,
+    named_lengths,
+    sections,
+    tip_roundings,
+)
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import BODY, WORLD_ALIGNED, Task, resolve_task
 from rankdrop.units import exponent, in_units, task_in_units
@@ -82,13 +92,15 @@ def ring_of(robot: Robot, letters: Iterable[str]) -> Ring:
 
 def numbers_in_units(numbers: Mapping[str, float], power: int) -> dict[str, float]:
     """Values of letters in a unit of 10 to a power: they are decimals, and are moved as such."""
-    return {name: float(Decimal(repr(value)).scaleb(-power)) for name, value in numbers.items()}
+    return {
+        name: value if name in ROOTS else float(Decimal(repr(value)).scaleb(-power)) for name, value in numbers.items()
+    }
 
 
 def polynomial_in_units(f: Polynomial, letters: Container[str], power: int) -> Polynomial:
     """A polynomial of either ring, in lengths and slides of a unit of 10 to a power."""
     names = f.context().names()
-    lengths = [i for i, name in enumerate(names) if name in letters or name[0] == "q"]
+    lengths = [i for i, name in enumerate(names) if (name in letters and name not in ROOTS) or name[0] == "q"]
     if not power or f == 0 or not any(f.degrees()[i] for i in lengths):
         return f
     ten, made = flint().fmpq(10), f.context()
@@ -106,7 +118,8 @@ class Chain:
         letters: value [m] of each length that is a symbol, by its name.
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
             Index n is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
-        remarks: what was rounded on the way.
+        roundings: numbers of the arm that are replaced by others, lengths that are letters included.
+        notes: what else there is to say of its numbers.
 
     Conditions are written in the unit of length that the arm was given in. Whatever is computed with floating-point
     numbers is computed in the arm's own one (`units`): `own`, `own_task`, `own_numbers` and `own_polynomial`.
@@ -117,7 +130,23 @@ class Chain:
     sections: tuple[Section, ...]
     letters: Mapping[str, Fraction]
     written: Mapping[tuple[int, str], tuple[int, str]]
-    remarks: tuple[str, ...]
+    roundings: tuple[Rounding, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was rounded, and the notes, in words."""
+        return (*(one.text for one in self.rounded), *self.notes)
+
+    @property
+    def rounded(self) -> tuple[Rounding, ...]:
+        """What the derivation rounds: a length that is a letter stands for any value."""
+        return tuple(one for one in self.roundings if (one.place, one.what) not in self.written and self._counts(one))
+
+    def _counts(self, one: Rounding) -> bool:
+        """Whether conditions depend on a number: not on the first offset, nor on what lies behind the last axis."""
+        inner = 0 < one.place < self.n - 1 or one.place == self.n
+        return inner or one.what == "twist" or (one.place, one.what) == (0, "a")
 
     @property
     def n(self) -> int:
@@ -127,7 +156,14 @@ class Chain:
     @cached_property
     def ring(self) -> Ring:
         """The ring its screws live in."""
-        return ring_of(self.robot, self.letters)
+        return ring_of(self.robot, (*self.letters, *self.roots))
+
+    @cached_property
+    def roots(self) -> list[str]:
+        """Names of the roots in the arm's numbers, out of `ROOTS`."""
+        turns = [turn for section in self.sections for turn in (section.twist, section.phase)]
+        axes = [] if self.task.m == 6 else [x for rows in (self._start, self._end) for row in rows for x in row]
+        return roots_of([*(x for turn in turns for x in (turn.cos, turn.sin)), *axes])
 
     @cached_property
     def shifts(self) -> Array:
@@ -136,8 +172,8 @@ class Chain:
 
     @cached_property
     def numbers(self) -> dict[str, float]:
-        """The letters' values as floats [m]."""
-        return {name: float(value) for name, value in self.letters.items()}
+        """Values of the letters [m] and the roots as floats."""
+        return {**{name: float(value) for name, value in self.letters.items()}, **root_values(self.roots)}
 
     @property
     def power(self) -> int:
@@ -308,7 +344,7 @@ class Chain:
         ring, rows = self.ring, set(self.task.rows)
         body = self.task.frame == BODY
         k, turned = (self.n, self._end) if body else (1, self._start)
-        about_z = all(abs(turned[2][i]) == (i == 2) for i in range(3))
+        about_z = all(turned[2][i] in ((1, -1) if i == 2 else (0,)) for i in range(3))
         paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
         screws = self._at_tip(k)
         if about_z and paired:
@@ -329,12 +365,12 @@ class Chain:
         ]
 
     @cached_property
-    def _start(self) -> list[list[Fraction]]:
+    def _start(self) -> list[list[Number]]:
         """Rotation from the frame before joint 1 (z its axis, x the first normal) to the base."""
         return _exact(first_and_last(self.own)[0][:3, :3])
 
     @cached_property
-    def _end(self) -> list[list[Fraction]]:
+    def _end(self) -> list[list[Number]]:
         """Rotation from the frame of link n to the tip's axes."""
         return _exact(_home_in_last(self.own)[:3, :3].T)
 
@@ -383,19 +419,23 @@ def exact_chain(
         )
     power = exponent(robot)
     unit = Fraction(10) ** power
-    found, remarks = sections(in_units(robot))
+    found, roundings = sections(in_units(robot))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
+    if tip is not None:
+        roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(found))
+    roundings = tuple(one if one.what in ("twist", "angle") else one.times(float(unit)) for one in roundings)
     if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
         lengths = "numbers"
     letters, written = named_lengths(robot, found, lengths, tip)
+    notes: tuple[str, ...] = ()
     if letters and isinstance(lengths, str):
-        remarks += tuple(
+        notes = tuple(
             f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
             for name, value in robot.lengths
             if name not in letters
         )
-    return Chain(robot, resolved, found, letters, written, remarks)
+    return Chain(robot, resolved, found, letters, written, roundings, notes)
 
 
 def _home_in_last(robot: Robot) -> Array:
@@ -409,5 +449,6 @@ def _tip(robot: Robot) -> list[Fraction]:
     return [length * unit for length in decimals(_home_in_last(in_units(robot))[:3, 3])]
 
 
-def _exact(rotation: Array) -> list[list[Fraction]]:
-    return [decimals(row) for row in rotation]
+def _exact(rotation: Array) -> list[list[Number]]:
+    """The entries as cosines of multiples of 15° and 18° where they are that, else to `DIGITS` decimals."""
+    return [[exact_cosine(float(x)) for x in row] for row in rotation]

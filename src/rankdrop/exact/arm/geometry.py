@@ -13,41 +13,59 @@ Letters have names, values, and places where each stands.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import atan2, cos, pi, sin, tan
+from math import acos, atan2, degrees, pi, radians, remainder, tan
 
 import numpy as np
 
 from rankdrop.errors import OptionError, RobotError
+from rankdrop.exact.algebra.roots import ROOTS, Number, surd
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
 from rankdrop.units import exponent, shifted
 
+_NOISE = {"angle": 1e-12, "twist": 1e-12, "a": 1e-13, "d": 1e-13}
+"""What floating-point numbers leave of angles [rad] and lengths [the arm's own unit] that a file gives exactly."""
+ZERO, ONE = Fraction(0), Fraction(1)
 DIGITS = 12
 """Lengths are read as decimals of so many places of the arm's own unit: far below any drawing, far above rounding."""
 
 
+_QUARTERS: tuple[tuple[Number, Number], ...] = ((ONE, ZERO), (ZERO, ONE), (-ONE, ZERO), (ZERO, -ONE))
+"""(cos, sin) of whole quarter turns."""
+
+
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """An angle by its rational cosine and sine.
+    """An angle by its exact cosine and sine.
 
     Attributes:
-        cos, sin: exact, cos² + sin² = 1.
+        cos, sin: cos² + sin² = 1.
         error: the given angle less this one [rad].
     """
 
-    cos: Fraction
-    sin: Fraction
+    cos: Number
+    sin: Number
     error: float
+
+    def __float__(self) -> float:
+        """The given angle [rad]."""
+        return atan2(self.sin, self.cos) + self.error
+
+    @property
+    def rational(self) -> tuple[Fraction, Fraction]:
+        """Rational (cos, sin), to 1e-12 where they are not: for what is decided to the precision of balls."""
+        if isinstance(self.cos, Fraction) and isinstance(self.sin, Fraction):
+            return self.cos, self.sin
+        return rational_circle(atan2(self.sin, self.cos))
 
     @property
     def quarters(self) -> int | None:
         """0, 1, 2 or 3 quarter turns; None for another angle."""
-        found = {(1, 0): 0, (0, 1): 1, (-1, 0): 2, (0, -1): 3}
-        return found.get((int(self.cos), int(self.sin))) if self.cos.denominator == self.sin.denominator == 1 else None
+        return _QUARTERS.index((self.cos, self.sin)) if (self.cos, self.sin) in _QUARTERS else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,66 +90,112 @@ class Section:
     twist: Turn
 
 
-def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[str, ...]]:
+@dataclass(frozen=True, slots=True)
+class Rounding:
+    """A number of the arm that the derivation replaces by another one.
+
+    Attributes:
+        what: "twist", "angle" (of a slide), "a" or "d"; of the tip "a", "y" and "d", its x, y and z.
+        joint: name of the joint that the section belongs to.
+        place: index of the section.
+        given: the arm's own value [rad, m].
+        error: the given value less the one in the derivation [rad, m].
+    """
+
+    what: str
+    joint: str
+    place: int
+    given: float
+    error: float
+
+    def times(self, unit: float) -> Rounding:
+        """The rounding of a length, in another unit."""
+        return replace(self, given=self.given * unit, error=self.error * unit)
+
+    @property
+    def text(self) -> str:
+        """Which number is rounded, and by how much."""
+        if self.what not in ("twist", "angle"):
+            return f"length {self.what} of {self.joint}: {self.given:.12g} m is rounded by {abs(self.error):.1e} m"
+        name = "twist after" if self.what == "twist" else "angle of slide"
+        return f"{name} {self.joint}: {degrees(self.given):.12g}° is rounded by {abs(self.error):.1e} rad"
+
+
+def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[Rounding, ...]]:
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
 
     Returns:
-        (sections, remarks): a remark for each twist, phase or length that had to be changed by more than rounding.
+        (sections, roundings): a rounding for each twist, phase or length that is changed by more than the noise of
+        floating-point numbers.
 
     Raises:
         RobotError: a helical or a mimic joint.
     """
     _check(robot)
     lines, normals = _lines_and_normals(robot)
-    remarks: list[str] = []
+    roundings: list[Rounding] = []
     found = []
     for i, joint in enumerate(robot.joints):
         before, after = normals[i], normals[i + 1]
         z = lines[i].direction
         angle = atan2(float(np.cross(before.direction, after.direction) @ z), float(before.direction @ after.direction))
-        phase = turn(angle)
+        phase, twist = turn(angle), turn(0.0)
         shift = 0.0
         if joint.kind is JointKind.REVOLUTE and phase.quarters is None:
             phase, shift = turn(0.0), angle
-        twist = turn(0.0)
-        a = Fraction(0)
+        lengths = {"d": float((after.near - before.far) @ z), "a": 0.0}
         if i + 1 < len(robot.joints):
             next_z = lines[i + 1].direction
             twist = turn(atan2(float(np.cross(z, next_z) @ after.direction), float(z @ next_z)))
-            a = _length(float((after.far - after.near) @ after.direction))
-        d = _length(float((after.near - before.far) @ z))
-        remarks += _rounded(phase, f"angle of slide {joint.name}") + _rounded(twist, f"twist after {joint.name}")
-        found.append(Section(joint.kind, phase, shift, d, a, twist))
-    return tuple(found), tuple(remarks)
+            lengths["a"] = float((after.far - after.near) @ after.direction)
+        exact = {which: _length(value) for which, value in lengths.items()}
+        errors = {
+            "angle": (angle, phase.error), "twist": (float(twist), twist.error),
+            **{which: (value, value - float(exact[which])) for which, value in lengths.items() if exact[which]},
+        }  # fmt: skip
+        roundings += [Rounding(what, joint.name, i, given, error) for what, (given, error) in errors.items()
+                      if abs(error) > _NOISE[what]]  # fmt: skip
+        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist))
+    return tuple(found), tuple(roundings)
+
+
+def tip_roundings(tip: Array, place: int) -> tuple[Rounding, ...]:
+    """Coordinates of the tip in the frame of the last link that `decimals` changes, as roundings of section `place`."""
+    found = zip("ayd", tip, decimals(tip), strict=True)
+    return tuple(Rounding(what, "the tip", place, float(given), float(given) - float(exact))
+                 for what, given, exact in found if abs(float(given) - float(exact)) > _NOISE["a"])  # fmt: skip
 
 
 def turn(angle: float) -> Turn:
-    """The angle as whole quarter turns where it is that to `ALIGNED`, else by a rational tangent of its half.
+    """The angle as a multiple of 15° or 18° where it is that to `ALIGNED`, else by a rational tangent of its half.
 
     The rational differs from tan(angle / 2) by less than 1e-12.
     """
-    quarters = round(angle * 2 / pi)
-    error = angle - quarters * pi / 2
-    if abs(error) <= ALIGNED:
-        cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters % 4]
-        return Turn(Fraction(cosine), Fraction(sine), error)
+    whole = min((step * round(degrees(angle) / step) for step in (90, 15, 18)), key=lambda x: abs(angle - radians(x)))
+    error = angle - radians(whole)
+    if abs(error) > ALIGNED:
+        c, s = rational_circle(angle)
+        return Turn(c, s, remainder(angle - atan2(s, c), 2 * pi))
+    quarters, rest = divmod(whole, 90)
+    cosine, sine = surd(rest)
+    for _ in range(quarters % 4):
+        cosine, sine = -sine, cosine
+    return Turn(cosine, sine, error)
+
+
+def rational_circle(angle: float) -> tuple[Fraction, Fraction]:
+    """(cos, sin) by a rational tangent of half the angle, of at most six digits above and below."""
     t = Fraction(tan(angle / 2)).limit_denominator(10**6)
-    c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
-    return Turn(c, s, atan2(sin(angle - _angle(c, s)), cos(angle - _angle(c, s))))
+    return (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
 
 
-def _angle(cosine: Fraction, sine: Fraction) -> float:
-    return atan2(float(sine), float(cosine))
-
-
-def _rounded(given: Turn, what: str) -> list[str]:
-    if abs(given.error) <= 1e-12:
-        return []
-    degrees = np.degrees(_angle(given.cos, given.sin))
-    return [f"{what} taken as {degrees:.10g}°, {abs(given.error):.1e} rad from the one given"]
+def exact_cosine(value: float) -> Number:
+    """The cosine of a multiple of 15° or 18° where a number is that, else its decimal of `DIGITS` places."""
+    cosine = turn(acos(max(-1.0, min(1.0, value)))).cos
+    return cosine if abs(float(cosine) - value) <= _NOISE["twist"] else decimals([value])[0]
 
 
 def _length(value: float) -> Fraction:
@@ -213,7 +277,7 @@ def named_lengths(
     values = _values(links, tip)
     if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
-    own = dict(robot.lengths) if isinstance(lengths, str) else {}
+    own = {name: x for name, x in robot.lengths if name not in ROOTS} if isinstance(lengths, str) else {}
     named = given or dict(zip(own, _decimals(own.values(), exponent(robot)), strict=True))
     letters = dict(named)
     written: dict[Place, tuple[int, str]] = {}
@@ -252,7 +316,7 @@ def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:
             )
         return {}
     for name in lengths:
-        if not is_letter(name):
+        if not is_letter(name) or name in ROOTS:
             raise OptionError(
                 "a length cannot have this name", where="lengths", got=repr(name), allowed=LETTERS_ALLOWED
             )
@@ -273,7 +337,7 @@ def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Pl
 def _without_structure(links: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
     """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
     turns = [t for s in links for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
-    odd = {abs(t.sin) for t in turns if t.quarters is None}
+    odd = {abs(float(t.sin)) for t in turns if t.quarters is None}
     return len({abs(value) for value in values.values()}) > MANY or len(odd) > ODD
 
 

@@ -88,7 +88,7 @@ class ExactStructure:
         found += [f"the axes of joints {listed(group)} are parallel" for group in self.parallel]
         found += [f"near-structural: {near.text}" for near in self.near]
         if self.remarks:
-            found.append(f"twists are whole quarter turns where they are that within {ALIGNED:g} rad")
+            found.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
             found += self.remarks
         return tuple(found)
 

@@ -13,6 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from math import pi
 
+from rankdrop.exact.algebra.roots import WRITTEN, approximation
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave
 from rankdrop.family.equation import pretty_angle
 
@@ -36,7 +37,7 @@ class Notation(ABC):
 
     @abstractmethod
     def symbol(self, symbol: Symbol) -> str:
-        """A length or the variable of a slide."""
+        """A length, a root, or the variable of a slide."""
 
     @abstractmethod
     def wave(self, wave: Wave) -> str:
@@ -174,8 +175,8 @@ class Text(Notation):
         return _readable(value)
 
     def symbol(self, symbol: Symbol) -> str:
-        """Its name."""
-        return symbol.name
+        """Its name; √2 for a root."""
+        return WRITTEN.get(symbol.name, symbol.name)
 
     def wave(self, wave: Wave) -> str:
         """c23, s(θ1 − θ2), cos(θ4/2)."""
@@ -231,6 +232,8 @@ class Latex(Notation):
 
 def latex_name(name: str) -> str:
     r"""a2 → a_2, c23 → c_{23}, upper → \mathrm{upper}."""
+    if name in WRITTEN:
+        return re.sub("√(.*)", r"\\sqrt{\1}", WRITTEN[name]).replace("cos", r"\cos").replace("°", r"^\circ")
     head, tail = re.fullmatch(r"([A-Za-z]*)_?(.*)", name, re.DOTALL).groups()  # type: ignore[union-attr] # matches all
     head = head if len(head) == 1 else rf"\mathrm{{{head}}}"
     tail = tail.replace("_", r"\_")
@@ -284,6 +287,8 @@ class Python(Notation):
         """Its name, the name given for it, or its value."""
         if symbol.slide:
             return self.joint(symbol.slide)
+        if symbol.name in WRITTEN:
+            return repr(float(approximation(symbol.name)))
         if symbol.name in self.letters:
             value = float(self.letters[symbol.name])
             return repr(value) if value >= 0 else f"({value!r})"

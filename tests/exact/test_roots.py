@@ -1,0 +1,162 @@
+"""Twists of 15° and 18° and their multiples are exact: roots of numbers as variables, and what is rounded is said."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from math import cos, pi, prod, radians, sin
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rankdrop.exact.algebra.field import Point, roots_at, value_at
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.roots import (
+    PRIMES,
+    ROOTS,
+    factor,
+    gcd,
+    is_number,
+    norm,
+    primes_with,
+    primitive,
+    quotient,
+    reciprocal,
+    reduced_roots,
+    residues_of_roots,
+    root_values,
+    roots_of,
+    surd,
+)
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.geometry import exact_cosine, turn
+from rankdrop.kinematics import jacobian
+from rankdrop.robot.dh import from_dh
+from rankdrop.verbs.conditions import conditions
+
+RING = Ring([1, 2], letters=["a", *ROOTS])
+
+
+def b44(twist: float = pi / 4):
+    """Six joints, four twists of 45°, modified convention."""
+    rows = [(0.25, twist, 0.25), (0.0, 0.0, 0.0), (0.25, twist, 0.0), (0.0, twist, 0.0), (0.0, twist, 0.25),
+            (0.0, pi / 2, 0.0)]  # fmt: skip
+    return from_dh([{"a": a, "alpha": alpha, "d": d} for a, alpha, d in rows], convention="modified", name="b44")
+
+
+def test_the_family_at_45_degrees_is_found() -> None:
+    """Known answer: at θ3 = −90°, θ4 = 0, θ5 = 45° the rank is 3 or less (σ4 = 9.8e-52 in 60 digits)."""
+    q = np.radians([0.0, 0.0, -90.0, 0.0, 45.0, 0.0])
+    assert np.linalg.svd(jacobian(b44(), q), compute_uv=False)[3] < 1e-15
+    found = conditions(b44(), method="tree", points=0)
+    (family,) = [one for one in found.of_corank(2) if all(abs(f(q[None])) < 1e-12 for f in one.equations)]
+    assert (family.dimension, family.rank_check.holds) == (3, True)
+    assert found.verdict.claims == ("derived exactly",)
+
+
+def test_a_rounded_twist_is_not_called_exact() -> None:
+    """A twist of 44.9° has no short algebraic form: the verdict says which number was rounded, and by how much."""
+    found = conditions(b44(radians(44.9)), method="tree", points=0, coranks=1)
+    assert found.verdict.claims == ()
+    assert "44.9° is rounded by" in found.verdict.sentence
+    assert "exactly" not in found.verdict.sentence
+    assert {one.what for one in found.chain.rounded} == {"twist"}
+    assert all(0 < abs(one.error) < 1e-11 for one in found.chain.rounded)
+
+
+def test_a_length_that_is_no_decimal_is_rounded_unless_it_is_a_letter() -> None:
+    rows = [{"a": 0.1 * 2**0.5, "alpha": 0.0, "d": 0.0}, {"a": 0.2, "alpha": 0.0, "d": 0.0},
+            {"a": 0.0, "alpha": 0.0, "d": 0.0}]  # fmt: skip
+    arm = from_dh(rows, convention="standard")
+    assert [one.what for one in exact_chain(arm, "vx,vy,wz", lengths="numbers").rounded] == ["a"]
+    assert exact_chain(arm, "vx,vy,wz", lengths="letters").rounded == ()
+
+
+@pytest.mark.parametrize("angle", [*range(-180, 181, 15), *range(-180, 181, 18)])
+def test_multiples_of_15_and_18_degrees_are_exact(angle: int) -> None:
+    found = turn(radians(angle))
+    assert float(found.cos) == pytest.approx(cos(radians(angle)), abs=1e-15)
+    assert float(found.sin) == pytest.approx(sin(radians(angle)), abs=1e-15)
+    assert abs(found.error) < 1e-14
+    circle = RING.reduce(RING.constant(found.cos) ** 2 + RING.constant(found.sin) ** 2)
+    assert circle == 1
+    assert float(exact_cosine(cos(radians(angle)))) == pytest.approx(cos(radians(angle)), abs=1e-15)
+
+
+def test_other_angles_are_rational() -> None:
+    assert roots_of([turn(0.3).cos, turn(0.3).sin]) == []
+    assert 0 < abs(turn(0.3).error) < 1e-11
+
+
+def test_roots_exist_modulo_their_primes() -> None:
+    for names in combinations(ROOTS, 2):
+        ring = Ring([1], letters=names)
+        for prime in ring.primes:
+            point = Point(roots_at(ring, prime), prime)
+            assert all(value_at(ring, w * w - reduced_roots(w * w), point) == 0 for w in ring.letter_half.values())
+        assert len(primes_with(names)) >= 12
+    assert primes_with(()) == PRIMES
+    assert residues_of_roots(("cos18", "sqrt5"), PRIMES[3]) is None
+
+
+def test_a_ring_has_the_roots_in_the_squares_of_its_roots() -> None:
+    assert Ring([1], letters=["b", "cos18"]).letters == ("b", "cos18", "sqrt5")
+
+
+def numbers():
+    return st.lists(st.integers(-3, 3), min_size=4, max_size=4).filter(any)
+
+
+def number_of(values):
+    h = RING.letter_half
+    return sum(v * w for v, w in zip(values, [1, h["sqrt2"], h["sqrt3"], h["sqrt2"] * h["sqrt3"]], strict=True))
+
+
+@given(numbers())
+@settings(deadline=None, max_examples=30)
+def test_a_number_times_its_reciprocal_is_1(values) -> None:
+    x = RING.half.constant(0) + number_of(values)
+    assert reduced_roots(x * reciprocal(x)) == 1
+    assert norm(x)[0].is_constant()
+
+
+@given(st.lists(st.tuples(numbers(), numbers(), numbers()), min_size=1, max_size=3))
+@settings(deadline=None, max_examples=25)
+def test_factors_multiply_to_the_polynomial(parts) -> None:
+    x, y, a = RING.t[1], RING.t[2], RING.letter_half["a"]
+    f = prod((x * number_of(u) + a * y * number_of(v) + number_of(w) for u, v, w in parts), start=RING.half.constant(1))
+    f = reduced_roots(f)
+    whole = prod((one**power for one, power in factor(f)[1]), start=RING.half.constant(1))
+    left = quotient(f, reduced_roots(whole))
+    assert left is not None
+    assert is_number(left)
+    assert sum(power for _, power in factor(f)[1]) == len(parts)
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [("x**2 - 2", 2), ("x**2 - 7", 1), ("8*x**2 - 5 - sqrt5", 2), ("x**2 - 3*a**2", 2), ("x**2 + 2*y**2", 1),
+     ("x**4 - 10*x**2 + 1", 4), ("(x - sqrt2)**2 * (x + sqrt2)", 2), ("x**2 - sqrt2*sqrt3", 1),
+     ("x*y + sqrt2*x + sqrt3*y + sqrt2*sqrt3", 2), ("(x**2 + y**2 + sqrt2)**2", 1)],
+)  # fmt: skip
+def test_known_factors(text: str, count: int) -> None:
+    names = {"x": RING.t[1], "y": RING.t[2], "a": RING.letter_half["a"], **{w: RING.letter_half[w] for w in ROOTS}}
+    assert len(factor(reduced_roots(eval(text, {}, names)))[1]) == count
+
+
+def test_a_common_divisor_over_the_roots() -> None:
+    x, w = RING.t[1], RING.letter_half["sqrt2"]
+    assert gcd(x**2 - 2, reduced_roots((x - w) * (x + 3))) == primitive(x - w)
+    assert is_number(gcd(x - w, x + w))
+
+
+def test_a_polynomial_has_one_primitive_form() -> None:
+    x, w = RING.t[1], RING.letter_half["sqrt2"]
+    assert str(primitive(w * x - 2)) == str(primitive(x - w)) == str(primitive(reduced_roots((3 - w) * (x - w))))
+
+
+def test_the_greatest_value_of_a_root_is_its_own() -> None:
+    values = root_values(ROOTS)
+    assert values == pytest.approx({"cos18": cos(pi / 10), "sqrt2": 2**0.5, "sqrt3": 3**0.5, "sqrt5": 5**0.5})
+    assert float(surd(36)[0]) == pytest.approx(cos(pi / 5))

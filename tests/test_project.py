@@ -38,3 +38,10 @@ def test_every_room_is_in_the_table_of_rooms() -> None:
     table = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
     rooms = {place.name for place in (HERE.parent / "src" / "rankdrop").iterdir() if any(place.glob("*.py"))}
     assert {room for room in rooms if f"`{room}/`" not in table} == set()
+
+
+def test_every_line_of_the_changelog_is_short() -> None:
+    text = (HERE.parent / "CHANGELOG.md").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if line.startswith("- ")]
+    assert lines
+    assert [line for line in lines if len(line.split()) > 26] == []  # 25 words and the dash

@@ -10,7 +10,6 @@ from rankdrop.designs.chunk import variants
 from rankdrop.designs.measure import Effort, families_of
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import job_of, variants_of
-from rankdrop.families.residual import Memory
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.verbs.analyze import analyze
 
@@ -40,7 +39,7 @@ def main() -> None:
     values = dict(zip([Place(*one[0]) for one in job.plan["places"]], job.plan["variants"][500][1], strict=True))
     robot = drawing.robot(values)
     for what, run in (
-        ("from nothing", lambda: families_of(robot, spec.task, Effort(300, 300, False, 0), Memory())),
+        ("from nothing", lambda: families_of(robot, spec.task, Effort(300, 300, False, 0), None)),
         ("rankdrop.analyze", lambda: analyze(robot, spec.task, starts=1000, exact="off", threads=1)),
     ):
         begun = time.process_time()

@@ -27,8 +27,8 @@ from rankdrop.certify.covering import (
     put_together,
     write_covering,
 )
-from rankdrop.compare.covered import Explainer, keys
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.box_matching import Explainer, keys
 from rankdrop.families.measured import distances
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of

@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.compare.covered import FOUND, PROVEN, Explainer, grouped
+from rankdrop.families.box_matching import FOUND, PROVEN, Explainer, grouped
 from rankdrop.families.searching import refine
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis

@@ -9,7 +9,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.compare.comparison import DIFFERS, NOT_DERIVED
+from rankdrop.family.derivation import DIFFERS, NOT_DERIVED
 from rankdrop.family.record import Check, Sampled
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
@@ -55,7 +55,7 @@ def not_derived(found: Analysis) -> Analysis:
 @pytest.mark.parametrize(
     ("change", "word", "begins"),
     [
-        (differs, "contradicted", "Contradicted: the exact derivation and the search differ, exact k1.f1"),
+        (differs, "contradicted", "Contradicted: a test contradicts the derivation, exact k1.f1"),
         (unsound, "unsound", "A test failed: k1.f1 also holds at 35 of 176 solutions that are regular."),
         (unexplained, "incomplete", "Incomplete: corank 1, 222 of 1,150 fresh singular points on no row."),
         (not_derived, "incomplete", "Incomplete: exact conditions were asked for and not derived, no time."),

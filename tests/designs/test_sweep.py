@@ -17,12 +17,12 @@ import rankdrop
 from rankdrop.cli import main
 from rankdrop.designs import Designs, side_by_side, write_tables
 from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
-from rankdrop.designs.measure import Effort, families_of
+from rankdrop.designs.measure import Effort, families_of, nominal_conditions, with_lengths_of
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import Asks, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
-from rankdrop.families.residual import Memory
+from rankdrop.exact.writing.condition import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import json_text
@@ -83,37 +83,37 @@ def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> Non
             assert one["sound"][0] == one["sound"][1] > 0
 
 
-def test_known_forms_do_not_hide_a_family_that_appears() -> None:
-    """The memory of an arm without the shoulder's family: the variant that has it finds it."""
+def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
+    """The nominal arm has no shoulder's family: the variant that has it finds it."""
     drawing = Drawing.of("anthropomorphic")
     place = drawing.place("1.a", "here")
-    memory, effort = Memory(), Effort(100, 100, False, 0)
-    without, with_it = (drawing.robot({place: shift}) for shift in (1.2, 0.3))
+    effort = Effort(100, 100, False, 0)
+    without, with_it, again = (drawing.robot({place: shift}) for shift in (1.2, 0.3, 0.35))
     task = resolve_task(None, without)
-    first = families_of(without, task, effort, memory)
-    second = families_of(with_it, task, effort, memory)
+    nominal = nominal_conditions(without, task)
+    first, second = (families_of(robot, task, effort, nominal) for robot in (without, with_it))
+    assert nominal is not None
+    assert with_lengths_of(with_it, task, nominal) is not None
     assert not any(one.coupled for one in first.of_corank(1))
     assert any(one.coupled == (2, 3) for one in second.of_corank(1))
     assert second.verified
-    again = families_of(drawing.robot({place: 0.35}), task, effort, memory)
-    assert memory.recalled > 0
-    assert again.verified
+    third = families_of(again, task, effort, nominal_conditions(with_it, task))
+    assert third.verified
+    assert any(one.evidence.how == "exact condition" for one in third.of_corank(1) if one.coupled)
 
 
-def test_a_wrong_form_is_not_taken() -> None:
-    """A memory whose forms are those of other joints is tried, refused, and costs nothing but time."""
+def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
+    """Conditions with joints pinned elsewhere are tried, refused, and cost nothing but time."""
     robot = rankdrop.open_robot("puma560")
     task, effort = resolve_task(None, robot), Effort(200, 200, False, 0)
-    memory = Memory()
-    plain = families_of(robot, task, effort, memory)
-    for forms in memory.forms.values():
-        for values, form in forms.items():
-            terms = [replace(term, harmonics=term.harmonics[1:] + term.harmonics[:1]) for term in form[0].terms]
-            forms[values] = (replace(form[0], terms=tuple(terms)), *form[1:])
-    wrong = Memory(dict(memory.forms))
-    again = families_of(robot, task, effort, wrong)
-    assert [one.name for one in again.families] == [one.name for one in plain.families]
+    nominal = nominal_conditions(robot, task)
+    assert nominal is not None
+    wrong = [replace(one, pins=tuple(AnglePin(pin.joint, ("pi/2",)) for pin in one.pins)) for one in nominal.families]
+    again = families_of(robot, task, effort, replace(nominal, families=tuple(wrong)))
+    plain = families_of(robot, task, effort, nominal)
+    assert [one.dimension for one in again.families] == [one.dimension for one in plain.families]
     assert again.verified
+    assert plain.verified
 
 
 @pytest.mark.slow
@@ -378,7 +378,7 @@ def test_variants_of_the_ur5_have_the_families_of_an_analysis_from_nothing() -> 
     places = [drawing.place("-2.a", ""), drawing.place("5.d", "")]
     for one in found.records[:3]:
         robot = drawing.robot(dict(zip(places, one["values"], strict=True)))
-        cold = families_of(robot, resolve_task(None, robot), Effort(1000, 1000, False, 9), Memory())
+        cold = families_of(robot, resolve_task(None, robot), Effort(1000, 1000, False, 9), None)
         assert cold.verified
         mine = sorted((row["corank"], row["dimension"], row["coupled"], len(row["pinned"])) for row in one["families"])
         assert mine == sorted((row.corank, row.dimension, list(row.coupled), len(row.pinned)) for row in cold.families)

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from rankdrop.compare.comparison import DIFFERS
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
@@ -16,12 +15,10 @@ from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.letters import covered, decided_by_numbers, doubled
 from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.families.searching import search
-from rankdrop.families.table import families
+from rankdrop.family.derivation import DIFFERS
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
-from rankdrop.verbs.analyze import join
+from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.deriving import _cloud
 
@@ -88,14 +85,12 @@ def test_a_square_at_these_lengths_is_seen() -> None:
 def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, change, said: str) -> None:
     """The families agree; the ranks alone do not."""
     robot = open_robot("scara")
-    task = resolve_task(None, robot)
-    numeric = families(search(robot, 1, starts=100))
 
     def changed(*args: Any, **options: Any) -> Conditions:
         return replace(conditions(*args, **options), **change)
 
     monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
-    _, found = join(robot, task, 4, [numeric])
+    found = analyze(robot, starts=100, fresh=True).exact
     assert found is not None
     assert found.status == DIFFERS
     assert len(found.disagreements) == 1

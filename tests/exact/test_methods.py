@@ -10,7 +10,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rankdrop.compare.cloud import cloud
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra import factoring
@@ -25,6 +24,7 @@ from rankdrop.exact.methods import METHODS, Derivation, derive
 from rankdrop.exact.methods.builder import Case, DerivationBuilder
 from rankdrop.exact.methods.derivation import Words
 from rankdrop.exact.methods.reciprocity import _choices
+from rankdrop.families.cloud import cloud
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -10,11 +10,11 @@ pytest.importorskip("flint")
 
 from reference.structured import H, arm, lost, structured
 
-from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.barren import barren
+from rankdrop.families.cloud import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

@@ -286,16 +286,6 @@ def test_few_points_are_enough_for_the_pieces_they_meet():
     assert [pins(family) for family in found.families] == PA10[1]
 
 
-def test_rows_half_a_turn_apart_become_one():
-    """UR5, elbow and shoulder: (a2 ± a3)c2 ± d5·s24 = 0 at θ3 = 0, π is a2c2 + a3c23 + d5s234 = 0 at both."""
-    found = table("ur5", 2)
-    assert found.summary.completeness.agree == found.summary.completeness.tested
-    (row,) = (family for family in found.families if family.coupled == (2, 4, 5))
-    assert pins(row) == {3: STRAIGHT}
-    assert "merged" in row.evidence.how
-    assert len(found.families) == 4
-
-
 def test_values_on_which_d_has_too_low_a_rank_are_sharpened():
     """7R with θ2 = ±π/2, θ4 = v: σ is of first order in one combination of the errors and of second in the other."""
     q = pi / 2

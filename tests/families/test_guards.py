@@ -8,7 +8,6 @@ from math import cos, pi
 import numpy as np
 import pytest
 
-from rankdrop.families import rows as merge_module
 from rankdrop.families import table as families_module
 from rankdrop.families.linear import Linear, polished
 from rankdrop.families.row import Row, elsewhere, soundness, verified
@@ -56,28 +55,6 @@ def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_ro
     assert 1e-9 < sigma < 5e-8
     assert not on_row(at, row, q).any()
     assert on_row(at, row, q * [1, 1, 0, 1, 1, 1]).all()
-
-
-def halves(at: Problem) -> list[Row]:
-    """(a2 ± a3)c2 ± d5 s24 = 0 at θ3 = 0 and π: a2 c2 + a3 c23 + d5 s234 = 0 at both."""
-    zero = (0,) * 6
-    signature = Signature(2, (2,), (0, 4, 5), (1, 3), (), ())
-    rows = []
-    for value in STRAIGHT:
-        s = round(cos(value))
-        a, d = Term(0.425 + s * 0.39225, "cos", (0, 2, 0, 0, 0, 0), zero), (0, 2, 0, 2, 0, 0)
-        f = normalised([a, Term(s * 0.09465, "sin", d, zero)])
-        rows.append(Row(pinned(at, 2).linear, ((value,),), (f,), signature, "planted"))
-    return rows
-
-
-@pytest.mark.parametrize(("found", "count"), [([True, True], 1), ([True, False], 2), ([False, True], 2)])
-def test_two_rows_become_one_only_where_it_holds_on_both(
-    rng, monkeypatch: pytest.MonkeyPatch, found: list[bool], count: int
-) -> None:
-    at = problem("ur5", 2)
-    monkeypatch.setattr(merge_module, "verified", lambda *arguments: found)
-    assert len(merge_module.merged(at, halves(at), rng)) == count
 
 
 def test_a_point_on_two_rows_is_one_point(rng) -> None:

@@ -1,9 +1,8 @@
-"""`analyze` beside the exact derivation: they agree on arms that are known, and a difference is told loudly."""
+"""The families of `analyze` are derived exactly; numerical tests hold on known arms, and show what is wrong."""
 
 from __future__ import annotations
 
 import json
-import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +14,6 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import exits, main
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
 from rankdrop.exact.writing.condition import AnglePin
-from rankdrop.families.linear import vanishing_on
-from rankdrop.families.table import families
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
@@ -44,9 +41,10 @@ def test_what_is_found_and_what_is_derived_agree(name: str) -> None:
     assert found.verified
     counts = [sum(family.corank == k + 1 for family in exact.families) for k in range(len(ARMS[name]))]
     assert tuple(counts) == ARMS[name]
-    assert all(one.families and not one.parts for one in exact.matches)
-    assert {i for one in exact.matches for i in one.families} == {family.id for family in exact.families}
-    assert exact.numeric.tested == exact.numeric.agree >= 250 * len(found.coranks[:-1])
+    assert [one.id for one in found.families] == [one.id for one in exact.families]
+    solved = [one.soundness for one in found.families]
+    assert all(one.holds for one in solved)
+    assert sum(one.tested for one in solved) >= 250 * len(found.coranks[:-1])
     record = json.loads(json_text(found.to_dict()))
     Draft202012Validator(load_schema("analysis")).validate(record)
     assert Analysis.from_dict(record) == found
@@ -62,66 +60,58 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
             return replace(derived, families=tuple(change(derived.families)))
 
         monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
+        monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *arguments: None)
 
     return with_change
 
 
-@pytest.mark.slow
-def test_an_exact_family_that_no_row_covers_is_told_and_ends_with_code_3(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code_3(
+    meddle: Any, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "families", _without_the_wrist)
+    meddle(lambda families: families[1:])
     path = tmp_path / "arm.json"
-    line = ("analyze", "anthropomorphic", "--starts", "300", "--quiet", "--exact", "on", "--json", str(path))
+    line = ("analyze", "planar3r", "--starts", "200", "--quiet", "--json", str(path))
     assert main.run(line) == exits.UNEXPLAINED
-    printed = " ".join(capsys.readouterr().out.split())
-    assert "The exact derivation and the numeric search DIFFER; at least one of them is wrong" in printed
-    assert re.search(r"exact k1\.f3 \(wrist: axes 4 and 6 aligned\): 25\d of 257 of its points lie on no", printed)
+    assert "1,150 of 1,150 fresh singular points on no row" in " ".join(capsys.readouterr().out.split())
     kept = Analysis.load(path)
-    assert kept.exact is not None
-    assert kept.exact.status == "differs"
+    assert [(one.id, one.named, one.dimension) for one in kept.families] == [("k1.f1", False, 2)]
     assert not kept.verified
 
 
-def _without_the_wrist(cloud: Any, **options: Any) -> Any:
-    found = families(cloud, **options)
-    return replace(found, families=tuple(one for one in found.families if not one.name.startswith("wrist")))
-
-
-def test_a_row_on_no_exact_family_is_told(meddle: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    meddle(lambda families: families[1:])
-    assert main.run(["analyze", "planar3r", "--starts", "200", "--quiet"]) == exits.UNEXPLAINED
-    assert "numeric k1.f1" in capsys.readouterr().out
-    found = analyze(open_robot("planar3r"), starts=200)
-    assert found.sound_and_complete
-    assert not found.verified
-    assert found.exact is not None
-    assert [one.families for one in found.exact.matches] == [()]
-
-
-def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_told_unsound(
-    monkeypatch: pytest.MonkeyPatch, meddle: Any
-) -> None:
-    """Fitted equations of a Jaco's first row hold at a regular place that few random starts reach."""
-    too_wide = vanishing_on([0, 1, 0], (0.0, 3.141592653589793, 1.0), periodic=True)
-
-    def loosely(cloud: Any, **options: Any) -> Any:
-        found = families(cloud, **options)
-        return replace(found, families=tuple(replace(one, equations=(too_wide,)) for one in found.families))
-
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "families", loosely)
-    by_exact = analyze(open_robot("planar3r"), starts=200)
-    assert by_exact.verified
-    assert [str(one) for one in by_exact.of_corank(1)[0].equations] != [str(too_wide)]
+def test_a_condition_with_a_value_too_few_leaves_points_over(meddle: Any) -> None:
     meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0",)),)) for one in exact])
     half = analyze(open_robot("planar3r"), starts=200)
     share = half.coranks[0].completeness
-    assert 0.2 * share.tested < share.agree < 0.8 * share.tested, "counted on the rows as they are now"
-    meddle(lambda exact: [])
-    row = analyze(open_robot("planar3r"), starts=200).of_corank(1)[0]
-    assert [str(one) for one in row.equations] == [str(too_wide)]
-    assert not row.soundness.holds
+    assert 0.2 * share.tested < share.agree < 0.8 * share.tested
+    assert [one.named for one in half.families] == [True, False]
+    assert not half.verified
+
+
+def test_a_condition_with_a_value_too_many_is_not_sound(meddle: Any) -> None:
+    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0", "pi", "pi/2")),)) for one in exact])
+    found = analyze(open_robot("planar3r"), starts=200)
+    (row,) = found.families
+    assert 0 < row.soundness.agree < row.soundness.tested
+    assert found.verdict.word == "unsound"
+
+
+def test_a_dimension_too_large_is_a_contradiction(meddle: Any) -> None:
+    meddle(lambda exact: [replace(one, dimension=one.dimension + (one.id == "k2.f1")) for one in exact])
+    found = analyze(open_robot("anthropomorphic"), starts=300)
+    assert found.exact is not None
+    (said,) = found.exact.disagreements
+    assert said.startswith("derived k2.f1 ")
+    assert "its dimension is at most 4" in said
+    assert found.verdict.word == "contradicted"
+
+
+def test_conditions_that_no_configuration_satisfies_are_a_contradiction(meddle: Any) -> None:
+    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("pi/2",)),)) for one in exact])
+    found = analyze(open_robot("planar3r"), starts=200)
+    assert found.exact is not None
+    (said,) = found.exact.disagreements
+    assert "no configuration that satisfies its conditions has its corank" in said
+    assert found.verdict.word == "contradicted"
 
 
 @pytest.mark.slow
@@ -132,7 +122,7 @@ def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(
     texts = [json_text(analyze(open_robot("puma560"), starts=100).to_dict()["exact"]) for _ in range(2)]
     assert texts[0] == texts[1]
     record = json.loads(texts[0])
-    assert (record["status"], record["families"], record["matches"]) == ("not derived", [], [])
+    assert (record["status"], record["families"]) == ("not derived", [])
     assert "0.001 s" in record["reason"]
     assert main.run(["analyze", "puma560", "--starts", "100", "--quiet"]) == exits.FINE
     assert "Exact conditions: not derived; the derivation takes more than" in capsys.readouterr().out
@@ -161,15 +151,14 @@ def test_an_arm_that_cannot_be_treated_is_not_derived() -> None:
         analyze(arm, starts=100, exact="on")
 
 
-def test_ctrl_c_in_the_derivation_leaves_it_out_and_keeps_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_in_the_derivation_ends_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupting(*arguments: Any, **options: Any) -> Conditions:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", interrupting)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *arguments: None)
     found = analyze(open_robot("scara"), starts=100)
-    assert (found.complete, len(found.families)) == (True, 1)
-    assert found.exact is not None
-    assert (found.exact.status, found.exact.reason) == ("not derived", "interrupted")
+    assert (found.complete, found.unfinished, found.families) == (False, 1, ())
 
 
 def test_off_leaves_no_entry_and_another_word_is_refused() -> None:

@@ -20,7 +20,7 @@ from rankdrop.errors import ConfigurationError, OptionError, RobotError
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rankdrop.compare import Side
+    from rankdrop.family import Side
     from rankdrop.results import Verdict
     from rankdrop.robot import Robot
     from rankdrop.sections import Section

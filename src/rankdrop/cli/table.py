@@ -38,8 +38,7 @@ from rankdrop.text import (
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.compare import Comparison
-    from rankdrop.family import CorankSummary, Family
+    from rankdrop.family import CorankSummary, Derivation, Family
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
 
@@ -80,7 +79,7 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: Sequence[Family]) -
 
 
 def _rows(
-    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
+    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Derivation | None, *, lost: bool
 ) -> Iterator[RenderableType]:
     """The table as the window has room for it; each row comes with what of it lies outside the limits."""
     shown = {number: row for number, (row, _) in kept.items()}
@@ -141,7 +140,7 @@ def _unbroken(cell: str) -> int:
 
 
 def _footnotes(
-    robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
+    robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Derivation | None, *, lost: bool
 ) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)

@@ -2,14 +2,13 @@
 
 All of it as plain data, one record for each arm; docs/howto/comparing-designs.md says what every entry means.
 
-Families are found quickly, by what is known of a similar arm, and with evidence of their own. Searches, signatures,
-soundness and completeness are the variant's own, from random starts in the whole joint space; from the similar arm come
-the forms of conditions alone (`rankdrop.families.residual`). Whatever a recalled form leaves open is done again from
-nothing, and then with more starts:
+Families of a variant are those of the nominal arm, derived once with letters for its lengths; the variant's lengths
+take the place of the letters. Searches, soundness and completeness are the variant's own, from random starts in the
+whole joint space. What is left open, where a length is special, is done again:
 
-    recalled forms   every row sound, every fresh point explained  →  taken
-    else             the same with three times the starts: a small family may have had too few points
-    else             from nothing, three and ten times the starts; what is left then is told
+    nominal conditions   every family sound, every fresh point explained  →  taken
+    else                 the same with three times the starts: a small family may have had too few points
+    else                 conditions fitted to the points, three and ten times the starts
 
 How well an arm does its task over a region of its workspace is told by the best posture found at seeded poses in it.
 
@@ -22,8 +21,8 @@ nothing between them. Solutions come from Newton's method with damping from rand
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import degrees
 from typing import Any
 
@@ -34,7 +33,8 @@ from rankdrop.certify.covering import covering
 from rankdrop.designs.ranking import bits_to_text
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
-from rankdrop.families.residual import Memory
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.family import ExactFamily
 from rankdrop.families.searching import search
 from rankdrop.families.share import NearShare, near_shares
 from rankdrop.families.table import families
@@ -44,12 +44,16 @@ from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.data import FREE
 from rankdrop.motion.inverse import Aim
 from rankdrop.results.analysis import Analysis, Settings
+from rankdrop.results.conditions import Conditions
+from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_units, task_in_units
+from rankdrop.verbs.analyze import SECONDS
+from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 MORE = (3, 10)
@@ -73,22 +77,56 @@ class Effort:
     seed: int
 
 
-def families_of(robot: Robot, task: Task, effort: Effort, memory: Memory) -> Analysis:
+def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
+    """The families of a nominal arm in letters for its lengths; None where they are not derived, or with numbers."""
+    try:
+        derived = known_conditions(robot, task)
+        if derived is None:
+            derived = conditions(robot, task, method="tree", seconds=SECONDS["auto"], points=0, special=False)
+    except RankdropError:
+        return None
+    return derived if derived.complete and derived.letters else None
+
+
+def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tuple[ExactFamily, ...] | None:
+    """The families of a nominal arm with the lengths of another one; None where its screws are others in letters too.
+
+    Args:
+        robot, task: the other arm.
+        nominal: from `nominal_conditions`.
+    """
+    if nominal is None:
+        return None
+    try:
+        chain = exact_chain(robot, task, lengths=nominal.settings.lengths)
+    except RankdropError:
+        return None
+    first = nominal.chain
+    same = set(chain.letters) == set(first.letters) and np.array_equal(chain.shifts, first.shifts)
+    if not same or [list(map(str, x)) for x in chain.columns] != [list(map(str, x)) for x in first.columns]:
+        return None
+    return tuple(replace(one, numbers=chain.numbers) for one in nominal.families)
+
+
+def families_of(robot: Robot, task: Task, effort: Effort, nominal: Conditions | None) -> Analysis:
     """Every family of an arm, each with its own evidence.
 
     Args:
         robot, task: the arm.
         effort: how hard.
-        memory: of a similar arm; takes up what is found here.
+        nominal: of an arm with the same letters for lengths; None: conditions are fitted.
 
     Returns:
-        An analysis without exact conditions, its smallest near misses not sought.
+        An analysis whose smallest near misses are not sought.
     """
     own, inner = in_units(robot), task_in_units(task, robot)
     rank = generic_rank(own, inner)
+    derived = with_lengths_of(robot, task, nominal)
+    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
     found: list[CorankFamilies] = []
     for corank in range(1, rank + 1):
-        found.append(_of_corank(own, inner, corank, effort, memory))
+        here = None if known is None else [one for one in known if one.corank == corank]
+        found.append(_of_corank(own, inner, corank, effort, here))
         if found[-1].summary.converged == 0:
             break
     rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
@@ -96,23 +134,29 @@ def families_of(robot: Robot, task: Task, effort: Effort, memory: Memory) -> Ana
     return Analysis(robot, task, rank, settings, tuple(one.summary for one in found), rows)
 
 
-def _of_corank(robot: Robot, task: Task, corank: int, effort: Effort, memory: Memory) -> CorankFamilies:
-    for times, known in ((1, memory), (MORE[0], memory), *((times, Memory()) for times in MORE)):
-        found = _once(robot, task, corank, effort, times, known)
+def _of_corank(
+    robot: Robot, task: Task, corank: int, effort: Effort, known: Sequence[Family] | None
+) -> CorankFamilies:
+    """The families of one corank: with the nominal conditions, or fitted where these leave something open."""
+    for times, given in (*(((1, known), (MORE[0], known)) if known is not None else ((1, None),)),
+                         *((times, None) for times in MORE)):  # fmt: skip
+        found = _once(robot, task, corank, effort, times, given)
         if holds(found.summary, found.families):
             break
     return found
 
 
 def _once(
-    robot: Robot, task: Task, corank: int, effort: Effort, times: int, memory: Memory
+    robot: Robot, task: Task, corank: int, effort: Effort, times: int, known: Sequence[Family] | None
 ) -> CorankFamilies:
-    """The families of one corank."""
+    """The families of one corank; nominal ones that have no real configuration with these lengths are left out."""
     cloud = search(robot, corank, task=task, starts=times * effort.starts, seed=effort.seed, limits=effort.limits,
                    threads=1)  # fmt: skip
     if not cloud.complete:
         raise KeyboardInterrupt  # the core met Ctrl-C
-    return families(cloud, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False, memory=memory)
+    found = families(cloud, known=known, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False)
+    unreal = {one.family for one in found.contradictions}
+    return replace(found, families=tuple(one for one in found.families if one.id not in unreal))
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
@@ -130,7 +174,7 @@ _ZERO = 1e-9  # [m]
 
 
 def measured(
-    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, *, limits: bool, seed: int,
+    robot: Robot, task: Task, asks: Mapping[str, Any], nominal: Conditions | None, *, limits: bool, seed: int,
     known: Analysis | None = None,
 ) -> Record:
     """Everything that is asked of an arm.
@@ -138,7 +182,7 @@ def measured(
     Args:
         robot, task: the arm.
         asks: `Asks.to_dict`.
-        memory: of a similar arm; takes up what is found here.
+        nominal: the derivation of the nominal arm, from `nominal_conditions`.
         limits: inside the joint limits.
         seed: of every random choice.
         known: its analysis, where there is one: its families are taken, and none are looked for.
@@ -149,7 +193,7 @@ def measured(
     """
     record: Record = {"measures": {}, "error": None}
     try:
-        found = _families(robot, task, asks, memory, limits, seed, record, known)
+        found = _families(robot, task, asks, nominal, limits, seed, record, known)
         if asks["near"] is not None and found is not None:
             _near(found, asks["near"], limits, seed, record)
         if asks["region"] is not None:
@@ -164,14 +208,14 @@ def measured(
 
 
 def _families(
-    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, limits: bool, seed: int, record: Record,
-    known: Analysis | None,
+    robot: Robot, task: Task, asks: Mapping[str, Any], nominal: Conditions | None, limits: bool, seed: int,
+    record: Record, known: Analysis | None,
 ) -> Analysis | None:
     asked = asks["families"]
     if asked is None and asks["near"] is None and asks["paths"] is None:
         return None
     starts, fresh = (asked["starts"], asked["fresh"]) if asked is not None else (STARTS, FRESH)
-    found = families_of(robot, task, Effort(starts, fresh, limits, seed), memory) if known is None else known
+    found = families_of(robot, task, Effort(starts, fresh, limits, seed), nominal) if known is None else known
     if asked is not None:
         record["verdict"] = found.verdict.word
         record["sentence"] = found.verdict.sentence

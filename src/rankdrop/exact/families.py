@@ -29,7 +29,7 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
-from rankdrop.family.equation import System
+from rankdrop.family.equation import Equation, System
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
 from rankdrop.local.block import sampling_box, singular_values
@@ -110,10 +110,7 @@ def _met(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> t
     for j, value in piece.pins.items():
         theta[:, j - 1] = RADIANS[value]
     q = theta - chain.shifts
-    shifts = chain.shifts.tolist()
-    equations = tuple(
-        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, n, shifts) for f in piece.equations
-    )
+    equations = _equations(chain, piece)
     system = System(equations)
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
     good = np.ones(REAL_STARTS, dtype=np.bool_)
@@ -150,6 +147,35 @@ def _discriminant(piece: ZeroSet, f: Polynomial) -> Polynomial | None:
 def _always(chain: Chain, f: Polynomial) -> bool:
     """Whether f ≥ 0 for a plain reason: a number, a sum of squares times positive numbers."""
     return all(value > 0 and not any(e % 2 for e in powers) for powers, value in f.terms())
+
+
+def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
+    """(k, n) configurations of higher rank that satisfy the conditions of a set, with joints at right angles.
+
+    There conditions may vanish whatever the other joints do: a part of the zero set that no random start leads to.
+    """
+    rng = np.random.default_rng(1)
+    shape = REAL_STARTS, chain.n
+    right = rng.integers(-1, 3, shape) * (np.pi / 2)
+    theta = np.where(rng.random(shape) < 0.5, right, rng.uniform(-np.pi, np.pi, shape))
+    for j in chain.ring.prismatic:
+        theta[:, j - 1] = 0.0
+    for j, value in piece.pins.items():
+        theta[:, j - 1] = RADIANS[value]
+    system = System(_equations(chain, piece))
+    q = theta - chain.shifts
+    q = q[system.zero(q)] if system.equations else q[:0]
+    sigma = singular_values(chain.own, q, chain.own_task)
+    return np.asarray(q[sigma[:, rank] > RANK_HIGHER] if rank < sigma.shape[1] else q[:0])
+
+
+def _equations(chain: Chain, piece: ZeroSet) -> tuple[Equation, ...]:
+    """The conditions of a set beside its pins, in configurations of `Chain.own`."""
+    shifts = chain.shifts.tolist()
+    return tuple(
+        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, chain.n, shifts)
+        for f in piece.equations
+    )
 
 
 _MINORS = 60  # minors that are factored in search of a condition
@@ -281,6 +307,15 @@ def _sharp(
             break
         known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
         piece, found = more, reality(chain, more, drop.rank, rng)
+    if not found.real or len(found.strays):
+        return piece, found
+    for _ in range(_SEPARATED):
+        strays = special_strays(chain, piece, drop.rank)
+        more = separated(chain, piece, drop.rank, strays, known, work) if len(strays) else None
+        if more is None:
+            break
+        known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
+        piece = more
     return piece, found
 
 

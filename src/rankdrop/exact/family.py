@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi, remainder
 
+import numpy as np
+
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Check, Order, Pin, place_of
+from rankdrop.family.record import Check, Family, Order, Pin, Sampled, place_of
 from rankdrop.robot.model import Robot
 from rankdrop.units import exponent, into_units
 
@@ -73,6 +75,15 @@ class ExactFamily:
                 tuple(_angle(angle - self.shifts[pin.joint - 1]) for angle in pin.angles),
             )
             for pin in self.pins
+        )  # fmt: skip
+
+    def as_family(self, robot: Robot) -> Family:
+        """The family as `analyze` lists it, before any test: `robot` is the arm whose units it is in."""
+        return Family(
+            id=self.id, name=self.name, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
+            free=self.free, coupled=self.coupled, equations=self.equations, witness=self.witness,
+            lost_directions=np.empty((0, 6)), lost_words=self.lost_words,
+            evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
         )  # fmt: skip
 
     def place(self, robot: Robot) -> Order:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.genuine import polished
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Covector, Inspection, Signature, inspect
 from rankdrop.family.equation import Equation, Mask, Term, normalised
@@ -324,20 +325,7 @@ def _spread(term: Term, twins: Sequence[Twin]) -> Term:
 
 
 ROUNDS = 12  # tangent steps of all points at most; each gives about as many points as it starts from
-POLISHED = 1e-15  # σ of a polished point [1]
 SAME = 1e-6  # combinations of values closer than this are the same
-
-
-def polished(problem: Problem, q: Array) -> Array:
-    """Singular points driven on to σ ≤ 1e-15: signatures of arms that are nearly special need it."""
-    if not len(q):
-        return q
-    finer = replace(problem.tolerances, target=POLISHED)
-    found = refine(
-        problem.robot, q, problem.corank, task=problem.task, limits=problem.limits, iterations=8, tolerances=finer
-    )
-    better = found.sigma[:, problem.rank] <= problem.tolerances.singular
-    return np.where(better[:, None], found.q, q)
 
 
 def smooth(problem: Problem, inspection: Inspection, members: Array, rng: np.random.Generator) -> bool:

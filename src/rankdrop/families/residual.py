@@ -5,19 +5,10 @@ Equations of last resort are minors of the task Jacobian as trigonometric polyno
 columns depend on the reference point), so that its values on a grid of 5 (7) angles per joint give all its coefficients
 by a discrete Fourier transform, without any fit. Minors are long where the arm is generic, and an irreducible condition
 is a factor of them at best; but together they cut off whatever is not singular.
-
-A `Memory` holds which terms the conditions of the coupled joints of a similar arm have. Arms that differ in a length
-have families of the same form with other coefficients. Finding the form costs most of a table; where it is known, only
-the coefficients are fitted, to points of the arm itself. Nothing else is taken over: the cloud, the signatures, the
-soundness and the completeness of every row are the arm's own, and points that no row explains are treated as they are
-without a memory. So a family that appears is met by the searches, one that vanishes has no points, and one that splits
-has points of other signatures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -31,91 +22,14 @@ from rankdrop.families.fit import (
     cutting,
     holds,
     hypersurface,
-    refit,
-    vanishing,
     vanishing_spaces,
 )
-from rankdrop.families.linear import FamilyPoints, Linear, Values, gathered, gathered_tangent, spread
+from rankdrop.families.linear import FamilyPoints, Linear, Values, gathered_tangent
 from rankdrop.families.row import elsewhere, on_combinations
-from rankdrop.families.signature import Signature
 from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind
-
-HELD = 40  # points more than terms, of which every fifth is held out of the fit
-FORMS = 4  # forms tried for one set of points
-
-Form = tuple[Equation, ...]
-
-
-@dataclass(eq=False)
-class Memory:
-    """Conditions of coupled joints as they were fitted, by corank, signature and values.
-
-    Attributes:
-        forms: what was fitted.
-        names: what families of one form, pinned at the same values, are called: the first arm's name stays.
-        recalled: how many sets of conditions were fitted from their known form.
-        sought: how many were looked for from nothing.
-    """
-
-    forms: dict[tuple[int, Signature], dict[Values, Form]] = field(default_factory=dict)
-    names: dict[tuple[int, Signature, tuple[Values, ...]], str] = field(default_factory=dict)
-    recalled: int = 0
-    sought: int = 0
-
-    def keep(self, corank: int, signature: Signature, values: Values, residual: Form) -> None:
-        """Note what was fitted."""
-        self.forms.setdefault((corank, signature), {})[values] = residual
-
-    def name(self, corank: int, signature: Signature, sets: tuple[Values, ...], make: Callable[[], str]) -> str:
-        """The name of a family: a known one, else as it is made."""
-        key = (corank, signature, sets)
-        if key not in self.names:
-            self.names[key] = make()
-        return self.names[key]
-
-    def recall(self, source: FamilyPoints, corank: int) -> list[Form]:
-        """Conditions of a known form with coefficients fitted to the points; every form that fits, the likeliest first.
-
-        Args:
-            source: points of one family with one combination of values.
-            corank: of the search.
-        """
-        known = self.forms.get((corank, source.signature), {})
-        order = sorted(known, key=lambda values: (values != source.values, values))
-        forms = list(dict.fromkeys(_terms(known[values]) for values in order))[:FORMS]
-        found = (tuple(_fitted(source, one) for one in form) for form in forms)
-        return [tuple(one for one in form if one is not None) for form in found if None not in form]
-
-
-def _terms(form: Form) -> tuple[tuple[Term, ...], ...]:
-    """The terms of each condition, without their coefficients."""
-    return tuple(tuple(Term(1.0, t.kind, t.harmonics, t.powers, t.shift) for t in one.terms) for one in form)
-
-
-def _fitted(source: FamilyPoints, terms: tuple[Term, ...]) -> Equation | None:
-    """The one combination of the terms that vanishes on the family; None where there is none, or more than one."""
-    tolerances, twins = source.problem.tolerances, source.problem.twins
-    points = gathered(source(2 * len(terms) + HELD), twins)
-    if len(points) < len(terms) + HELD // 2:
-        return None
-    values = _values(terms, points)
-    held = np.arange(len(points)) % 5 == 4
-    null = vanishing(values[~held], tolerances)
-    if null.shape[1] != 1:
-        return None
-    best = refit(values[~held], null[:, 0], tolerances)
-    kept = [Term(float(c), t.kind, t.harmonics, t.powers, t.shift) for c, t in zip(best, terms, strict=True) if c]
-    equation = spread(normalised(kept), twins)
-    return equation if holds(equation, points[held]) else None
-
-
-def _values(terms: tuple[Term, ...], q: Array) -> Array:
-    """(N, T) the terms at points."""
-    return np.stack([Equation((term,))(q) for term in terms], axis=1)
-
 
 GRID = 20_000  # grid points at most
 LONGEST = 1500  # terms of an equation at most
@@ -201,7 +115,6 @@ def _real(
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
 SEED = 12  # points at which ranks are looked at
-RECALLED = 100  # starts from which equations of a known form are solved before they are taken
 ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
 
 
@@ -231,23 +144,6 @@ def residual_equations(source: FamilyPoints, budget: Budget, *, thorough: bool) 
         if equations is not None:
             return equations
     return _from_ideal(source, fit, joints) if thorough and len(joints) > 1 else None
-
-
-def recalled_equations(source: FamilyPoints, memory: Memory) -> tuple[Equation, ...] | None:
-    """Equations of the form that a similar arm has, fitted to points of this one; None where no form fits.
-
-    Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
-    among it, is the caller's to find out: a row of a known form that fails there is sought anew.
-    """
-    for form in memory.recall(source, source.problem.corank):
-        if _rank(source, list(form)) != source.signature.residual:
-            continue
-        tested, strangers = _from_random_starts(source, form, RECALLED)
-        if tested and not len(strangers):
-            memory.recalled += 1
-            return form
-    memory.sought += 1
-    return None
 
 
 def circuit_equations(source: FamilyPoints, budget: Budget) -> tuple[Equation, ...] | None:

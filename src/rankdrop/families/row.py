@@ -13,7 +13,7 @@ also be where all equations together lead from random starts, though the first f
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
 from math import pi
@@ -22,12 +22,13 @@ import numpy as np
 
 from rankdrop.families.linear import Linear, Values
 from rankdrop.families.signature import HIGHER, Signature
-from rankdrop.family.equation import Equation, Mask, System
-from rankdrop.family.record import Check
+from rankdrop.family.equation import Equation, Mask, System, normalised
+from rankdrop.family.record import Check, Family
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
+FLAT = 1e-7  # where no slope reaches `CONDITIONED` but one exceeds this, slopes are measured by the largest
 FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solution
 STARTS = 400  # random starts of a soundness test
 
@@ -42,6 +43,7 @@ class Row:
         residual: equations that bind the coupled joints.
         signature: joints pinned, free and coupled, and the codimension (`signature.rank`).
         evidence: how the conditions were obtained.
+        family: the derived family whose conditions these are; None where they were fitted.
     """
 
     linear: Linear
@@ -49,6 +51,7 @@ class Row:
     residual: tuple[Equation, ...]
     signature: Signature
     evidence: str
+    family: Family | None = None
 
     @cached_property
     def system(self) -> System:
@@ -93,7 +96,7 @@ def on_combinations(
     good = np.ones(len(q), dtype=np.bool_)
     if residual:
         q, slope, good = _solved(q, residual, codimension, linear.along)
-        good &= slope > CONDITIONED
+        good &= slope > _least_slope(slope[good])
     good &= problem.allowed(q)
     return q.reshape(len(values), each, n), good.reshape(len(values), each)
 
@@ -103,18 +106,30 @@ def _solved(
 ) -> tuple[Array, Array, Mask]:
     """Solve the first equations, as many as are independent, and keep the solutions that satisfy the rest as well.
 
-    Gauss–Newton on more equations than unknowns would stay in places where no residual gets smaller.
+    Gauss–Newton on more equations than unknowns would stay in places where no residual gets smaller. Where the first
+    equations lead to solutions of no others, all of them are solved together.
 
     Returns:
         (N, n) end points, (N,) smallest singular value of the solved equations' Jacobian, (N,) whether all hold.
     """
-    base = System(equations[:codimension])
+    base, start = System(equations[:codimension]), q
     q, good = base.solve(q, along=along, iterations=60)
-    slope = np.asarray(np.linalg.svd(base.jacobian(q) @ along, compute_uv=False)[:, -1], dtype=np.float64)
     if len(equations) > codimension:
-        further = System(equations[codimension:])
+        further, whole = System(equations[codimension:]), System(equations)
         good &= (np.abs(further.values(q)) <= FURTHER).all(axis=1) & further.zero(q)
+        if not good.any():
+            q, good = whole.solve(start, along=along, iterations=60)
+            good &= whole.zero(q)
+        slopes = np.linalg.svd(whole.jacobian(q) @ along, compute_uv=False)
+        return q, np.asarray(slopes[:, min(codimension, slopes.shape[1]) - 1]), good
+    slope = np.asarray(np.linalg.svd(base.jacobian(q) @ along, compute_uv=False)[:, -1], dtype=np.float64)
     return q, slope, good
+
+
+def _least_slope(slope: Array) -> float:
+    """Slope below which a solution is known too inexactly: of equations that are flat everywhere a share of theirs."""
+    best = float(slope.max(initial=0.0))
+    return CONDITIONED * (best if FLAT < best < CONDITIONED else 1.0)
 
 
 def verified(
@@ -170,12 +185,77 @@ def soundness(problem: Problem, system: System, codimension: int, rng: np.random
     """
     start = problem.random(STARTS, rng)
     q, slope, solved = _solved(start, system.equations, codimension, np.eye(problem.n))
-    q = q[solved & (slope > CONDITIONED)]
+    q = q[solved & (slope > _least_slope(slope[solved]))]
     if not len(q):
         return Check(0, 0), q
     sigma = problem.sigma(q)
     singular = sigma[:, problem.rank] <= problem.tolerances.singular
     return Check(len(q), int(singular.sum())), q[~singular]
+
+
+MOST_VALUES = 8  # values at which a joint still counts as pinned
+SAME_VALUE = 1e-6  # values closer than this are one [rad, m]
+SAMPLED = 64  # solutions from which the values of a family's joints are read
+
+
+def row_of(problem: Problem, family: Family) -> Row:
+    """The conditions of a derived family as a row, of pinned joints the values within the limits alone.
+
+    Args:
+        problem: the arm in its own unit of length, and the corank.
+        family: of this arm.
+    """
+    row = _pinned_row(replace(problem, limits=False), family)
+    if not problem.limits:
+        return row
+    sets = []
+    for joint, values in zip(row.signature.pinned, row.sets, strict=True):
+        q = np.tile(np.mean(problem.box, axis=0), (len(values), 1))
+        q[:, joint] = values
+        sets.append(tuple(v for v, inside in zip(values, problem.allowed(q), strict=True) if inside) or values)
+    return replace(row, sets=tuple(sets))
+
+
+def _pinned_row(problem: Problem, family: Family) -> Row:
+    """`row_of` without limits.
+
+    Joints that take only a few values on the family are pinned there, whatever equations say so: θ3 = 0.4 or −1.9. They
+    stay coupled where not every combination of the values belongs to the family.
+    """
+    exact = {one.number - 1: one.values for one in family.pinned}
+    row = _row(problem, family, exact)
+    if not row.residual:
+        return row
+    each = max(SAMPLED // len(row.combinations), 2)
+    q, good = row.sample(problem, each, np.random.default_rng(0))
+    points = q[good]
+    if not len(points):
+        return row
+    slopes = np.linalg.svd(row.system.jacobian(points), compute_uv=False)
+    slope = np.asarray(slopes[:, min(row.signature.rank, slopes.shape[1]) - 1], dtype=np.float64)
+    pins = dict(exact)
+    for joint in row.signature.coupled:
+        values = Linear.of(problem.robot, [_unit(joint, problem.n)]).combinations(points, slope, SAME_VALUE)
+        if len(values) <= min(MOST_VALUES, len(points) // 4):
+            pins[joint] = tuple(sorted(value for (value,) in values))
+    pinned = _row(problem, family, pins)
+    taken = pinned.linear.combinations(points, slope, SAME_VALUE)
+    return pinned if len(taken) == len(pinned.combinations) else row
+
+
+def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
+    joints = tuple(sorted(pins))
+    rest = [one for one in family.equations if not {j - 1 for j in one.joints} <= set(joints)]
+    coupled = tuple(sorted({j - 1 for one in rest for j in one.joints} - set(joints)))
+    free = tuple(j for j in range(problem.n) if j not in joints and j not in coupled)
+    signature = Signature(problem.n - family.dimension, joints, free, coupled, (), ())
+    linear = Linear.of(problem.robot, signature.covectors(problem.n))
+    residual = tuple(normalised(one.terms) for one in rest)
+    return Row(linear, tuple(pins[j] for j in joints), residual, signature, "exact condition", family)
+
+
+def _unit(joint: int, n: int) -> tuple[int, ...]:
+    return tuple(int(i == joint) for i in range(n))
 
 
 TRIES = 64  # round configurations that are looked at

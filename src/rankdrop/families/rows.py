@@ -1,9 +1,4 @@
-"""From the points of a cloud to the rows of a table.
-
-Two rows that differ by half a turn of one pinned joint are written as one. On θ3 = 0 the shoulder of a UR5 is (a2 +
-a3)c2 + d5·s24 = 0, on θ3 = π it is (a2 − a3)c2 − d5·s24 = 0. With δ = θ3 − v, where sin δ = 0 and cos δ = ±1, both are
-A + B·cos δ = 0, A and B half the sum and half the difference of the two equations, one of them scaled so that most
-terms cancel. And since sin δ = 0, B·cos δ is B with δ added to every angle: a2·c2 + a3·c23 + d5·s234 = 0.
+"""From the points of a cloud to the rows of a table, for arms whose families no derivation finished.
 
 What rows leave open is not hidden: each kind of points that no row explains becomes a family without a name.
 """
@@ -13,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,104 +15,14 @@ from numpy.typing import NDArray
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
 from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
-from rankdrop.families.residual import Memory, recalled_equations, residual_equations
+from rankdrop.families.residual import residual_equations
 from rankdrop.families.row import Row, verified
 from rankdrop.families.signature import Inspection, Signature, inspect
-from rankdrop.family.equation import Equation, Mask, Term, normalised
+from rankdrop.family.equation import Mask
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Check, Family, Pin, Sampled
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
-
-MERGED = "fitted, merged over half a turn, then verified"
-SAME = 1e-9  # coefficients closer than this share of the largest cancel
-
-Key = tuple[str, tuple[int, ...], tuple[int, ...]]
-
-
-def merged(problem: Problem, rows: list[Row], rng: np.random.Generator) -> list[Row]:
-    """Rows with pairs of the same signature joined where one set of equations holds for both, verified anew."""
-    result = list(rows)
-    for first in rows:
-        for second in rows:
-            if first in result and second in result and first is not second:
-                joined = _joined(problem, first, second, rng)
-                if joined is not None:
-                    result[result.index(first)] = joined
-                    result.remove(second)
-    return result
-
-
-def _joined(problem: Problem, first: Row, second: Row, rng: np.random.Generator) -> Row | None:
-    if first.signature != second.signature or not first.residual or len(first.residual) != len(second.residual):
-        return None
-    apart = [i for i, (a, b) in enumerate(zip(first.sets, second.sets, strict=True)) if a != b]
-    if len(apart) != 1 or not first.linear.periodic[apart[0]]:
-        return None
-    i = apart[0]
-    one, other = first.sets[i], second.sets[i]
-    if len(one) != 1 or len(other) != 1 or abs(cos(one[0] - other[0]) + 1) > 1e-14:
-        return None
-    covector = tuple(int(m) for m in first.linear.covectors[i])
-    residual = []
-    for f, g in zip(first.residual, second.residual, strict=True):
-        equation = _combined(f, g, covector, one[0])
-        if equation is None:
-            return None
-        residual.append(equation)
-    values = tuple(sorted((one[0], other[0]), key=lambda v: (abs(v), -v)))
-    row = Row(first.linear, (*first.sets[:i], values, *first.sets[i + 1 :]), tuple(residual), first.signature, MERGED)
-    need = first.signature.residual
-    return row if all(verified(problem, row.linear, row.residual, need, row.combinations, rng)) else None
-
-
-def _combined(f: Equation, g: Equation, covector: tuple[int, ...], value: float) -> Equation | None:
-    """An equation that is f where covector·q = value and g half a turn on; None unless it is as short as both."""
-    if f == g:
-        return f
-    a, b = _coefficients(f), _coefficients(g)
-    if a is None or b is None or f.parity is None or f.parity != g.parity:
-        return None
-    best: list[Term] | None = None
-    for ratio in sorted({round(s * a[key] / b[key], 12) for key in a.keys() & b.keys() for s in (1, -1)}):
-        terms = _sum(a, {key: ratio * c for key, c in b.items()}, covector, value)
-        if best is None or len(terms) < len(best):
-            best = terms
-    return normalised(best) if best and len(best) <= max(len(f.terms), len(g.terms)) + 2 else None
-
-
-def _coefficients(equation: Equation) -> dict[Key, float] | None:
-    if any(term.shift for term in equation.terms):
-        return None
-    return {(term.kind, term.harmonics, term.powers): term.coefficient for term in equation.terms}
-
-
-def _sum(a: dict[Key, float], b: dict[Key, float], covector: tuple[int, ...], value: float) -> list[Term]:
-    """(a + b)/2, and (a − b)/2 with covector·q − value added to every angle."""
-    floor = SAME * max(abs(c) for c in [*a.values(), *b.values()])
-    found: dict[Key, float] = {}
-    for key in [*a, *(key for key in b if key not in a)]:
-        kind, harmonics, powers = key
-        even, odd = (a.get(key, 0.0) + b.get(key, 0.0)) / 2, (a.get(key, 0.0) - b.get(key, 0.0)) / 2
-        if abs(even) > floor:
-            found[key] = found.get(key, 0.0) + even
-        if abs(odd) > floor:
-            turned = tuple(h + 2 * m for h, m in zip(harmonics, covector, strict=True))
-            # cos(x − v) = cos v cos x + sin v sin x; sin(x − v) = cos v sin x − sin v cos x
-            parts = {"cos": (cos(value), sin(value)), "sin": (-sin(value), cos(value))}[kind]
-            for name, part in zip(("cos", "sin"), parts, strict=True):
-                if abs(part) > 1e-15:
-                    found[name, turned, powers] = found.get((name, turned, powers), 0.0) + odd * part
-    return [_positive(*key, c) for key, c in found.items() if abs(c) > floor]
-
-
-def _positive(kind: str, harmonics: tuple[int, ...], powers: tuple[int, ...], c: float) -> Term:
-    """The same term with its first harmonic positive."""
-    leading = next((h for h in harmonics if h), 1)
-    if leading > 0:
-        return Term(c, kind, harmonics, powers)
-    return Term(-c if kind == "sin" else c, kind, tuple(-h for h in harmonics), powers)
-
 
 FITS = 16  # combinations of values of one signature that are fitted on their own, at most
 QUICK, THOROUGH = 1.5e9, 6e9  # work for one group: circuits only, and everything
@@ -137,7 +41,6 @@ def find_rows(
     cover: Membership,
     seed: int,
     progress: Callable[[int, int], None] | None = None,
-    memory: Memory | None = None,
 ) -> list[Row]:
     """Rows that explain the regular points of a cloud, each verified to be singular.
 
@@ -149,11 +52,10 @@ def find_rows(
         cover: of the points of the cloud.
         seed: of every random choice.
         progress: called with (groups done, groups).
-        memory: forms of conditions that are tried first, and where those found are kept.
     """
     budget = Budget()
     groups = grouped(inspection)
-    rows = _fitted(problem, inspection, groups, cover, budget, (seed, problem.corank), progress, memory)
+    rows = _fitted(problem, inspection, groups, cover, budget, (seed, problem.corank), progress)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     if len(rest) >= FEW:
         twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
@@ -163,7 +65,7 @@ def find_rows(
     if len(rest):
         rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
     rng = np.random.default_rng([seed, problem.corank, len(groups) + 1])
-    return merged(problem, without_contained(problem, rows, rng), rng)
+    return without_contained(problem, rows, rng)
 
 
 def _fitted(
@@ -174,7 +76,6 @@ def _fitted(
     budget: Budget,
     seed: tuple[int, ...],
     progress: Callable[[int, int], None] | None = None,
-    memory: Memory | None = None,
     *,
     doubled: bool = False,
 ) -> list[Row]:
@@ -192,7 +93,7 @@ def _fitted(
             continue
         rng = np.random.default_rng([*seed, index, int(thorough)])
         if smooth(problem, inspection, left, rng):
-            rows += _rows_of(problem, signature, inspection, left, budget, rng, more, memory, thorough=thorough)
+            rows += _rows_of(problem, signature, inspection, left, budget, rng, more, thorough=thorough)
     return rows
 
 
@@ -263,7 +164,6 @@ def _rows_of(
     budget: Budget,
     rng: np.random.Generator,
     more: Callable[[Array], Inspection] | None,
-    memory: Memory | None,
     *,
     thorough: bool,
 ) -> list[Row]:
@@ -284,13 +184,9 @@ def _rows_of(
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
         q, tangent = inspection.q[here], inspection.tangent[here]
         source = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
-        residual = None if memory is None else recalled_equations(source, memory)
-        if residual is None:
-            residual = residual_equations(source, part, thorough=thorough)
+        residual = residual_equations(source, part, thorough=thorough)
         if residual is None:
             continue
-        if memory is not None:
-            memory.keep(problem.corank, signature, values, residual)
         alike = [v for v in met if all(holds(e, inspection.q[members[met[v]]]) for e in residual)]
         holding = partial(verified, problem, linear, residual, signature.residual, rng=rng)
         found = grow([values, *alike], linear, holding)

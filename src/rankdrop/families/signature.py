@@ -83,12 +83,13 @@ class Inspection:
     tangent: Array
 
 
-def inspect(problem: Problem, q: Array) -> Inspection:
+def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspection:
     """Signature of every point of a cloud.
 
     Args:
         problem: the arm, and the corank; of its tolerances `block_rank` and `tangent` are used.
         q: (N, n) points with σ[rank] = 0.
+        signatures: False: the rest alone, all signatures None.
 
     Returns:
         Inspection with arrays over the N points.
@@ -101,7 +102,8 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     entries = (problem.task.m - rank) * (n - rank) * n  # of D
     if count * entries > _ENTRIES and count > 1:
         each = max(_ENTRIES // entries, 1)
-        return joined([inspect(problem, q[first : first + each]) for first in range(0, count, each)])
+        parts = [q[first : first + each] for first in range(0, count, each)]
+        return joined([inspect(problem, part, signatures=signatures) for part in parts])
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
@@ -114,8 +116,9 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     regular = exact & clear & (smallest > WELL)
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
     conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
-    signatures = signatures_of(robot, conormal, tangent, ranks, regular, tolerances)
-    return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
+    taken = regular if signatures else np.zeros_like(regular)
+    signed = signatures_of(robot, conormal, tangent, ranks, taken, tolerances)
+    return Inspection(q, sigma, exact, regular, smallest, signed, tangent)
 
 
 def joined(parts: list[Inspection]) -> Inspection:

@@ -1,29 +1,32 @@
-"""From a cloud of singular configurations to a table of families, each with what speaks for it.
+"""The table of families of one corank, with what speaks for each family.
+
+Where the families were derived exactly, these are the table, and the searches test it in both directions: points solved
+on a family are singular, of its corank and dimension (`Tested`), and singular points lie on a family. Where no
+derivation finished, conditions are fitted to the cloud:
 
 1. Every point gets a signature from D (`signature`): joints pinned, free, coupled; whole-number relations.
 2. Groups of one signature become rows (`rows`): values are snapped, completed by symmetry and verified directly by σ;
-   equations of coupled joints are fitted (`fit`, `residual`). Where D vanishes, shared values do instead (`recognise`).
-3. Soundness: a row's equations are solved from random starts and the rank is looked at; a row that fails there is
-   never shown. Then they are solved at special places (`elsewhere`); solutions there that are regular are counted, and
-   make the row unsound for everyone to see.
-4. Completeness: fresh points from another seed, none of which was used before, are explained by the rows or shown as a
-   family without a name.
+   equations of coupled joints are fitted (`fit`, `residual`).
+
+Both kinds of rows are tested in the same way. Soundness: the equations are solved from random starts and the rank is
+taken; a fitted row that fails there is dropped. Then they are solved at special places (`elsewhere`); solutions there
+that are regular are counted, and make the row unsound for everyone to see. Completeness: fresh points from another
+seed, none of which was used before, lie on the rows or are listed as a family without a name.
 
 Last the posture in which a family is shown: one of its members that people would choose, see `rankdrop.local.fault`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.linear import polished
-from rankdrop.families.residual import Memory
-from rankdrop.families.row import Row, elsewhere, soundness, witness
+from rankdrop.families.genuine import genuine
+from rankdrop.families.row import Row, elsewhere, row_of, soundness, witness
 from rankdrop.families.rows import Membership, find_rows, leftovers, membership, on_any
 from rankdrop.families.search_record import Outcome, Search, none_found, unseen
 from rankdrop.families.searching import search
@@ -32,17 +35,19 @@ from rankdrop.family.equation import System, pretty_angle
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import (
     Check,
+    Contradiction,
     CorankFamilies,
     CorankSummary,
     Family,
+    Mistaken,
     Pin,
     Sampled,
     family_from_metres,
     family_in_metres,
+    family_in_units,
     family_out_of_units,
     numbered,
 )
-from rankdrop.local.directions import lost_directions
 from rankdrop.local.lines import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
@@ -53,7 +58,6 @@ from rankdrop.units import (
     in_units,
     into_units,
     metre_exponent,
-    out_of_units,
     task_in_metres,
     task_in_units,
 )
@@ -69,6 +73,7 @@ STEPS = 100  # of the progress: rows up to 60, fresh points to 80, rows finished
 def families(
     cloud: Search,
     *,
+    known: Sequence[Family] | None = None,
     seed: int = 0,
     tolerances: Tolerances = DEFAULT,
     fresh: Search | None = None,
@@ -76,12 +81,12 @@ def families(
     progress: Progress | None = None,
     wanted: int = FRESH,
     near_misses: bool = True,
-    memory: Memory | None = None,
 ) -> CorankFamilies:
     """All families of one corank, with soundness, completeness and an estimate of what was not seen.
 
     Args:
-        cloud: the search whose converged points the families are made from.
+        cloud: the search whose converged points test the families, and make them where none are known.
+        known: the families of this corank as they were derived; None: conditions are fitted to the cloud.
         seed: of every random choice; same seed and cloud, same table.
         tolerances: thresholds.
         fresh: another search, independent of `cloud`, for completeness; None to make one of at least 1000 points of
@@ -90,12 +95,10 @@ def families(
         progress: called with (done, total).
         wanted: fresh points of exactly this corank, as far as they can be had.
         near_misses: bring the smallest σ of a nonzero local minimum down; without it the summary has none.
-        memory: of a similar arm (`Memory`): forms of conditions that are tried first, and where those found are kept.
-            Names are taken from there too, and no sentences are made of what is lost.
 
     Returns:
-        CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
-        conditions were not found come last, with `named=False`.
+        CorankFamilies: the summary, and known families in their order, or fitted ones sorted by dimension (large
+        first), then by joint numbers; groups of points that no conditions hold on come last, with `named=False`.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -105,48 +108,97 @@ def families(
     """
     if cloud.robot.exponent is None:
         inner = families(
-            _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
-            threads=threads, progress=progress, wanted=wanted, near_misses=near_misses, memory=memory,
-        )
-        return families_out_of_units(inner, cloud.robot)
+            _in_units(cloud), known=None if known is None else [family_in_units(one, cloud.robot) for one in known],
+            seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh), threads=threads,
+            progress=progress, wanted=wanted, near_misses=near_misses,
+        )  # fmt: skip
+        outer = tuple(family_out_of_units(family, cloud.robot) for family in inner.families)
+        return replace(inner, families=outer)
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
-    inspection = inspect(problem, polished(problem, cloud.converged))
-    cover = membership(problem, inspection.q)
-    rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
-                     memory)  # fmt: skip
-    sounds: dict[Row, Check] = {}
-    samples: dict[Row, Array] = {}
-    marks = _marks(rows)
-    for i, row in enumerate(rows):
-        rng = np.random.default_rng([seed, cloud.corank, 7, i])
-        sound, _ = soundness(problem, row.system, row.signature.rank, rng)
-        points = _generic(problem, row, inspection.q[cover(row)], rng)
-        if sound.holds and len(points):
-            tested, strangers = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
-            sounds[row] = Check(sound.tested + tested, sound.agree + tested - len(strangers))
-            samples[row] = points
-    kept = list(sounds)
+    points, mistaken = genuine(problem, cloud.converged)
+    inspection = inspect(problem, points, signatures=known is None)
+    cover = membership(problem, points)
+    if known is None:
+        fitting: Progress = lambda done, total: report(60 * done // max(total, 1), STEPS)  # noqa: E731
+        rows = find_rows(problem, inspection, cover, seed, fitting)
+    else:
+        rows = [row_of(problem, one) for one in known]
+    tested = _tested(problem, rows, inspection, cover, seed)
+    kept = list(tested)
     report(60, STEPS)
-    independent = _fresh(problem, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
-    checked = inspect(problem, polished(problem, independent))
+    others, mistaken_too = _fresh(problem, cloud, inspection, seed, threads, wanted, fresh)
+    checked = inspect(problem, others, signatures=False)
     report(80, STEPS)
-    new = membership(problem, checked.q)
-    on_rows = on_any(new, kept, len(checked.q))
-    rest = leftovers(problem, inspection, ~on_any(cover, kept, len(inspection.q)), checked, ~on_rows)
+    new = membership(problem, others)
+    on_rows = on_any(new, kept, len(others))
+    rest = leftovers(problem, inspection, ~on_any(cover, kept, len(points)), checked, ~on_rows)
     share = Check(int(checked.exact.sum()), int((checked.exact & on_rows).sum()))
-    found = []
-    for count, row in enumerate(sorted(kept, key=_order)):
-        per_row = Check(share.tested, int((checked.exact & new(row)).sum()))
+    listed = []
+    for count, row in enumerate(kept if known is not None else sorted(kept, key=_order)):
+        explains = Check(share.tested, int((checked.exact & new(row)).sum()))
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
-        at = samples[row][0] if shown is None else shown
-        found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
+        listed.append(_family(problem, row, tested[row], explains, shown))
         report(80 + 20 * count // len(kept), STEPS)
-    found += [family for family, _ in rest]
+    unnamed = [family for family, _ in rest]
+    if known is None:
+        ordered = _told_apart(numbered([*listed, *unnamed], cloud.corank))
+    else:
+        ordered = (*listed, *numbered(unnamed, cloud.corank, after=len(known)))
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
-    return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
+    wrong = tuple(fault for row in kept for fault in contradictions(problem, row, tested[row]))
+    return CorankFamilies(summary, ordered, wrong, mistaken.joined(mistaken_too))
+
+
+@dataclass(frozen=True, eq=False)
+class Tested:
+    """What was found at points solved from a row's conditions.
+
+    Attributes:
+        sound: how many of them there are, and how many have the corank.
+        points: (N, n) up to 24 of exactly the corank.
+        room: the smallest dimension of ker D at them, which no family through them exceeds; n without such points.
+    """
+
+    sound: Check
+    points: Array
+    room: int
+
+
+def _tested(
+    problem: Problem, rows: Sequence[Row], inspection: Inspection, cover: Membership, seed: int
+) -> dict[Row, Tested]:
+    """The rows with what speaks for each.
+
+    Of fitted rows those that are sound at random solutions; of derived ones all, but those that have no point within
+    the limits where these are asked for.
+    """
+    marks = _marks(rows)
+    found: dict[Row, Tested] = {}
+    for i, row in enumerate(rows):
+        rng = np.random.default_rng([seed, problem.corank, 7, i])
+        sound, _ = soundness(problem, row.system, row.signature.rank, rng)
+        points, room = _generic(problem, row, inspection.q[cover(row)], rng)
+        fitted_badly = row.family is None and not sound.holds
+        if fitted_badly or (not len(points) and (row.family is None or problem.limits)):
+            continue
+        count, regular = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
+        whole = Check(sound.tested + count, sound.agree + count - len(regular))
+        found[row] = Tested(whole, points, room)
+    return found
+
+
+def contradictions(problem: Problem, row: Row, tested: Tested) -> Iterator[Contradiction]:
+    """What points solved from the conditions of a derived family show against it."""
+    family = row.family
+    if family is None:
+        return
+    if not len(tested.points):
+        yield Contradiction(family.id, family.name, None)
+    elif family.dimension > tested.room:
+        yield Contradiction(family.id, family.name, tested.room)
 
 
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
@@ -169,15 +221,7 @@ def _in_units(cloud: Search) -> Search:
     )
 
 
-def families_out_of_units(families: CorankFamilies, robot: Robot) -> CorankFamilies:
-    """Families of `in_units(robot)` as those of the arm itself."""
-    return replace(
-        families, families=tuple(family_out_of_units(family, robot) for family in families.families),
-        fresh=out_of_units(robot, families.fresh),
-    )  # fmt: skip
-
-
-def _marks(rows: list[Row]) -> dict[int, list[float]]:
+def _marks(rows: Sequence[Row]) -> dict[int, list[float]]:
     """Joint (from 0) -> the values at which some row pins it."""
     found: dict[int, list[float]] = {}
     for row in rows:
@@ -186,14 +230,16 @@ def _marks(rows: list[Row]) -> dict[int, list[float]]:
     return found
 
 
-def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int) -> Array:
-    """Converged points of a search with another seed: at least `wanted` of exactly this corank where possible."""
-    if not len(inspection.q):
-        return np.zeros((0, problem.n))
+def _fresh(
+    problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int, fresh: Search | None
+) -> tuple[Array, Mistaken]:
+    """Points of a search with another seed: at least `wanted` of exactly this corank where possible."""
+    if fresh is not None:
+        return genuine(problem, fresh.converged)
     rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
-    parts: list[Array] = []
+    parts: list[Array] = [np.zeros((0, problem.n))]
     found, spent = 0, 0
-    for attempt in range(4):
+    for attempt in range(4 if len(inspection.q) else 0):
         starts = int(min(1.1 * (wanted - found) / rate + 50, MOST_FRESH - spent))
         if found >= wanted or starts < 1:
             break
@@ -207,7 +253,7 @@ def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, t
         found += int((sigma[:, problem.rank - 1] > HIGHER).sum()) if problem.rank else len(sigma)
         spent += starts
         parts.append(part.converged)
-    return np.concatenate(parts)
+    return genuine(problem, np.concatenate(parts))
 
 
 def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:
@@ -216,46 +262,48 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
     return (s.rank, s.pinned, s.coupled, row.sets)
 
 
-def _family(
-    problem: Problem, row: Row, sound: Check, share: Check, generic: Array, at: Array, memory: Memory | None
-) -> Family:
-    """A row as a family; its id comes when all of them are known."""
-    signature, robot = row.signature, problem.robot
+def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: Array | None) -> Family:
+    """A row as a family; the id of a fitted one comes when all of them are known."""
+    signature, robot, known = row.signature, problem.robot, row.family
     pinned = tuple(
         Pin(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    if memory is None:
-        directions, sentences = lost_motions(problem, at, generic)
-    else:
-        directions, sentences = lost_directions(robot, at, problem.task, problem.corank), ()
-
-    def name() -> str:
-        numbers, coupled = [one.number for one in pinned], [j + 1 for j in signature.coupled]
-        return name_family(robot, problem.task, generic, numbers, coupled=coupled)
-
+    coupled = tuple(j + 1 for j in signature.coupled)
+    points = tested.points if len(tested.points) or known is None else np.array([known.witness])
+    at = points[0] if shown is None else shown
+    directions, sentences = lost_motions(problem, at, points)
+    if known is None:
+        name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
     return Family(
-        id="",
-        name=name() if memory is None else memory.name(problem.corank, signature, row.sets, name),
+        id="" if known is None else known.id,
+        name=name if known is None else known.name,
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
         free=tuple(j + 1 for j in signature.free),
-        coupled=tuple(j + 1 for j in signature.coupled),
+        coupled=coupled,
         equations=row.system.equations,
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        evidence=Sampled(row.evidence, sound, share),
+        evidence=Sampled(row.evidence, tested.sound, explains),
     )
 
 
-def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -> Array:
-    """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
+def _generic(
+    problem: Problem, row: Row, members: Array, rng: np.random.Generator
+) -> tuple[Array, int]:
+    """Up to 24 points of a row of corank exactly k, in random order, and the smallest dimension of ker D there.
+
+    The points are sampled, or of the cloud where that is hard.
+    """
     points, good = row.sample(problem, 12, rng)
-    q = np.concatenate([points[good], met[:24]]) if good.sum() < 12 else points[good]
-    inspection = inspect(problem, q)
-    chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, problem.rank] <= problem.tolerances.singular))
-    return np.asarray(q[rng.permutation(chosen)[:24]])
+    q = np.concatenate([points[good], members[:24]]) if good.sum() < 12 else points[good]
+    inspection = inspect(problem, q, signatures=False)
+    exact = inspection.exact & (inspection.sigma[:, problem.rank] <= problem.tolerances.singular)
+    chosen = np.flatnonzero(exact)
+    dimension = np.trace(inspection.tangent[exact & inspection.regular], axis1=1, axis2=2)
+    return np.asarray(q[rng.permutation(chosen)[:24]]), round(float(dimension.min(initial=problem.n)))
 
 
 def _pieces(cover: Membership, rows: list[Row], inspection: Inspection) -> list[int]:

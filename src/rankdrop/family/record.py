@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import degrees
+from math import degrees, inf
 
 import numpy as np
 
@@ -262,19 +262,53 @@ class CorankSummary:
     unseen: Unseen
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """A derived family that numerical points contradict.
+
+    Attributes:
+        family, name: its id and its name.
+        dimension: largest that the singular set can have at points solved on it, smaller than the derived one; None
+            where no point of it is singular to its corank.
+    """
+
+    family: str
+    name: str
+    dimension: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Mistaken:
+    """Points that a search took for singular, σ being below its threshold, and that are minima of σ.
+
+    Attributes:
+        points: how many.
+        sigma: the smallest of these minima, worked out with 50 digits; inf without points.
+    """
+
+    points: int = 0
+    sigma: float = inf
+
+    def joined(self, other: Mistaken) -> Mistaken:
+        """Those of two searches."""
+        return Mistaken(self.points + other.points, min(self.sigma, other.sigma))
+
+
+@dataclass(frozen=True, slots=True)
 class CorankFamilies:
     """All rows of one corank with their summary.
 
     Attributes:
         summary: what the search met.
         families: in their order.
-        fresh: (N, n) the points that completeness was counted on.
+        contradictions: derived families that points solved on them contradict.
+        mistaken: points of the searches that are not singular.
     """
 
     summary: CorankSummary
     families: tuple[Family, ...]
-    fresh: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    contradictions: tuple[Contradiction, ...] = ()
+    mistaken: Mistaken = Mistaken()
 
 
 Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from rankdrop.compare import Comparison, ExactRow
 from rankdrop.exact import ExactFamily, typeset
+from rankdrop.family import Derivation, ExactRow
 from rankdrop.report.content import Content
 from rankdrop.text import letters_text
 
@@ -58,17 +58,12 @@ def exact_section(content: Content) -> str:
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 
-def _joined(comparison: Comparison) -> str:
-    """Those that the analysis holds, derived with it and held against its families."""
-    letters = letters_text(comparison.letters)
-    told = (
-        f"Derived exactly and held against the families found: {comparison.status}. {comparison.numeric.agree:,} of "
-        f"{comparison.numeric.tested:,} points of the families lie on an exact one, {comparison.exact.agree:,} of "
-        f"{comparison.exact.tested:,} points of the exact ones on a family."
-        f"{' Lengths: ' + letters + '.' if letters else ''}"
-    )
-    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in comparison.disagreements)
-    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, comparison.families))}</div>{wrong}'
+def _joined(derivation: Derivation) -> str:
+    """The conditions of the families of the analysis, which were derived with it."""
+    letters = letters_text(derivation.letters)
+    told = f"The families are derived exactly.{' Lengths: ' + letters + '.' if letters else ''}"
+    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in derivation.disagreements)
+    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, derivation.families))}</div>{wrong}'
 
 
 def _cut(text: str) -> str:

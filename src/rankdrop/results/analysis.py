@@ -5,16 +5,16 @@ How an analysis was checked, in sentences that the terminal and the report share
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from rankdrop.codec import shown
-from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import ResultFileError
 from rankdrop.families.share import Near
+from rankdrop.family.derivation import Derivation
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import (
@@ -122,7 +122,7 @@ class Analysis:
         complete: False when the analysis was interrupted.
         unfinished: the corank that was being worked on then.
         notes: what the reader should be told.
-        exact: the conditions derived exactly, held against the families; None where they were not asked for.
+        exact: the exact derivation of the families; None where it was not asked for.
         near: share of the joint space near each family; None where it was not asked for.
     """
 
@@ -135,7 +135,7 @@ class Analysis:
     complete: bool = True
     unfinished: int | None = None
     notes: tuple[str, ...] = ()
-    exact: Comparison | None = None
+    exact: Derivation | None = None
     near: Near | None = None
 
     @property
@@ -247,7 +247,7 @@ class Analysis:
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=at("$.exact", lambda: restored(Comparison, record["exact"])) if "exact" in record else None,
+            exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
         )
 
@@ -289,6 +289,15 @@ class Analysis:
             raise ResultFileError(
                 error.what, where=where, got=error.got, allowed=error.allowed, mend=error.mend, typed=error.typed
             ) from error
+
+
+def _derivation(record: Record) -> Derivation:
+    """The entry `exact`; up to 0.2 derived families were matched with fitted rows and might have their own numbers."""
+    derivation: Derivation = restored(Derivation, record)
+    if "matches" not in record:
+        return derivation
+    same = {one["row"] for one in record["matches"] if one["families"] == [one["row"]] and not one["parts"]}
+    return replace(derivation, families=tuple(one for one in derivation.families if one.id in same))
 
 
 def sampled(analysis: Analysis) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.covering import Covering
-from rankdrop.compare.covered import Spot
+from rankdrop.families.box_matching import Spot
 from rankdrop.family.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.results.codec import plain, robot_to_dict

@@ -137,7 +137,7 @@ def _wrong(analysis: Analysis) -> Iterator[tuple[str, str]]:
     comparison = analysis.exact
     if comparison is not None and comparison.derived and not comparison.agrees:
         for text in comparison.disagreements:
-            yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
+            yield CONTRADICTED, f"a test contradicts the derivation, {text}"
     for row in analysis.families:
         if row.named and row.soundness.agree < row.soundness.tested:
             regular = row.soundness.tested - row.soundness.agree
@@ -158,7 +158,7 @@ def _all(analysis: Analysis, derived: Conditions | None) -> str:
     """What an analysis found, everything in it being as it should be."""
     comparison = analysis.exact
     if _agrees(analysis):
-        exactly = "the exact conditions agree with every one" if analysis.families else "the exact conditions too"
+        exactly = "all conditions are exact" if analysis.families else "the exact derivation has none either"
     elif derived is not None:
         done = _agrees(analysis, derived)
         on = f"{derived.explained.agree:,} of {derived.explained.tested:,} configurations found lie on exact families"

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
-from rankdrop.compare.comparison import Comparison, ExactRow, Match, Wider
 from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.reading.lint import Difference, Example, LintResult
 from rankdrop.exact.writing.notation import Step
 from rankdrop.families.share import Near
+from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.equation import Term
-from rankdrop.family.record import Check, CorankSummary, Unseen
+from rankdrop.family.record import CorankSummary, Unseen
 from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 
 SETTINGS = table(
@@ -85,23 +85,9 @@ FAMILIES = table(
     corank=Positive,
     dimension=Count,
 )
-MATCHES = table(
-    "matches",
-    of=Match,
-    row=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
-    families=many(text(pattern="^k[1-6]\\.f[1-9][0-9]*$")),
-    parts=many(text(pattern="^k[1-6]\\.f[1-9][0-9]*$")),
-)
-NUMERIC = table(
-    "numeric",
-    of=Check,
-    tested=(Count, "points tried"),
-    agree=(Count, "how many of them lie on the other side"),
-)
-WIDER = table("wider", of=Wider, family=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"), solved=Count, elsewhere=Count)
 EXACT = table(
     "exact",
-    of=Comparison,
+    of=Derivation,
     status=Literal["agrees", "differs", "not derived"],
     asked=Literal["auto", "on"],
     seconds=num("s", gt=0),

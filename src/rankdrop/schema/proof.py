@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
-from rankdrop.compare.covered import Spot
+from rankdrop.families.box_matching import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
 

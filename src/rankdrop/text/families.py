@@ -17,10 +17,10 @@ from math import degrees, floor, isclose
 
 import numpy as np
 
-from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
+from rankdrop.family.derivation import Derivation
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, CorankSummary, Family, Pin
 from rankdrop.robot.model import Robot, lost_told, witness_text
@@ -293,16 +293,15 @@ def _kind(robot: Robot, row: Family) -> str:
 
 
 def conditions_of(
-    row: Family, comparison: Comparison | None, derived: Sequence[ExactFamily] = ()
+    row: Family, derivation: Derivation | None, derived: Sequence[ExactFamily] = ()
 ) -> list[tuple[str, str]]:
     """(label, text) of every condition of a row that its table does not say.
 
-    Exact ones stand in place of fitted ones. Where they hold on more than the row, the fitted ones stay, and long ones
-    are only counted: programs find them in the JSON.
+    Exact ones stand in place of decimals, and long ones are only counted: programs find them in the JSON.
 
     Args:
         row: a family of an analysis.
-        comparison: exact conditions that the analysis holds.
+        derivation: exact conditions that the analysis holds.
         derived: exact families derived apart from it; one of the row's id, name and corank is the row.
     """
     for one in derived:
@@ -310,39 +309,23 @@ def conditions_of(
             held = {pin.number for pin in row.pinned}
             pins = [text for (joint, _), text in zip(one.pins, one.texts, strict=False) if joint not in held]
             return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(one.pins) :])]
-    exactly, instead = exact_conditions(row, comparison)
-    fitted = [] if instead else coupled_conditions(row, folded=bool(exactly))
-    return [*((COUPLED, text) for text in fitted), *((EXACTLY, text) for text in exactly)]
+    exactly = exact_conditions(row, derivation)
+    if exactly:
+        return [(EXACTLY, text) for text in exactly]
+    return [(COUPLED, text) for text in coupled_conditions(row, folded=False)]
 
 
-def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[str], bool]:
-    """The exact conditions of a row: (lines, whether they may stand in place of the fitted ones).
-
-    No line where the table says it all: joints at simple values.
-    """
-    if comparison is None:
-        return [], False
-    whole, parts = comparison.of_row(row.id)
-    wider = {one.family for one in comparison.wider}
-    lines = [_line(row, family, alone=len(whole) == 1) for family in whole]
-    lines = [
-        text + (" (and elsewhere, see the end)" if family.id in wider else "")
-        for text, family in zip(lines, whole, strict=True)
-        if text
-    ]
-    lines += [f"part of {' and '.join(map(readable, family.conditions))}" for family in parts]
-    said = [f"or {text}" if place else text for place, text in enumerate(lines)]
-    return said, bool(lines) and not parts and not wider & {family.id for family in whole}
-
-
-def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
-    """A family's conditions, without those of joints that the row has at these values, or at some of them."""
+def exact_conditions(row: Family, derivation: Derivation | None) -> tuple[str, ...]:
+    """The exact conditions of a row in one line; none where the table says it all: joints at simple values."""
+    family = None if derivation is None else derivation.of_row(row.id)
+    if family is None:
+        return ()
     same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
-    others = [readable(text) for text in family.conditions[len(same) :]]
     pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
-    if not pins and not others and not alone:
-        return " and ".join((*family.conditions[: len(same)], *others))
-    return " and ".join((*pins, *others)) + (f"; {family.reality}" if family.reality and (pins or others) else "")
+    others = [readable(text) for text in family.conditions[len(same) :]]
+    if not pins and not others:
+        return ()
+    return (" and ".join((*pins, *others)) + (f"; {family.reality}" if family.reality else ""),)
 
 
 def readable(text: str) -> str:
@@ -360,39 +343,26 @@ def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
 
 
 def agreement(
-    comparison: Comparison | None, robot: Robot, families: Sequence[Family]
+    derivation: Derivation | None, robot: Robot, families: Sequence[Family]
 ) -> Iterator[tuple[str, bool]]:
-    """How the exact derivation and the rows of an analysis agree: sentences, and whether one says that they do not.
+    """Where the families of an analysis come from: sentences, and whether one says that a test contradicts them.
 
     Args:
-        comparison: of the analysis; None where exact conditions were not asked for.
+        derivation: of the analysis; None where exact conditions were not asked for.
         robot: the arm.
         families: the rows.
     """
-    if comparison is None:
+    if derivation is None:
         return
-    if not comparison.derived:
-        yield f"Exact conditions: not derived; {comparison.reason}.", False
+    if not derivation.derived:
+        yield f"Exact conditions: not derived; {derivation.reason}. The families are fitted to the points.", False
         return
-    if comparison.disagreements:
-        yield "The exact derivation and the numeric search DIFFER; at least one of them is wrong:", True
-        yield from ((f"  {text}", True) for text in comparison.disagreements)
-    verdict = "agree with every row" if comparison.agrees else "do not agree with the rows"
-    numeric, exact = comparison.numeric, comparison.exact
-    points = (
-        f"{numeric.agree:,} of {numeric.tested:,} points of the rows lie on exact families, "
-        f"{exact.agree:,} of {exact.tested:,} points of these on the rows"
-    )
-    points = f"{points[0].upper()}{points[1:]}"
-    printed = any(exact_conditions(row, comparison)[0] for row in families)
-    symbols = _symbols(comparison, robot) if printed else ""
-    yield f"Exact conditions, derived apart from the search, {verdict}. {points}.{symbols}", False
-    for one in comparison.wider:
-        told = (
-            f"The conditions of the exact family {one.family} also hold where less is lost ({one.elsewhere} of "
-            f"{one.solved} random solutions): it is what of them is singular to its corank."
-        )
-        yield told, False
+    if derivation.disagreements:
+        yield "Numerical tests CONTRADICT the exact derivation:", True
+        yield from ((f"  {text}", True) for text in derivation.disagreements)
+    printed = any(exact_conditions(row, derivation) for row in families)
+    symbols = _symbols(derivation, robot) if printed else ""
+    yield f"The families are derived exactly; the searches only test them.{symbols}", False
 
 
 def letters_text(letters: Mapping[str, float] | None) -> str:
@@ -400,22 +370,22 @@ def letters_text(letters: Mapping[str, float] | None) -> str:
     return ", ".join(f"{name} = {value:.6g} m".replace("-", "−") for name, value in (letters or {}).items())
 
 
-def _symbols(comparison: Comparison, robot: Robot) -> str:
+def _symbols(derivation: Derivation, robot: Robot) -> str:
     """What the letters of exact conditions mean."""
     kinds = [str(joint.kind) for joint in robot.variables]
     shifted = [
         f"{joint_symbol(i, kind)} = q{i} {'+' if shift > 0 else '−'} {abs(shift):.6g}"
-        for i, (shift, kind) in enumerate(zip(comparison.shifts, kinds, strict=True), 1)
+        for i, (shift, kind) in enumerate(zip(derivation.shifts, kinds, strict=True), 1)
         if shift
     ]
-    letters = letters_text(comparison.letters)
-    text = " In them s2 is sin θ2, c23 cos(θ2+θ3)" + (f", {letters}" if letters else "")
+    letters = letters_text(derivation.letters)
+    text = " In the conditions s2 is sin θ2, c23 cos(θ2+θ3)" + (f", {letters}" if letters else "")
     return text + (f"; there {', '.join(shifted)}." if shifted else ".")
 
 
 def overview(
     robot: Robot, generic_rank: int, coranks: Sequence[CorankSummary], families: Sequence[Family],
-    exact: Comparison | None = None, *, limits: bool = False,
+    exact: Derivation | None = None, *, limits: bool = False,
 ) -> Iterator[Section]:  # fmt: skip
     """One section for each corank, for a notebook: its table, the conditions under it, what the starts did.
 

@@ -10,7 +10,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
-from rankdrop.compare.comparison import Comparison, ExactRow
+from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import JointKind, Robot, lost_told, witness_text
 from rankdrop.text.families import COUPLED, FREE, at_witness, columns, joint_cells, row_cells, share_text, within
@@ -34,7 +34,7 @@ _LONGEST = 1500  # characters of one condition
 
 def latex_tables(
     robot: Robot, rank: int, coranks: Sequence[CorankSummary], families: Sequence[Family],
-    exact: Comparison | None = None, *, limits: bool = False,
+    exact: Derivation | None = None, *, limits: bool = False,
 ) -> str:  # fmt: skip
     r"""One table environment for each corank, with caption and label; under each the conditions of coupled joints.
 
@@ -59,7 +59,7 @@ def latex_tables(
 
 
 def _table(
-    robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Comparison | None, *, limits: bool
+    robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
 ) -> str:
     heads = [f"${_symbol(robot, number)}$" for number in range(1, robot.n + 1)]
     lost = columns(robot, summary.corank)[-3]
@@ -103,7 +103,7 @@ def _table(
     return "\n".join([*lines, r"\end{table}"])
 
 
-def _letters_in(notes: Sequence[str], exact: Comparison | None) -> Iterator[tuple[str, float]]:
+def _letters_in(notes: Sequence[str], exact: Derivation | None) -> Iterator[tuple[str, float]]:
     """The lengths that stand as letters in the conditions printed."""
     for name, value in ((exact.letters or {}) if exact is not None else {}).items():
         if any(mathematics(name) in note for note in notes):
@@ -137,9 +137,9 @@ def _symbol(robot: Robot, number: int) -> str:
     return f"q_{{{number}}}" if slides else rf"\theta_{{{number}}}"
 
 
-def _conditions(family: Family, comparison: Comparison | None) -> Iterator[str]:
+def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
-    exact = [] if comparison is None else _exact(family, comparison)
+    exact = [] if derivation is None else _exact(family, derivation)
     bound = set(family.coupled)
     own = [equation for equation in family.equations if bound & set(equation.joints)]
     fitted = [f"${mathematics(equation.pretty())} = 0$" for equation in own]
@@ -152,13 +152,10 @@ def _conditions(family: Family, comparison: Comparison | None) -> Iterator[str]:
         yield "no condition found"
 
 
-def _exact(family: Family, comparison: Comparison) -> list[str]:
-    """LaTeX of the exact conditions where they may stand for the whole row, less those of joints in its columns."""
-    whole, parts = comparison.of_row(family.id)
-    wider = {one.family for one in comparison.wider}
-    if len(whole) != 1 or parts or whole[0].id in wider:
-        return []
-    return _beyond_columns(family, whole[0])
+def _exact(family: Family, derivation: Derivation) -> list[str]:
+    """LaTeX of the exact conditions of the row, less those of joints in its columns."""
+    row = derivation.of_row(family.id)
+    return [] if row is None else _beyond_columns(family, row)
 
 
 def _beyond_columns(family: Family, row: ExactRow) -> list[str]:

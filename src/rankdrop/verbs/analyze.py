@@ -1,31 +1,19 @@
-"""One verb: from a robot to every family of its singularities, with the exact conditions beside what was found."""
+"""One verb: from a robot to every family of its singularities, derived exactly where that can be done, and sampled."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from rankdrop.compare.comparison import (
-    AGREES,
-    ASKED,
-    DIFFERS,
-    INTERRUPTED,
-    NOT_DERIVED,
-    Comparison,
-    ExactRow,
-    Match,
-    in_exact_terms,
-    match,
-)
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families, posed
-from rankdrop.family.record import CorankFamilies, family_out_of_units
+from rankdrop.family.derivation import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, Derivation, ExactRow
+from rankdrop.family.record import Contradiction, CorankFamilies, family_out_of_units
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
-from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
@@ -49,46 +37,26 @@ def check_exact(exact: str) -> None:
         raise OptionError("there is no such choice", where="exact", got=repr(exact), allowed=", ".join(ASKED))
 
 
-def join(
-    robot: Robot,
-    task: Task,
-    generic_rank: int,
-    found: Sequence[CorankFamilies],
-    *,
-    exact: str = "auto",
-    limits: bool = False,
-    seed: int = 0,
-    fresh: bool = False,
-    progress: Callable[[str, int, int], None] | None = None,
-    tolerances: Tolerances = DEFAULT,
-) -> tuple[list[CorankFamilies], Comparison | None]:
-    """Derive the families of every corank by the rank tree, and match them with those found numerically.
-
-    Rows that go together with exact families take their partition, ids and names (`partition`). The families of the
-    catalogue's arms are shipped, and then taken from there.
+def derive(
+    robot: Robot, task: Task, *, exact: str, seed: int, fresh: bool, progress: Progress | None
+) -> tuple[Conditions | None, Derivation | None]:
+    """Derive the families of every corank by the rank tree; those of the catalogue's arms are shipped, and taken.
 
     Args:
-        robot, task, generic_rank: of the analysis.
-        found: its families, of every corank that there is, of `in_units(robot)`.
+        robot, task: the arm.
         exact: "auto", where python-flint is installed, the arm can be treated, and time allows; "on", required; "off".
-        limits: the families are those within the joint limits.
         seed: of every random choice.
         fresh: derive them even where the conditions of this arm are shipped; those have the same families.
         progress: called as progress(label, done, total).
-        tolerances: of the analysis.
 
     Returns:
-        The families of every corank, and Comparison, or None for "off". A derivation that was not finished leaves no
-        families behind.
+        What was derived completely, or None; and the record of the derivation, not tested yet, or None for "off".
 
     Raises:
-        OptionError: no such choice.
         MissingExtraError, RobotError: with "on", python-flint is not installed, or the arm cannot be treated.
     """
-    check_exact(exact)
-    rows = tuple(row for one in found for row in one.families)
     if exact == "off":
-        return list(found), None
+        return None, None
     seconds = SECONDS[exact]
     try:
         derived = None if fresh or seed else known_conditions(robot, task)
@@ -101,51 +69,41 @@ def join(
     except RankdropError as error:
         if exact == "on":
             raise
-        return list(found), Comparison(NOT_DERIVED, exact, seconds, str(error))
+        return None, Derivation(NOT_DERIVED, exact, seconds, str(error))
     except KeyboardInterrupt:
-        return list(found), Comparison(NOT_DERIVED, exact, seconds, INTERRUPTED)
+        return None, Derivation(NOT_DERIVED, exact, seconds, INTERRUPTED)
+    if derived.interrupted:
+        return None, Derivation(NOT_DERIVED, exact, seconds, INTERRUPTED)
     if not derived.complete:
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
-        return list(found), Comparison(NOT_DERIVED, exact, seconds, reason)
-    families = [family.in_units(robot) for family in derived.families]
-    problem = Problem(in_units(robot), task_in_units(task, robot), tolerances=tolerances, limits=limits)
-    agreement = match(problem, rows, families, seed=seed)
-    parted: list[CorankFamilies] = []
-    matches: list[Match] = []
-    now: dict[str, str] = {}
-    for one in found:
-        corank = one.summary.corank
-        exactly = [family for family in families if family.corank == corank]
-        here, there, called = in_exact_terms(problem.at(corank), one, exactly, agreement, seed)
-        parted.append(here)
-        matches += there
-        now |= called
-    differences = [
-        str(replace(one, family=now[one.family]) if one.side == "numeric" else one) for one in agreement.differences
-    ]
-    disagreements = (*_ranks(derived, generic_rank), *differences)
-    return parted, Comparison(
-        status=DIFFERS if disagreements else AGREES,
-        asked=exact,
-        seconds=seconds,
-        letters=dict(derived.letters),
-        shifts=derived.shifts,
+        return None, Derivation(NOT_DERIVED, exact, seconds, reason)
+    return derived, Derivation(
+        AGREES, exact, seconds, letters=dict(derived.letters), shifts=derived.shifts,
         families=tuple(_row(family, robot) for family in derived.families),
-        matches=tuple(matches),
-        numeric=agreement.numeric,
-        exact=agreement.exact,
-        disagreements=disagreements,
-        wider=agreement.wider,
+    )  # fmt: skip
+
+
+def _tested(
+    derivation: Derivation, derived: Conditions, rank: int, tables: Sequence[CorankFamilies], *, limits: bool
+) -> Derivation:
+    """The record of a derivation with what the numerical tests show against it."""
+    said = list(derived.disagreements)
+    if derived.generic_rank != rank:
+        said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
+    said += [_sentence(one) for table in tables for one in table.contradictions]
+    listed = {family.id for table in tables for family in table.families}
+    kept = tuple(one for one in derivation.families if one.id in listed or not limits)
+    return replace(
+        derivation, status=DIFFERS if said else AGREES, families=kept, disagreements=tuple(said)
     )
 
 
-def _ranks(derived: Conditions, generic_rank: int) -> list[str]:
-    """What ranks modulo a prime say against the derivation, or σ at random configurations."""
-    said = list(derived.disagreements)
-    if derived.generic_rank != generic_rank:
-        said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {generic_rank} numerically")
-    return said
+def _sentence(one: Contradiction) -> str:
+    name = f"derived {one.family} ({one.name})"
+    if one.dimension is None:
+        return f"{name}: no configuration that satisfies its conditions has its corank, its witness included"
+    return f"{name}: its dimension is at most {one.dimension} at configurations that satisfy its conditions"
 
 
 def _row(family: ExactFamily, robot: Robot) -> ExactRow:
@@ -182,12 +140,11 @@ def analyze(
 ) -> Analysis:
     """Find every family of singular configurations of every corank.
 
-    For corank k = 1, 2, …: drive `starts` random configurations into rank J ≤ generic rank − k (block
-    Levenberg–Marquardt), then turn the cloud into families with their conditions, checked on fresh points. It ends
-    with the first corank that no start reaches; that corank is reported too. Not finding is not a proof of absence.
-
-    Beside it the families are derived exactly, where that is possible in the time allowed, and the two are compared:
-    `Analysis.exact`. Both know nothing of each other.
+    Where it can be done in the time allowed, the families are derived exactly: `Analysis.exact`. For corank k = 1, 2, …
+    `starts` random configurations are driven into rank J ≤ generic rank − k (block Levenberg–Marquardt), and test the
+    families in both directions: points solved on a family are singular, fresh singular points lie on a family. Where
+    nothing was derived, conditions are fitted to the points. It ends with the first corank that no start and no family
+    reaches; that corank is reported too. Without a derivation not finding is not a proof of absence.
 
     Ctrl-C does not lose the work: the coranks already done come back with `complete=False`.
 
@@ -230,9 +187,13 @@ def analyze(
     resolved = resolve_task(task, robot, length_scale=length_scale)
     own, task_here = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
     rank = generic_rank(own, task_here)
-    found: list[CorankFamilies] = []
-    unfinished: int | None = None
-    for corank in range(1, rank + 1):
+    derived, derivation = derive(
+        robot, resolved, exact=exact, seed=seed, fresh=fresh, progress=_prefixed(progress, "exact")
+    )
+    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived.families]
+    tables: list[CorankFamilies] = []
+    unfinished = 1 if derivation is not None and derivation.interrupted else None
+    for corank in range(1, rank + 1) if unfinished is None else ():
         try:
             cloud = search(
                 own, corank, task=task_here, starts=starts, seed=seed, limits=limits, threads=threads,
@@ -240,25 +201,22 @@ def analyze(
             )  # fmt: skip
             if not cloud.complete:
                 raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
-            found.append(
+            tables.append(
                 families(
-                    cloud, seed=seed, tolerances=tolerances, threads=threads,
-                    progress=_labelled(progress, f"corank {corank}: families"),
+                    cloud, known=None if known is None else [one for one in known if one.corank == corank], seed=seed,
+                    tolerances=tolerances, threads=threads, progress=_labelled(progress, f"corank {corank}: families"),
                 )
             )
         except KeyboardInterrupt:
             unfinished = corank
             break
-        if found[-1].summary.converged == 0:
+        if tables[-1].summary.converged == 0 and not any(one.corank > corank for one in known or ()):
             break
-    comparison = near = None
-    if unfinished is None:
-        found, comparison = join(
-            robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
-            progress=_prefixed(progress, "exact"),
-        )  # fmt: skip
-    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
+    if derivation is not None and derived is not None and unfinished is None:
+        derivation = _tested(derivation, derived, rank, tables, limits=limits)
+    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
     rows = tuple(posed(robot, resolved, row, rows) for row in rows)
+    near = None
     if unfinished is None and within is not None:
         near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip
@@ -267,14 +225,24 @@ def analyze(
         task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
         settings=Settings(seed, starts, limits, float(resolved.scale(robot)), tolerances, VERSION),
-        coranks=tuple(one.summary for one in found),
+        coranks=tuple(one.summary for one in tables),
         families=rows,
         complete=unfinished is None,
         unfinished=unfinished,
-        notes=_rank_notes(robot, resolved, rank),
-        exact=comparison,
+        notes=(*_rank_notes(robot, resolved, rank), *_mistakes(tables)),
+        exact=None if unfinished is not None else derivation,
         near=near,
     )
+
+
+def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
+    """What the searches took for singular and is not."""
+    return tuple(
+        f"corank {one.summary.corank}: {one.mistaken.points:,} points of the searches with "
+        f"σ ≤ {DEFAULT.singular:g} are not singular; computed with 50 digits σ has a minimum of "
+        f"{one.mistaken.sigma:.2g} there"
+        for one in tables if one.mistaken.points
+    )  # fmt: skip
 
 
 def _labelled(progress: Progress | None, label: str) -> Callable[[int, int], None] | None:

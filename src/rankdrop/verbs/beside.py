@@ -13,9 +13,9 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.compare.comparison import Side
+from rankdrop.exact.family import ExactFamily
 from rankdrop.family.equation import System
-from rankdrop.family.record import rescaled, slides_of
+from rankdrop.family.record import Family, rescaled, slides_of
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
@@ -30,6 +30,8 @@ from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
+
+Side = Family | ExactFamily
 
 POINTS = 200
 """Of each family, at most: σ is known to a few percent by then."""

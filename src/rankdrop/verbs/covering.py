@@ -30,8 +30,8 @@ from rankdrop.certify.covering import (
     write_covering,
 )
 from rankdrop.certify.enclosed import Batch, BudgetSpent
-from rankdrop.compare.covered import Explainer, spots
 from rankdrop.errors import OptionError
+from rankdrop.families.box_matching import Explainer, spots
 from rankdrop.family.record import Family
 from rankdrop.jobs import Engine, Job, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot

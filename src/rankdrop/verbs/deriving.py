@@ -13,7 +13,6 @@ from time import monotonic
 
 import numpy as np
 
-from rankdrop.compare.cloud import Cloud, cloud, explained
 from rankdrop.exact.algebra.roots import PRIMES
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
@@ -27,8 +26,9 @@ from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sig
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.families.cloud import Cloud, cloud, explained
 from rankdrop.families.table import posed
-from rankdrop.family.record import Check, Family, Sampled
+from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
@@ -97,15 +97,7 @@ def derived(
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> tuple[ExactFamily, ...]:
     """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.posed`."""
-    sampled = [
-        Family(
-            id=one.id, name=one.name, corank=one.corank, dimension=one.dimension, pinned=one.pinned(robot),
-            free=one.free, coupled=one.coupled, equations=one.equations, witness=one.witness,
-            lost_directions=np.empty((0, 6)), lost_words=one.lost_words,
-            evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
-        )
-        for one in families
-    ]  # fmt: skip
+    sampled = [one.as_family(robot) for one in families]
     shown = [posed(robot, task, one, sampled) for one in sampled]
     return tuple(
         replace(family, witness=one.witness, lost_words=one.lost_words)

@@ -26,7 +26,6 @@ FLOORS = {
     "local": 3, "problem": 3, "solve": 2,
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,
-    "compare": 6,
     "text": 7, "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
     "designs": 9,

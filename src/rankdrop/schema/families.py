@@ -13,7 +13,7 @@ from rankdrop.exact.writing.notation import Step
 from rankdrop.families.share import Near
 from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.equation import Term
-from rankdrop.family.record import CorankSummary, Unseen
+from rankdrop.family.record import Check, CorankSummary, Unseen
 from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 
 SETTINGS = table(
@@ -142,6 +142,7 @@ ANALYSIS_FILE = file(
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for"),
     ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about"),
 )
+RANK_CHECK = table("rank_check", of=Check, tested=(Count, "points tried"), agree=(Count, "how many have the rank"))
 CONDITIONS_SETTINGS = table(
     "conditions_settings",
     method=(str, "asked for, for corank 1"),
@@ -197,7 +198,7 @@ CONDITIONS_FAMILY = table(
     reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it"),
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
     lost_words=(many(str), "the same in words, one sentence each"),
-    rank_check=(NUMERIC, "rank modulo the prime 2^61 − 1 at random points of the family"),
+    rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family"),
 )
 ASSUMPTIONS = table("assumptions", of=Assumption)
 EXAMPLE = table(

@@ -20,12 +20,11 @@ from rankdrop.errors import ConfigurationError, OptionError, RobotError
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rankdrop.family import Side
     from rankdrop.results import Verdict
     from rankdrop.robot import Robot
     from rankdrop.sections import Section
     from rankdrop.task import Task
-    from rankdrop.verbs import Idealised, Nearby
+    from rankdrop.verbs import Idealised, Nearby, Side
 
 
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")

@@ -1,6 +1,7 @@
 from .beside import Here as Here
 from .beside import Idealised as Idealised
 from .beside import Nearby as Nearby
+from .beside import Side as Side
 from .beside import here as here
 from .beside import here_section as here_section
 from .beside import idealised as idealised

@@ -23,7 +23,6 @@ from rankdrop.designs.measure import measured
 from rankdrop.designs.outcome import Designs
 from rankdrop.designs.spec import Asks, Parameter, Spec, goals, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
-from rankdrop.families.residual import Memory
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array
@@ -120,7 +119,7 @@ def refined(spec: Spec, precision: float) -> Spec:
     given = {name: table for name in sampled if (table := getattr(spec.asks, name)) is not None}
     if not given:
         raise OptionError("nothing is sampled", where="precision", allowed="with [near] or [region]")
-    trial = measured(spec.drawing.nominal, spec.task, Asks(**given).to_dict(), Memory(), limits=spec.limits,
+    trial = measured(spec.drawing.nominal, spec.task, Asks(**given).to_dict(), None, limits=spec.limits,
                      seed=spec.seed)  # fmt: skip
     asks = {}
     for name, table in given.items():

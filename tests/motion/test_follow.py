@@ -66,7 +66,7 @@ def test_the_branch_ends_at_the_singularity_that_it_runs_into(rows: int) -> None
     found = follow(robot, out, q)
     assert not found.complete
     assert found.reason == "singular"
-    assert "σ2" in found.words
+    assert found.sigma < 1e-2
     reach = np.linalg.norm(robot.home[:2, 3])
     place = 1 + (rows - 1) * (reach - radius) / (np.linalg.norm(out[-1, :2, 3]) - radius)
     assert found.row == pytest.approx(place, abs=1e-4 * rows)
@@ -100,7 +100,7 @@ def test_limits_end_it_and_are_named() -> None:
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.9, 0.1], [0.5, -1.1, 1.3, 0.2, 0.8, 0.3], 21)
     found = follow(tight, pose(robot, q), q[0])
     assert (found.reason, found.complete) == ("limit", False)
-    assert robot.variables[0].name in found.words
+    assert found.joint == 1
     assert found.row == pytest.approx(11.0, abs=1e-4)
     assert follow(tight, pose(robot, q), q[0], limits=False).complete
 

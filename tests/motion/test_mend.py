@@ -213,7 +213,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     found = rankdrop.check_path(robot, q, t, velocities=v, accelerations=a, interpolate=how)
     assert found.verdict == "crossing"
     one = mend_path(found).remedies[0]
-    assert (one.kind, one.interpolate, one.check.settings.interpolate) == ("flip", how, how)
+    assert (one.kind, one.interpolate, one.check.options.interpolate) == ("flip", how, how)
     assert one.trajectory.velocities is not None
     assert (one.trajectory.accelerations is None) == (how == "cubic")
     assert one.off[0] < 1e-5

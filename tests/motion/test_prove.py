@@ -18,7 +18,7 @@ from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.meets import DETERMINANT, meetings, signs_at
+from rankdrop.motion.crossings import crossings, signs_at
 from rankdrop.motion.prove import Proof, Sliver, prove
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import DHRow, from_dh
@@ -165,7 +165,7 @@ def test_hundreds_of_random_paths_end_with_nothing_undecided(name: str, count: i
         path = curve(smooth(rng, robot.n, 500), np.linspace(0, 5, 500))
         proof = proven(robot, task, path)
         assert proof.complete
-        kinds += [one.kind for one in meetings(robot, task, path, proof.slivers, families, DEFAULT)]
+        kinds += [one.kind for one in crossings(robot, task, path, proof.slivers, families, DEFAULT)]
     assert set(kinds) <= {"crossing"}
     assert robot.n > 6 or len(kinds) > 5 * count
 
@@ -216,7 +216,7 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
         assert found.crossings[0].closest.place.time == pytest.approx(2.5, abs=1e-4)
     q, v, t = dip(-1e-7)
     found = check_path(robot, q, t, velocities=v, interpolate="cubic")
-    assert found.verdict == "free"
+    assert found.clear
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
 
 
@@ -297,9 +297,9 @@ def test_a_crossing_is_bracketed_by_the_determinant_alone() -> None:
     robot = open_robot("puma560")
     task = resolve_task(None, robot)
     path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
-    (one,) = meetings(robot, task, path, proven(robot, task, path).slivers, (), DEFAULT)
+    (one,) = crossings(robot, task, path, proven(robot, task, path).slivers, (), DEFAULT)
     (_, low), (_, high) = one.bracket
-    assert (one.kind, one.how) == ("crossing", DETERMINANT)
+    assert (one.kind, one.evidence) == ("crossing", "determinant")
     assert low < 4 / 9 < high
     assert high - low < 1e-9
 
@@ -315,7 +315,7 @@ def test_a_change_of_sign_where_nothing_is_singular_is_no_crossing() -> None:
     middle = np.array([0.3, 0.0, 0.4, 0.9, 0.3, 0.8, 0.2])
     path = curve(np.stack([middle - way, middle + way]), None)
     sliver = Sliver((0, 0), (0.3, 0.7), True)
-    (one,) = meetings(robot, task, path, [sliver], [wrong], DEFAULT)
+    (one,) = crossings(robot, task, path, [sliver], [wrong], DEFAULT)
     assert one.kind == "undecided"
 
 
@@ -325,7 +325,7 @@ def test_a_sliver_that_is_singular_at_one_place_only_does_not_lie_in_the_set() -
     for depth, kind in ((0.0, "touching"), (-3e-8, "undecided")):  # made by hand: it would be proven free
         q, v, t = dip(depth)
         path = curve(q, t, v, None, "cubic")
-        (one,) = meetings(robot, task, path, [Sliver((0, 0), (0.3, 0.7), True)], (), DEFAULT)
+        (one,) = crossings(robot, task, path, [Sliver((0, 0), (0.3, 0.7), True)], (), DEFAULT)
         assert (one.kind, one.lies) == (kind, False)
         assert one.at[1] == pytest.approx(0.5, abs=1e-3)
 
@@ -335,7 +335,7 @@ def test_a_zero_at_the_end_of_a_sliver_is_crossed(shares: tuple[float, float]) -
     """On one side of it there is no certain sign inside, and what lies outside is proven free."""
     robot = open_robot("planar3r")
     path = curve(np.array([[0.1, -0.5, 0.2], [0.3, 0.5, 0.4]]), None)
-    (one,) = meetings(robot, resolve_task(None, robot), path, [Sliver((0, 0), shares, True)], (), DEFAULT)
+    (one,) = crossings(robot, resolve_task(None, robot), path, [Sliver((0, 0), shares, True)], (), DEFAULT)
     assert one.kind == "crossing"
     assert (one.start[1], one.end[1]) == shares
 

@@ -78,7 +78,7 @@ def test_the_command_writes_rows_and_refuses_what_it_cannot(
     assert main.run(["path", "ur5", "a.npy", "--rows", "a.xlsx", "--quiet"]) == 2
     assert "--rows: the ending names no format; got a.xlsx; allowed: .parquet, .json, .csv" in capsys.readouterr().err
     assert main.run(["path", "ur5", "a.npy", "a.npy", "--rows", "b.csv", "--quiet"]) == 2
-    assert "--rows: rows are of one path" in capsys.readouterr().err
+    assert "--rows: this option is for one path" in capsys.readouterr().err
     with pytest.raises(OptionError, match="the ending names no format"):
         check_format("a.xlsx")
 

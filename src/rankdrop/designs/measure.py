@@ -41,8 +41,9 @@ from rankdrop.families.table import families
 from rankdrop.family.record import CorankFamilies, CorankSummary, Family, family_out_of_units
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.motion.cartesian import check_poses
-from rankdrop.motion.data import FREE
 from rankdrop.motion.inverse import Aim
+from rankdrop.motion.record import FREE
+from rankdrop.motion.text import why_ended
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
@@ -332,7 +333,7 @@ def _path(analysis: Analysis, name: str, given: Mapping[str, Any], limits: bool)
         "sigma": float(least.closest.sigma) if whole else None,
         "distance": finite(near) if whole else None,
         "q": least.closest.q.tolist(),
-        "why": "" if whole or judged.tool is None else judged.tool.words,
+        "why": "" if whole or judged.tool is None else why_ended(judged.tool, judged.robot),
     }
 
 

@@ -1,47 +1,47 @@
-"""`check_poses`: a tool path judged, poses or straight moves between them, through the arm's own inverse kinematics.
+"""`check_poses`: a tool path checked, poses or straight moves between them, through the arm's own inverse kinematics.
 
 The tip goes straight from pose to pose and turns about one axis, as a linear move of a controller does. Joint values
-are found pose by pose on one branch (`follow`), at places so close that the joints, going straight between them, keep
-the tip on its line; that joint path is judged as any other (`check_path`). Where the branch ends, the part up to there
-is judged, and why it ends is told.
+are solved along this curve on one branch (`follow`), at rows so close that the joints, going straight between them, are
+proven to keep the tip within a tolerance of the curve (`deviation`). That joint path is checked as any other
+(`check_path`), with the joint rates of the curve itself at both ends of every piece. Where the branch ends, the part up
+to there is checked.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.kinematics import check_robot, pose
+from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale, sampling_box
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.motion.check import EVALUATIONS, check_path
-from rankdrop.motion.data import FREE, UNDECIDED, Place, ToolMotion
-from rankdrop.motion.follow import Followed, between, follow
+from rankdrop.motion.check import check_curve
+from rankdrop.motion.curve import Curve, curve
+from rankdrop.motion.deviation import TipDeviation
+from rankdrop.motion.follow import Followed, follow, poses_at
 from rankdrop.motion.inverse import Aim, distinct
-from rankdrop.motion.result import PathCheck
+from rankdrop.motion.options import PathOptions
+from rankdrop.motion.record import PathCheck, ToolMotion
 from rankdrop.motion.trajectory import checked_times
+from rankdrop.options import takes
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import counted_length
 
 STARTS = 512
-"""Random configurations, and the one nearest to zero, that solutions at the first pose are sought from."""
-_APART, _TURN = 0.02, 0.05  # places of a first try: so far apart [reaches], [rad]
-_OFF = 1e-4  # the tip may leave its line by so much [reaches; rad]
-_ROUNDS = 7  # of halving where it leaves it farther
-_MOST = 200_000  # places
+"""Random configurations, and the one nearest to zero, that solutions at the first pose are searched from."""
 _SAME = 1e-4  # solutions nearer to each other are one [rad]
-_NAMED = 10  # meetings whose poses are told
 
 
+@takes(PathOptions)
 def check_poses(
     robot: Robot,
     poses: ArrayLike,
@@ -49,29 +49,26 @@ def check_poses(
     *,
     start: ArrayLike | None = None,
     task: Task | str | None = None,
-    min_distance: float = 0.0,
-    limits: bool = False,
     analysis: Analysis | None = None,
-    evaluations: int = EVALUATIONS,
-    length_scale: float | None = None,
+    options: PathOptions | None = None,
     tolerances: Tolerances = DEFAULT,
-    frame: str = "base",
     progress: Callable[[int, int], None] | None = None,
+    **given: Any,
 ) -> PathCheck:
-    """Judge a tool path: straight moves of the tip from pose to pose, on one branch of the inverse kinematics.
+    """Check a tool path: straight moves of the tip from pose to pose, on one branch of the inverse kinematics.
 
     Args:
         robot: the arm.
-        poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is not looked at.
+        poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is ignored.
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
-        start: (n,) configuration near the first pose: which branch; None: of the solutions found within the joint
-            limits the one nearest to q = 0, or to what the limits allow of it.
-        task, min_distance, limits, analysis, evaluations, length_scale, tolerances, frame, progress: as in
-            `check_path`; the arm itself never leaves its joint limits.
+        start: (n,) configuration near the first pose, which decides the branch; None: of the solutions found within the
+            joint limits the one nearest to q = 0, or to what the limits allow of it.
+        task, analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
 
     Returns:
-        The path in joint space, judged; `tool` says which branch was taken, how far it could be followed, why it ended,
-        and which pose each row is. One that ends early is never called free.
+        The path in joint space, checked; `tool` says which branch was taken, how far it could be followed, why it
+        ended, how near the tip is proven to stay to its curve, and which pose each row is. A path that ends early is
+        never free.
 
     Raises:
         ConfigurationError: poses, t or start have the wrong shape or are not finite, or the first pose is not reached.
@@ -82,34 +79,26 @@ def check_poses(
         >>> from rankdrop.robot.open import open_robot
         >>> arm = open_robot("ur5")
         >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
-        >>> found = check_poses(arm, ends, start=[0, -1, 1, 0.3, 0.8, 0])
-        >>> found.verdict, found.tool.complete, found.tool.poses
-        ('free', True, 2)
+        >>> check = check_poses(arm, ends, start=[0, -1, 1, 0.3, 0.8, 0])
+        >>> check.verdict.value, check.tool.complete, check.tool.poses, check.tool.off <= 1e-4
+        ('free', True, 2, True)
     """
     check_robot(robot)
+    how = PathOptions.of(options, given)
     wanted, times = _checked(poses, t)
-    resolved = resolve_task(task, robot, length_scale=length_scale)
-    first, chosen = _start(robot, wanted[0], resolved, start)
-    made = _Made(robot, wanted, resolved, first)
-    found = made.found
-    q, place = found.q, made.place[: len(found.q)]
-    if not found.complete:
-        reached = float(np.interp(found.row - 1.0, np.arange(len(made.place)), made.place))
-        if reached > place[-1]:
-            q, place = np.concatenate([q, found.last[None]]), np.append(place, reached)
-    when = None if times is None else np.interp(place, np.arange(len(wanted)), times)
-    judged = check_path(
-        robot, q, when, task=resolved, min_distance=min_distance, limits=limits, analysis=analysis,
-        evaluations=evaluations, tolerances=tolerances, frame=frame, progress=progress,
-    )  # fmt: skip
-    words = "" if found.complete else _why(robot, wanted, resolved, found, float(place[-1]))
-    place = place + 1.0
-    place.flags.writeable = False
+    resolved = resolve_task(task, robot)
+    first, solutions = _start(robot, wanted[0], resolved, start)
+    tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
+    branch = follow(robot, wanted, first, resolved, tolerance=tolerance)
+    away, turned = TipDeviation(Aim(robot, resolved)).bound(branch.q, poses_at(wanted, branch.place))
     tool = ToolMotion(
-        len(wanted), found.complete, float(place[-1]), found.reason, words, tuple(q[0].tolist()), chosen, place,
-        made.off,
+        len(wanted), branch.complete, float(branch.place[-1]) + 1.0, branch.reason, branch.joint, branch.sigma,
+        not branch.complete and _next_is_reachable(robot, wanted, branch, resolved), tuple(branch.q[0].tolist()),
+        solutions, robot.n > resolved.m, branch.place + 1.0, float(away.max(initial=0.0)),
+        float(turned.max(initial=0.0)),
     )  # fmt: skip
-    return _told(judged, tool)
+    path = _timed(robot, resolved, wanted, times, branch)
+    return replace(check_curve(robot, path, resolved, how, analysis, tolerances, progress, tool), rows=len(branch.q))
 
 
 def _checked(poses: ArrayLike, t: ArrayLike | None) -> tuple[Array, Array | None]:
@@ -151,107 +140,46 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     return distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
 
 
-def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, str]:
-    """A configuration at the first pose, and in words which."""
+def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, int]:
+    """A configuration at the first pose, and how many it was chosen from; 0: it was given."""
     if start is not None:
         given = np.asarray(start, dtype=np.float64)
         if given.shape != (robot.n,) or not np.isfinite(given).all():
             raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
                                      allowed=f"{robot.n} finite numbers")  # fmt: skip
-        found = follow(robot, goal[None], given, task)
-        if not found.complete:
-            raise ConfigurationError(f"pose 1 is not reached: {found.words}", where="start",
+        reached = follow(robot, goal[None], given, task)
+        if not reached.complete:
+            why = f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
+            raise ConfigurationError(f"pose 1 is not reached from this start: {why}", where="start",
                                      mend="a start nearer to it, or none")  # fmt: skip
-        return found.q[0], "of the start that was given"
-    found_ = within_limits(robot, goal, task)
-    if not len(found_):
+        return reached.q[0], 0
+    solutions = within_limits(robot, goal, task)
+    if not len(solutions):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
             got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
             typed="look at its units and its frame, or give --start",
         )  # fmt: skip
-    count = f"one of {len(found_)} found" if robot.n <= task.m else f"of {len(found_)} found, and there are more"
-    return found_[0], f"nearest to q = 0 ({count})"
+    return solutions[0], len(solutions)
 
 
-class _Made:
-    """The joint path of a tool path, at places close enough together.
-
-    Attributes:
-        place: (K,) poses counted from 0, with shares of the way.
-        found: what `follow` reached of them.
-        off: farthest that the tip leaves its line between two places [m].
-    """
-
-    def __init__(self, robot: Robot, poses: Array, task: Task, start: Array) -> None:
-        self._robot, self._poses, size = robot, poses, reach(robot) or 1.0
-        away = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / (_APART * size)
-        turn = orientation_coordinates(poses[1:, :3, :3] @ poses[:-1, :3, :3].swapaxes(1, 2), "rotvec")
-        parts = np.maximum(1, np.ceil(np.maximum(away, np.linalg.norm(turn, axis=1) / _TURN))).astype(np.int64)
-        self.off = 0.0
-        for _ in range(_ROUNDS):
-            self.place = _places(parts)
-            self.found = follow(robot, self._at(self.place), start, task)
-            off, self.off = self._leaves(task, size)
-            wide = np.zeros(len(parts), dtype=np.bool_)
-            wide[np.floor(self.place[: len(off)][off > _OFF]).astype(np.int64)] = True
-            if not wide.any() or int(parts.sum() + parts[wide].sum()) > _MOST:
-                break
-            parts = np.where(wide, 2 * parts, parts)
-
-    def _at(self, place: Array) -> Array:
-        """(K, 4, 4) poses at places."""
-        if len(self._poses) == 1:
-            return self._poses
-        k = np.clip(np.floor(place), 0, len(self._poses) - 2).astype(np.int64)
-        return between(self._poses[k], self._poses[k + 1], place - k)
-
-    def _leaves(self, task: Task, size: float) -> tuple[Array, float]:
-        """How far the tip is from its line half way between places: (K − 1,) of the larger of [reaches] and [rad] as
-        far as the task counts them, and the most in metres."""
-        q = self.found.q
-        if len(q) < 2:
-            return np.zeros(0), 0.0
-        now = pose(self._robot, (q[1:] + q[:-1]) / 2)
-        wanted = self._at((self.place[1 : len(q)] + self.place[: len(q) - 1]) / 2)
-        apart = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1) * (min(task.rows) < 3)
-        turn = orientation_coordinates(now[:, :3, :3] @ wanted[:, :3, :3].swapaxes(1, 2), "rotvec")
-        turned = np.linalg.norm(turn, axis=1) * ({3, 4, 5} <= set(task.rows))
-        return np.maximum(apart / size, turned), float(apart.max())
+def _next_is_reachable(robot: Robot, poses: Array, branch: Followed, task: Task) -> bool:
+    """Whether a configuration within the joint limits is found for the pose after the end of a branch."""
+    ahead = min(ceil(branch.place[-1] + 1e-9), len(poses) - 1)
+    return bool(len(within_limits(robot, poses[ahead], task)))
 
 
-def _places(parts: Array) -> Array:
-    """(K,) places: each way between two poses in so many parts."""
-    ways = [k + np.arange(int(n)) / int(n) for k, n in enumerate(parts)]
-    return np.concatenate([*ways, [float(len(parts))]])
-
-
-def _why(robot: Robot, poses: Array, task: Task, followed: Followed, place: float) -> str:
-    """Why the branch ends, poses counted as they were given; and whether the next pose is reached in another way."""
-    at = place + 1.0
-    words = re.sub(r"at pose [\d.]+", f"at pose {at:.5g}", followed.words)
-    ahead = min(ceil(place + 1e-9), len(poses) - 1)
-    if len(within_limits(robot, poses[ahead], task)):
-        return f"{words}; pose {ahead + 1} is within reach, by other configurations"
-    return f"{words}; pose {ahead + 1} is out of reach: no configuration within the joint limits was found for it"
-
-
-def _told(judged: PathCheck, tool: ToolMotion) -> PathCheck:
-    """The judgement with what is known of the tool path in its words."""
-    notes = [f"branch: {tool.chosen}"]
-    if tool.off > 0.0:
-        notes.append(f"the joints go straight between {len(tool.place)} rows; half way between two the tip is "
-                     f"{1e3 * tool.off:.3g} mm off its line at most")  # fmt: skip
-    notes += [
-        f"row {_number(one.closest.place)} is pose {tool.pose_at(one.closest.place):.6g}" for one in judged.crossings
-    ][:_NAMED]
-    verdict, sentence = judged.verdict, judged.sentence
-    if not tool.complete:
-        verdict = UNDECIDED if verdict == FREE else verdict
-        up = sentence[0].lower() + sentence[1:]
-        sentence = f"Cannot be followed beyond pose {tool.reached:.5g} of {tool.poses}: {tool.words}. Up to there {up}"
-    return replace(judged, verdict=verdict, sentence=sentence, notes=(*judged.notes, *notes), tool=tool)
-
-
-def _number(place: Place) -> str:
-    return f"{place.row}" if place.share == 0.0 else f"{place.row + place.share:.2f}"
+def _timed(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
+    """The joint path with its times, and with the joint rates J⁺ẋ that the curve needs at both ends of each piece."""
+    when = None if times is None else np.interp(branch.place, np.arange(len(poses)), times)
+    path = curve(branch.q, when)
+    if times is None or len(branch.q) < 2:
+        return path
+    way = np.minimum(np.floor(branch.place[:-1]).astype(np.int64), len(poses) - 2)
+    lasts = np.diff(times)[way][:, None]
+    move = (poses[way + 1, :3, 3] - poses[way, :3, 3]) / lasts
+    turn = poses[way + 1, :3, :3] @ poses[way, :3, :3].swapaxes(1, 2)
+    omega = orientation_coordinates(turn, "rotvec") / lasts
+    aim = Aim(robot, task)
+    ends = (np.abs(aim.rates(q, move, omega)) for q in (branch.q[:-1], branch.q[1:]))
+    return replace(path, speeds=np.maximum(*ends))

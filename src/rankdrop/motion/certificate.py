@@ -14,14 +14,14 @@ from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED
 from rankdrop.motion.curve import boxes, halves
-from rankdrop.motion.data import CROSSING as CROSSES
-from rankdrop.motion.data import FREE, Place, Stretch
 from rankdrop.motion.prove import box_tree, chosen
+from rankdrop.motion.record import CROSSING as CROSSES
+from rankdrop.motion.record import FREE, Place, Stretch
 from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
 from rankdrop.robot.model import Array, Robot
 
 if TYPE_CHECKING:
-    from rankdrop.motion.result import PathCheck
+    from rankdrop.motion.record import PathCheck
 
 EVALUATIONS = 500_000
 """Enclosures that the proof for near arms may cost."""
@@ -66,7 +66,7 @@ def path_certificate(
         "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(), "spans": spans,
     }  # fmt: skip
     if check.margin == "kept":
-        claim |= {"min_distance": check.settings.min_distance, "scale": setting.scale.tolist()}
+        claim |= {"min_distance": check.options.min_distance, "scale": setting.scale.tolist()}
     if file is not None:
         claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)

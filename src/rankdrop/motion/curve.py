@@ -6,7 +6,9 @@ points b_j, and halving it gives control points of each half (de Casteljau). Tha
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from math import comb
 
 import numpy as np
@@ -17,6 +19,7 @@ from rankdrop.robot.model import Array
 
 Index = NDArray[np.int64]
 
+_BATCH, _HALVINGS = 1024, 7  # curves whose bound is made tighter together, and how often each is halved
 INTERPOLATIONS = ("linear", "cubic", "quintic")
 """What a controller makes of samples: of positions, of velocities as well, of accelerations too."""
 
@@ -28,10 +31,13 @@ class Curve:
     Attributes:
         control: (T − 1, d + 1, n) Bernstein control points of each stretch, degree d = 1, 3 or 5 [rad, m].
         times: (T,) [s]; None where the path has none.
+        speeds: (T − 1, n) joint rates that a straight stretch stands for, where they are larger than its own: those of
+            the tool's curve at both ends [rad/s, m/s].
     """
 
     control: Array
     times: Array | None
+    speeds: Array | None = None
 
     @property
     def degree(self) -> int:
@@ -48,6 +54,16 @@ class Curve:
         """(N, n) derivative by the share: times 1/(duration of the stretch) the joint rates."""
         d = self.degree
         return d * Curve(np.diff(self.control, axis=1)[stretch], None).at(np.arange(len(stretch)), share)
+
+    @cached_property
+    def rates(self) -> Array | None:
+        """(T − 1, n) bounds on the joint rates of every stretch, exact for straight ones; None without times."""
+        if self.times is None:
+            return None
+        lasts = np.diff(self.times)[:, None]
+        steps = np.abs(np.diff(self.control, axis=1)).max(axis=1) * self.degree
+        rates = np.where(steps > 0.0, steps / np.where(lasts > 0.0, lasts, np.inf), 0.0)
+        return rates if self.speeds is None else np.maximum(rates, self.speeds)
 
     def time(self, stretch: Index, share: Array) -> Array | None:
         """(N,) times [s]."""
@@ -124,6 +140,26 @@ def halves(control: Array) -> Array:
         out[:, 0, j], out[:, 1, degree - j] = row[:, 0], row[:, -1]
         row = (row[:, :-1] + row[:, 1:]) / 2
     return out.reshape(2 * count, *control.shape[1:])
+
+
+def largest(control: Array, measure: Callable[[Array], Array], enough: float) -> tuple[Array, Array]:
+    """(P, n) each: the largest value that a convex measure of curves takes at points looked at, and a bound for it.
+
+    Args:
+        control: (P, d + 1, n) control points.
+        measure: of points (…, n), convex in each entry.
+        enough: the bound of a curve that is below it is not made tighter.
+    """
+    values = measure(control)
+    reached, bound = values[:, [0, -1]].max(axis=1), values.max(axis=1)
+    wide = np.flatnonzero(((bound > enough) & (bound > reached)).any(axis=1))
+    for part in (wide[i : i + _BATCH] for i in range(0, len(wide), _BATCH)):
+        pieces = control[part]
+        for _ in range(_HALVINGS):
+            pieces = halves(pieces)
+        values = measure(pieces).reshape(len(part), -1, *control.shape[1:])
+        bound[part], reached[part] = values.max(axis=(1, 2)), values[:, :, [0, -1]].max(axis=(1, 2))
+    return reached, bound
 
 
 def boxes(control: Array) -> tuple[Array, Array]:

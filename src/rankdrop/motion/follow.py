@@ -8,7 +8,8 @@ does. Predictor and corrector are Newton's method towards a pose a little furthe
 with the pseudo-inverse: a redundant arm makes the shortest step. A step counts only where the corrector has little left
 to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so that
 the branch is kept up to the singularity or the limit at which it ends. Poses passed over by a step are filled in from a
-straight guess between its ends, all at once, and polished to rounding.
+straight guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip
+is proven to stay within it of its curve while the joints go straight from row to row (`deviation`).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.motion.deviation import TipDeviation
 from rankdrop.motion.inverse import Aim, rotation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -33,9 +35,12 @@ Pull = Callable[[Array], Array]
 
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step that the corrector may add to the predictor
-_SHORTEST = 1e-6  # step at which the branch has ended [of the way between two poses]
+_SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
 _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
 _MOST = 4096  # poses passed over by one step
+_ROWS = 400_000  # at most
+_ROUNDS, _PARTS = 8, 64  # of putting rows in within one step, and of one piece in one round
+_SPARE = 1.1  # rows are put in for a bound so many times tighter
 _SMALL = 1e-2  # σ_r at the end of a branch below which a singularity is named as its reason
 
 
@@ -44,20 +49,24 @@ class Followed:
     """Joint values along a tool path.
 
     Attributes:
-        q: (K, n) configurations of the first K poses [rad, m]; angles run on, they are not wrapped.
+        q: (K, n) configurations at the places [rad, m]; angles run on, they are not wrapped.
+        place: (K,) poses reached, counted from 0; with a tolerance places between poses as well, as shares of the way.
         complete: every pose was reached.
         row: how far it got: number of the last pose reached, from 1, with the share of the way to the next.
         last: (n,) configuration there.
         reason: "" where complete, else "start", "singular", "limit" or "stuck".
-        words: the reason as a sentence.
+        joint: number of the joint at its limit, from 1; 0 for other reasons.
+        sigma: σ_r where it ended.
     """
 
     q: Array
+    place: Array
     complete: bool
     row: float
     last: Array
-    reason: str
-    words: str
+    reason: str = ""
+    joint: int = 0
+    sigma: float = np.inf
 
 
 def follow(
@@ -68,6 +77,7 @@ def follow(
     *,
     limits: bool = True,
     pull: Pull | None = None,
+    tolerance: tuple[float, float] | None = None,
 ) -> Followed:
     """Follow poses of the tip from a configuration at the first of them, on the branch of that configuration.
 
@@ -78,6 +88,8 @@ def follow(
         task: name, `Task`, or None for the task the arm is made for.
         limits: end at joint limits.
         pull: null-space motion of a redundant arm; None for the shortest motion.
+        tolerance: how far the tip may leave its curve between rows, proven: its place [m] and its turn [rad]; None:
+            rows at the poses alone.
 
     Returns:
         What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
@@ -100,7 +112,7 @@ def follow(
         raise ConfigurationError("poses are finite matrices, one for each moment", where="poses",
                                  got=f"shape {wanted.shape}", allowed="shape (T, 4, 4), T ≥ 1")  # fmt: skip
     first = one_configuration(robot, start)
-    return _Walk(robot, wanted, resolve_task(task, robot), limits, pull).run(first)
+    return _Walk(robot, wanted, resolve_task(task, robot), limits, pull, tolerance).run(first)
 
 
 def between(start: Array, end: Array, share: Array) -> Array:
@@ -117,6 +129,12 @@ def between(start: Array, end: Array, share: Array) -> Array:
     return made
 
 
+def poses_at(poses: Array, place: Array) -> Array:
+    """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
+    k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)
+    return between(poses[k], poses[np.minimum(k + 1, len(poses) - 1)], place - k)
+
+
 @dataclass(eq=False)
 class _Walk:
     """One tool path, followed once."""
@@ -126,38 +144,42 @@ class _Walk:
     task: Task
     limits: bool
     pull: Pull | None
+    tolerance: tuple[float, float] | None
 
     def __post_init__(self) -> None:
         self.aim = Aim(self.robot, self.task)
         self.low, self.high = self.robot.lower - 1e-9, self.robot.upper + 1e-9
+        self.tip = None if self.tolerance is None else TipDeviation(self.aim)
 
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
         found, arrived = self.aim.solve(self.poses[:1], start[None])
-        now = found[0]
+        now, none = found[0], np.zeros(0)
         if not arrived[0]:
-            return Followed(start[None][:0], False, 1.0, start, "start", "the start does not reach the first pose")
+            return Followed(start[None][:0], none, False, 1.0, start, "start")
         if (beyond := self._beyond(found)) >= 0:
-            words = f"{self._name(beyond)} starts beyond its limit"
-            return Followed(start[None][:0], False, 1.0, start, "limit", words)
+            return Followed(start[None][:0], none, False, 1.0, start, "limit", beyond + 1)
         count = len(self.poses)
-        rows, place, h, side = [found], 0.0, 1.0, self.aim.side(now)
+        rows, places = [found], [np.zeros(1)]
+        place, h, side, size = 0.0, 1.0, self.aim.side(now), 1
         tries = _TRIES[0] + _TRIES[1] * count
         while place < count - 1:
             ahead = self._next(place, h, count)
-            there = self._try(now, place, ahead, side)
-            stopped = -1 if there is None else self._beyond(there)
+            step = self._try(now, place, ahead, side)
+            stopped = -1 if step is None else self._beyond(step[1])
             tries -= 1
-            if there is None or stopped >= 0:
-                if h < _SHORTEST or tries < 0:
-                    return self._ended(rows, place, now, stopped)
+            if step is None or stopped >= 0:
+                if h < _SHORTEST or tries < 0 or size > _ROWS:
+                    return self._ended(rows, places, place, now, stopped)
                 h = (ahead - place) / 2
                 continue
-            whole = int(ahead) - int(place)  # poses reached by this step
-            if whole:
-                rows.append(there[:whole])
-            h, place, now = min(2.0 * (ahead - place), float(_MOST)), ahead, there[-1]
-        return Followed(np.concatenate(rows), True, float(count), now, "", "")
+            at, q = step
+            kept = slice(None) if self.tip is not None else at == np.floor(at)
+            rows.append(q[kept])
+            places.append(at[kept])
+            size += len(rows[-1])
+            h, place, now = min(2.0 * (ahead - place), float(_MOST)), ahead, q[-1]
+        return Followed(np.concatenate(rows), np.concatenate(places), True, float(count), now)
 
     @staticmethod
     def _next(place: float, h: float, count: int) -> float:
@@ -167,16 +189,9 @@ class _Walk:
             ahead = float(int(ahead + 1e-9))
         return min(ahead, count - 1.0)
 
-    def _at(self, place: float) -> Array:
-        """(4, 4) the pose at a place counted from 0."""
-        k = min(int(place), len(self.poses) - 1)
-        if place == k:
-            return np.asarray(self.poses[k])
-        return np.asarray(between(self.poses[k], self.poses[k + 1], np.array([place - k]))[0])
-
-    def _try(self, now: Array, place: float, ahead: float, side: float) -> Array | None:
-        """(K, n) configurations at the poses after `place` up to `ahead`, its own last; None: too long a step."""
-        target = self._at(ahead)[None]
+    def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
+        """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
+        target = poses_at(self.poses, np.array([ahead]))
         error = self.aim.error(target, now[None])
         if np.linalg.norm(error) > 1.0:  # Newton is not to be trusted so far
             return None
@@ -192,16 +207,33 @@ class _Walk:
         added = float(np.linalg.norm((end - guess) / self.aim.joints))
         if added > _BENT * first + 1e-9 or (self.aim.square and self.aim.side(end) != side):
             return None
-        inside = np.arange(int(place) + 1, int(np.ceil(ahead - 1e-12)))
-        if not len(inside):
-            return found
-        share = ((inside - place) / (ahead - place))[:, None]
-        line = now + share * (end - now)
-        filled, reached = self.aim.solve(self.poses[inside], line)
-        off = np.linalg.norm((filled - line) / self.aim.joints, axis=1)
-        if not reached.all() or (off > _BENT * first + 1e-9).any():
-            return None
-        return np.asarray(np.concatenate([filled, end[None]]))
+        at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
+        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9)
+
+    def _filled(self, at: Array, ends: Array, off: float) -> tuple[Array, Array] | None:
+        """Places and configurations of one step, solved from straight guesses, none farther than `off` from its guess.
+
+        With a tolerance more places are put in until the tip keeps it between all of them.
+        """
+        known, q = at[[0, -1]], ends
+        for _ in range(_ROUNDS):
+            line = np.stack([np.interp(at, known, column) for column in q.T], axis=1)
+            solved, reached = self.aim.solve(poses_at(self.poses, at), line)
+            apart = np.linalg.norm((solved - line) / self.aim.joints, axis=1)
+            if not reached.all() or (apart > off).any():
+                return None
+            solved[0], known, q = ends[0], at, solved
+            if self.tip is None or self.tolerance is None:
+                return at[1:], q[1:]
+            away, turned = self.tip.bound(q, poses_at(self.poses, at))
+            wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1])
+            if (wide <= 1.0).all():
+                return at[1:], q[1:]
+            parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
+            k = np.repeat(np.arange(len(parts)), parts)
+            share = (np.arange(len(k)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[k]
+            at = np.append(known[k] + share * (known[k + 1] - known[k]), known[-1])
+        return None
 
     def _pulled(self, now: Array, length: float) -> Array:
         """(n,) the part of the pull in the null space, for a step of some length."""
@@ -219,17 +251,7 @@ class _Walk:
         out = np.argwhere((q < self.low) | (q > self.high))
         return int(out[0, 1]) if len(out) else -1
 
-    def _ended(self, rows: list[Array], place: float, now: Array, joint: int) -> Followed:
+    def _ended(self, rows: list[Array], places: list[Array], place: float, now: Array, joint: int) -> Followed:
         sigma = float(singular_values(self.robot, now, self.aim.task)[self.aim.rank - 1])
-        at = f"at pose {place + 1:.6g}"
-        low = f"(σ{self.aim.rank} = {sigma:.1e} there)"
-        if joint >= 0:
-            reason, words = "limit", f"{self._name(joint)} reaches its limit {at}"
-        elif sigma <= _SMALL:
-            reason, words = "singular", f"the branch ends at a singularity {at} {low}"
-        else:
-            reason, words = "stuck", f"the corrector does not converge {at} {low}"
-        return Followed(np.concatenate(rows), False, place + 1.0, now, reason, words)
-
-    def _name(self, joint: int) -> str:
-        return f"joint {joint + 1} ({self.robot.variables[joint].name})"
+        reason = "limit" if joint >= 0 else "singular" if sigma <= _SMALL else "stuck"
+        return Followed(np.concatenate(rows), np.concatenate(places), False, place + 1.0, now, reason, joint + 1, sigma)

@@ -116,6 +116,15 @@ class Aim:
         shares = gains * (error[:, None, :] @ u[:, :, :count])[:, 0]
         return np.asarray((v[:, :, :count] @ shares[:, :, None])[:, :, 0] * self.joints)
 
+    def rates(self, q: Array, move: Array, omega: Array) -> Array:
+        """(N, n) joint rates J⁺ẋ that move the tip by `move` (N, 3) [m/s] and turn it by `omega` (N, 3) [rad/s]."""
+        here = _core.pose(self._chain, q)[:, :3, :3]
+        shift = move + np.cross(omega, here @ self.point)
+        both = np.stack([shift, omega], axis=1)
+        both = both @ here if self.with_tip else both
+        twist = np.concatenate([both[:, 0] / self.length, both[:, 1]], axis=1)[:, self.rows]
+        return self.step(q, twist)
+
     def solve(self, poses: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4)."""
         now, left = np.array(q, dtype=np.float64), np.arange(len(q))

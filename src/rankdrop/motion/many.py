@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from hashlib import file_digest, sha256
 from pathlib import Path
@@ -13,12 +12,12 @@ from rankdrop.errors import ConfigurationError, OptionError, RankdropError, Resu
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
-from rankdrop.motion.check import EVALUATIONS, check_path
-from rankdrop.motion.data import CROSSING, FREE, TOUCHING, VERDICTS
+from rankdrop.motion.check import check_path
 from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
-from rankdrop.motion.result import PathCheck
-from rankdrop.motion.trajectory import unit_hint
+from rankdrop.motion.options import FileReading, PathOptions
+from rankdrop.motion.pose_file import Poses, holds_poses, length_hint, read_poses
+from rankdrop.motion.record import CROSSING, FREE, TOUCHING, VERDICTS, PathCheck
+from rankdrop.motion.trajectory import Trajectory, unit_hint
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import Record, number_or_null, plain, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.explanation.words import short
@@ -33,32 +32,7 @@ _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
 
 
-@dataclass(frozen=True, slots=True)
-class HowJudged:
-    """How files are read and judged: what `read_trajectory`, `read_poses`, `check_path` and `check_poses` take.
-
-    Attributes:
-        deg: angles without a unit are in degrees.
-        interpolate: between samples; not for poses.
-        min_distance: to be kept from every singularity [rad; slides divided by the length scale].
-        limits: distances within the joint limits only.
-        evaluations: enclosures that a path may cost.
-        topic: of a bag.
-        start: configuration near the first pose [rad, m]; for files of poses.
-        frame: in whose axes lost motions are told.
-    """
-
-    deg: bool = False
-    interpolate: str = "linear"
-    min_distance: float = 0.0
-    limits: bool = False
-    evaluations: int = EVALUATIONS
-    topic: str | None = None
-    start: tuple[float, ...] | None = None
-    frame: str = "base"
-
-
-PLAINLY = HowJudged()
+PLAIN_READING, PLAIN_CHECK = FileReading(), PathOptions()
 
 
 def check_file(
@@ -67,66 +41,64 @@ def check_file(
     *,
     task: Task | None = None,
     analysis: Analysis | None = None,
-    how: HowJudged = PLAINLY,
+    options: PathOptions = PLAIN_CHECK,
+    reading: FileReading = PLAIN_READING,
     say: Callable[[str], None] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
-    """One file, read and judged: joint values, or poses of the tip.
+    """Check one file: joint values, or poses of the tip.
 
     Args:
-        robot, task, analysis: as for `check_path`.
+        robot, task, analysis, options: as for `check_path`.
         file: trajectory or poses.
-        how: it is read and judged.
-        say: told what a reader of the file should know: columns that are not used, angles in the wrong unit.
-        progress: told (stretches decided, stretches).
+        reading: how it is read.
+        say: called with what a reader of the file should know: columns that are ignored, angles in the wrong unit.
+        progress: called with (stretches decided, stretches).
 
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    tell = say or (lambda line: None)
-    if how.topic is None and holds_poses(file, robot):
-        return _check_poses(robot, file, task, analysis, how, tell, progress)
-    if how.start is not None:
+    poses = reading.topic is None and holds_poses(file, robot)
+    if not poses and reading.start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
-                          got=", ".join(f"{x:.6g}" for x in how.start))  # fmt: skip
-    read = read_trajectory(file, robot, deg=how.deg, topic=how.topic)
-    hint = unit_hint(read.q, robot, deg=how.deg)
-    if hint is not None:
-        tell(f"warning: {read.name}: {hint}{'' if how.deg else '; --deg reads them as degrees'}")
-    for note in read.notes:
-        tell(f"{read.name}: {note}")
-    if read.unused:
-        tell(f"{read.name}: not used: {', '.join(read.unused)}")
-    return check_path(
-        robot, read.q, read.times if read.timed else None, velocities=read.velocities,
-        accelerations=read.accelerations, interpolate=how.interpolate, task=task, min_distance=how.min_distance,
-        limits=how.limits, analysis=analysis, evaluations=how.evaluations, frame=how.frame, progress=progress,
-    )  # fmt: skip
-
-
-def _check_poses(
-    robot: Robot, file: Path, task: Task | None, analysis: Analysis | None, how: HowJudged,
-    tell: Callable[[str], None], progress: Callable[[int, int], None] | None,
-) -> PathCheck:  # fmt: skip
-    read = read_poses(file, deg=how.deg)
+                          got=", ".join(f"{x:.6g}" for x in reading.start))  # fmt: skip
+    read: Poses | Trajectory = read_poses(file, deg=reading.deg) if poses else read_trajectory(
+        file, robot, deg=reading.deg, topic=reading.topic
+    )
+    if say is not None:
+        for line in _remarks(read, robot, reading):
+            say(line)
+    if isinstance(read, Trajectory):
+        return check_path(
+            robot, read.q, read.times if read.timed else None, velocities=read.velocities,
+            accelerations=read.accelerations, task=task, analysis=analysis, options=options, progress=progress,
+        )  # fmt: skip
     asked = resolve_task(task, robot)
     if not read.turned and max(asked.rows) >= 3:
         raise TaskError("the file has positions alone, and the task wants orientations", got=asked.name,
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
-    hint = length_hint(read, reach(robot))
-    if hint is not None:
-        tell(f"warning: {read.name}: {hint}")
-    if read.unused:
-        tell(f"{read.name}: not used: {', '.join(read.unused)}")
     try:
-        return check_poses(
-            robot, read.matrices, read.times, start=how.start, task=task, min_distance=how.min_distance,
-            limits=how.limits, analysis=analysis, evaluations=how.evaluations, frame=how.frame, progress=progress,
-        )  # fmt: skip
+        return check_poses(robot, read.matrices, read.times, start=reading.start, task=task, analysis=analysis,
+                           options=options, progress=progress)  # fmt: skip
     except ConfigurationError as error:
         raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
                                  mend=error.mend, typed=error.typed) from error  # fmt: skip
+
+
+def _remarks(read: Trajectory | Poses, robot: Robot, reading: FileReading) -> Iterator[str]:
+    """What a reader of a file should know of it."""
+    if isinstance(read, Poses):
+        hint = length_hint(read, reach(robot))
+    else:
+        hint = unit_hint(read.q, robot, deg=reading.deg)
+        hint = hint and f"{hint}{'' if reading.deg else '; --deg reads them as degrees'}"
+    if hint is not None:
+        yield f"warning: {read.name}: {hint}"
+    if isinstance(read, Trajectory):
+        yield from (f"{read.name}: {note}" for note in read.notes)
+    if read.unused:
+        yield f"{read.name}: not used: {', '.join(read.unused)}"
 
 
 def check_files(
@@ -135,7 +107,8 @@ def check_files(
     *,
     task: Task | str | None = None,
     analysis: Analysis | None = None,
-    how: HowJudged = PLAINLY,
+    options: PathOptions = PLAIN_CHECK,
+    reading: FileReading = PLAIN_READING,
     out: str | Path | None = None,
     workers: int = 0,
     scheduler: str | None = None,
@@ -146,7 +119,7 @@ def check_files(
     Args:
         robot, task, analysis: as for `check_path`.
         files: trajectories, or poses of the tip (`check_file`).
-        how: they are read and judged.
+        options, reading: how they are checked and read.
         out: folder in which what is finished is kept, with a journal; the same call goes on there after an
             interruption of any kind, and ends with the same result. None: in memory.
         workers: local processes; 0 for one of every processor. The result does not depend on it.
@@ -168,7 +141,8 @@ def check_files(
         "robot": robot_to_dict(robot, there, generic_rank(robot, there)),
         "length_scale": there.length_scale,
         "analysis": None if analysis is None else analysis.to_dict(),
-        "how": plain(asdict(how)),
+        "options": plain(options),
+        "reading": plain(reading),
         "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
     }
     job = Job("paths", "rankdrop.motion.many:judge", plan, len(names), len(names))
@@ -207,8 +181,8 @@ def judge(plan: Record, chunk: int) -> bytes:
     robot, task, analysis = _asked(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
     said: list[str] = []
     try:
-        found = check_file(robot, Path(place), task=task, analysis=analysis, how=HowJudged(**plan["how"]),
-                           say=said.append)  # fmt: skip
+        found = check_file(robot, Path(place), task=task, analysis=analysis, say=said.append,
+                           options=PathOptions(**plan["options"]), reading=FileReading(**plan["reading"]))  # fmt: skip
     except RankdropError as error:
         sentence = error.on_command_line().replace(place, name)
         record = {"verdict": _BAD, "sentence": sentence, "rows": None, "free_share": None, "met": None,

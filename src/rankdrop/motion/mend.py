@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,14 +20,15 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.data import FREE, UNDECIDED, Stretch
 from rankdrop.motion.follow import follow
 from rankdrop.motion.mending import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Mending, Parameter, Remedy
+from rankdrop.motion.options import RemedyOptions
 from rankdrop.motion.others import Ranking, branches, null_spaces, shifts, tilts
-from rankdrop.motion.result import PathCheck
+from rankdrop.motion.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.tool_path import ToolPath, joints_at, tool_path
 from rankdrop.motion.trajectory import Trajectory
+from rankdrop.options import takes
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
 
@@ -128,15 +129,15 @@ _JUDGED = 4  # candidates of a kind that are judged, widest first
 _KEPT = 1e-9  # of a limit: above it by less is within it
 
 
+@takes(RemedyOptions)
 def mend_path(
     found: PathCheck,
     *,
     analysis: Analysis | None = None,
-    tool_tilt: float = 0.0,
-    base_shift: float = 0.0,
-    blend: float = 0.0,
     acceleration: ArrayLike | None = None,
+    options: RemedyOptions | None = None,
     progress: Progress | None = None,
+    **given: Any,
 ) -> Mending:
     """Remedies of a judged path: computed, and judged again as `check_path` judged the path itself.
 
@@ -155,11 +156,9 @@ def mend_path(
     Args:
         found: the judgement; its settings are those of the new ones.
         analysis: families, where `found` was judged with an analysis.
-        tool_tilt: largest angle that the tool may be tilted by [rad]; 0: not at all.
-        base_shift: largest way that the base may be moved [m]; 0: not at all.
-        blend: farthest that the tool point may leave the path where a corner is cut [m]; 0: none is cut.
         acceleration: () or (n,) limits [rad/s², m/s²]; None: none. Arms state none of their own.
-        progress: told the kind, and how much of it is done.
+        options: how far the path may be changed; its fields are taken as keywords as well.
+        progress: called with the kind, and how much of it is done.
 
     Returns:
         The remedies found, one of each kind at most, and for the other kinds what was tried.
@@ -174,12 +173,12 @@ def mend_path(
         >>> [(one.kind, one.check.verdict) for one in mended.remedies]
         [('blend', 'free')]
     """
-    _check(tool_tilt, base_shift, blend)
+    how = RemedyOptions.of(options, given)
     work = _Mender(found, analysis, _limits(found, acceleration), progress)
-    wants = {TILT: tool_tilt, SHIFT: base_shift, BLEND: blend}
-    needed = not found.holds or work.breaks(found)
+    wants = {TILT: how.tool_tilt, SHIFT: how.base_shift, BLEND: how.blend}
+    needed = not found.clear or work.breaks(found)
     try:
-        if not found.holds:
+        if not found.clear:
             work.path_kinds(wants)
         if work.breaks(found):
             work.in_new_time()
@@ -187,17 +186,6 @@ def mend_path(
         work.complete = False
     order = sorted(work.remedies, key=lambda one: KINDS.index(one.kind))
     return Mending(found, tuple(order), tuple(work.notes), needed, work.complete)
-
-
-def _check(tool_tilt: float, base_shift: float, blend: float) -> None:
-    allowed = (
-        ("tool_tilt", tool_tilt, np.pi, "from 0 to π [rad]"), ("base_shift", base_shift, np.inf, "from 0 up [m]"),
-        ("blend", blend, np.inf, "from 0 up [m]"),
-    )  # fmt: skip
-    for name, value, most, words in allowed:
-        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-        if not number or not isfinite(value) or not 0.0 <= value <= most:
-            raise OptionError("the bound is out of range", where=name, got=repr(value), allowed=words)
 
 
 def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
@@ -223,7 +211,7 @@ class _Mender:
 
     def __post_init__(self) -> None:
         self.scale = joint_scale(self.found.robot, self.found.task)
-        self.interpolate = self.found.settings.interpolate
+        self.interpolate = self.found.options.interpolate
 
     def breaks(self, check: PathCheck) -> bool:
         """Whether a path in time breaks a limit."""
@@ -268,7 +256,7 @@ class _Mender:
             plain = tool.trajectory(followed.q, self.interpolate)
             made, again = self._in_time(plain)
             check = self._judged(made)
-            if check.holds:
+            if check.clear:
                 self._add(kind, other.words, other.parameters, made, check, tool.deviation(plain, self.interpolate),
                           again=again)  # fmt: skip
                 return
@@ -285,7 +273,7 @@ class _Mender:
             tool = ToolPath(robot, self.found.task, path, one.place, one.q, np.zeros((0, 4, 4)), False)
             made, again = self._in_time(tool.trajectory(one.q, self.interpolate))
             check = self._judged(made)
-            if check.holds:
+            if check.clear:
                 corners = ", ".join(str(row) for row in one.rows)
                 words = f"the corner{'s' if len(one.rows) > 1 else ''} at row {corners} cut by a parabola"
                 parameters = (Parameter("radius", one.radius, "rad"), Parameter("tool off", one.off, "m"))
@@ -296,7 +284,7 @@ class _Mender:
 
     def _bad(self) -> list[Stretch]:
         bad = [one for one in self.found.stretches if one.verdict != FREE]
-        least = self.found.settings.min_distance
+        least = self.found.options.min_distance
         return bad or [one for one in self.found.stretches if one.closest.distance < least]
 
     def in_new_time(self) -> None:
@@ -329,12 +317,10 @@ class _Mender:
         return usage(path, *self.limits)
 
     def _judged(self, made: Trajectory) -> PathCheck:
-        settings = self.found.settings
         check = check_path(
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
-            accelerations=made.accelerations, interpolate=self.interpolate, task=self.found.task,
-            min_distance=settings.min_distance, limits=settings.limits, analysis=self.analysis,
-            evaluations=settings.evaluations, tolerances=settings.tolerances, frame=settings.frame,
+            accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
+            options=self.found.options, tolerances=self.found.tolerances,
         )  # fmt: skip
         if not check.complete:
             raise KeyboardInterrupt

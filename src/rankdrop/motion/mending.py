@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import degrees, isfinite, isnan
 from typing import Any
 
-from rankdrop.motion.result import PathCheck
+from rankdrop.motion.record import PathCheck
 from rankdrop.motion.retime import Usage
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.results.codec import number_or_null
@@ -107,7 +107,7 @@ class Mending:
     @property
     def best(self) -> Remedy | None:
         """The first that is proven free, in the order of `KINDS`; None where there is none."""
-        return next((one for one in self.remedies if one.check.holds), None)
+        return next((one for one in self.remedies if one.check.clear), None)
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text."""
@@ -122,8 +122,8 @@ class Mending:
         stopped = "" if self.complete else ", interrupted: not all kinds were tried"
         if not self.remedies:
             return f"Remedies: none was found{stopped}; that is no proof that there is none."
-        free = [one.kind for one in self.remedies if one.check.holds]
-        kept = [one.kind for one in self.remedies if not one.check.holds]
+        free = [one.kind for one in self.remedies if one.check.clear]
+        kept = [one.kind for one in self.remedies if not one.check.clear]
         parts = [f"{', '.join(free)} (judged again: free, proven)"] if free else []
         parts += [f"{', '.join(kept)} (limits kept; it still meets a singularity)"] if kept else []
         return f"Remedies: {'; '.join(parts)}{stopped}."

@@ -90,10 +90,9 @@ def along(place: Array, plan: Array) -> Run:
         off = np.linalg.norm((q - guess) / aim.joints, axis=1)
         good = arrived & (off <= _OFF) & _inside(tool, q)
         if good.all():
-            return Followed(q, True, float(len(q)), q[-1], "", "")
+            return Followed(q, tool.place, True, float(len(q)), q[-1])
         count = int(good.argmin())
-        words = "the planned path cannot be kept between its layers"
-        return Followed(q[:count], False, float(count), q[max(0, count - 1)], "stuck", words)
+        return Followed(q[:count], tool.place[:count], False, float(count), q[max(0, count - 1)], "stuck")
 
     return run
 

@@ -139,6 +139,7 @@ def prove(
     setting = chosen(robot, settings, path)
     work = _Spent(evaluations, len(path.control), progress)
     left = _runs(robot, setting, path, work)
+    work.tell(len(left))
     _halve(Along(robot, setting), _whole(path, left), work, singular)
     return Proof(tuple(_joined(work.left)), work.spent, setting, not work.interrupted)
 
@@ -153,17 +154,25 @@ def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
 
 def _runs(robot: Robot, setting: Setting, path: Curve, work: _Spent) -> Index:
     """Stretches that no box around a run of 2^k of them proves free."""
-    tree = box_tree(path)
-    nodes = np.zeros(1, dtype=np.int64)
-    for level in range(len(tree) - 1, 0, -1):
-        low, high = tree[level]
+
+    def free(low: Array, high: Array) -> NDArray[np.bool_]:
         try:
-            nodes = nodes[~_free(robot, setting, low[nodes], high[nodes], work)]
+            return _free(robot, setting, low, high, work)
         except KeyboardInterrupt:
             work.interrupted = True  # nothing more is afforded: what is open stays so
+            return np.zeros(len(low), dtype=np.bool_)
+
+    return stretches_left(path, free)
+
+
+def stretches_left(path: Curve, free: Callable[[Array, Array], NDArray[np.bool_]]) -> Index:
+    """Stretches that are in no box for which `free(lower, upper)` holds, of boxes around runs of 2^k, k ≥ 1."""
+    tree, nodes = box_tree(path), np.zeros(1, dtype=np.int64)
+    for level in range(len(tree) - 1, 0, -1):
+        low, high = tree[level]
+        nodes = nodes[~free(low[nodes], high[nodes])]
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]
-        work.tell(min(len(nodes) << (level - 1), work.stretches))
     return nodes
 
 

@@ -17,14 +17,15 @@ from rankdrop.families.anywhere import QUICK
 from rankdrop.families.measured import Ruler, at_least
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.motion.data import VERDICTS
-from rankdrop.motion.stretches import outer
+from rankdrop.motion.record import VERDICTS
+from rankdrop.motion.survey import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
 from rankdrop.units import heading, in_metres, into_metres, task_in_metres
+from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
-    from rankdrop.motion.result import PathCheck
+    from rankdrop.motion.record import PathCheck
 
 SCHEMA = "rankdrop/path-rows/1"
 FORMATS = (".parquet", ".json", ".csv")
@@ -71,11 +72,11 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     count = check.rows
     q = np.concatenate([curve.control[:, 0], curve.control[-1:, -1]])[:count]
     times = None if curve.times is None else curve.times[:count]
-    families, _ = known_families(robot, task, analysis, check.settings.tolerances)
+    families, _ = known_families(robot, task, analysis, check.tolerances)
     there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     known = families if there is robot else [family_in_metres(one, robot) for one in families]
-    near = outer(known, there, there_task, check.settings.tolerances)
-    ruler = Ruler(near, there, there_task, limits=check.settings.limits, starts=QUICK)
+    near = outer(known, there, there_task, check.tolerances)
+    ruler = Ruler(near, there, there_task, limits=check.options.limits, starts=QUICK)
     which, far = ruler.measure(moved, along=True).nearest()
     rank = generic_rank(there, there_task)
     sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
@@ -93,12 +94,12 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
         ("family_name", [near[k].name if k >= 0 else None for k in which.tolist()], "its name"),
         ("distance_rad", far, "to the nearest singular configuration known or found; slides by the length scale"),
         ("at_least_rad", at_least(there, moved, there_task), "no singular configuration is nearer: proven"),
-        ("sigma", sigma, f"σ{rank}, translation divided by {check.settings.length_scale:.6g} m"),
+        ("sigma", sigma, f"σ{rank}, translation divided by {check.length_scale:.6g} m"),
     ]
     if times is not None:
         parts.append(("speed_factor", factor, "largest, at most 1, that keeps the velocity limits on its stretch"))
     return PathRows({name: values for name, values, _ in parts}, {name: words for name, _, words in parts},
-                    robot.name, check.verdict, check.settings.version)  # fmt: skip
+                    robot.name, check.verdict, VERSION)  # fmt: skip
 
 
 def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:

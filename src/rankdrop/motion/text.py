@@ -1,78 +1,241 @@
-"""A judged path for people: the verdict first and last, the stretches between, worst first."""
+"""A checked path in words, made from its facts: five lines first, then crossings, with `full` free stretches and notes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from math import degrees, isfinite, isnan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, Place, Stretch
+from rankdrop.local.block import generic_rank
 from rankdrop.results.explanation.words import angle, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
+from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
-    from rankdrop.motion.result import PathCheck
+    from rankdrop.motion.record import PathCheck, Place, Stretch, ToolMotion, Violation
 
-SHOWN = 10
-"""Stretches that are printed unless all are asked for."""
+SHOWN = 3
+"""Crossings that are described unless all are asked for, and closest configurations of free stretches."""
+_AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
+_SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
+_LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
+_NAMED = 10  # crossings whose poses are noted
+
+_EVIDENCE = {
+    "covered": "enclosures cover all of it",
+    "determinant": "the determinant changes its sign",
+    "condition": "the condition {condition} = 0 changes its sign",
+    "singular throughout": "σ{rank} ≤ {limit:g} at every point of it that was evaluated",
+    "small sigma": "σ{rank} = {sigma:.1e}, within the tolerance {limit:g}, and no change of sign was detected",
+    "no enclosure": "no enclosure proves it free, and the smallest σ{rank} is {sigma:.1e}",
+    "unfinished": "the work ended before it was decided; the smallest σ{rank} that was evaluated is {sigma:.1e}",
+}  # fmt: skip
+_REMARKS = {
+    "degrees": "{0}",
+    "velocities": "velocities are given and not used: a controller that has them makes cubics of the samples",
+    "lost": "lost motions are described for the first {0[0]} of {0[1]} crossings",
+    "distances": "no families are known: distances are searched on {0[0]} of {0[1]} free stretches",
+    "no distance": "no distance is searched: {0}",
+    "distance open": "the distance to be kept could not be proven around row {0}",
+}
+_REASONS = {"singular": "the branch ends at a singularity", "stuck": "the solver does not converge there"}
+
+
+def evidence_words(stretch: Stretch, check: PathCheck) -> str:
+    """How the verdict of a stretch is known."""
+    rank = str(generic_rank(check.robot, check.task)).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    return _EVIDENCE[stretch.evidence].format(
+        condition=stretch.condition, rank=rank, sigma=stretch.closest.sigma, limit=check.tolerances.singular
+    )
+
+
+def branch_chosen(tool: ToolMotion) -> str:
+    """Which branch of the inverse kinematics a tool path takes."""
+    if not tool.solutions:
+        return "of the start that was given"
+    count = f"of {tool.solutions} found, and there are more" if tool.more else f"one of {tool.solutions} found"
+    return f"nearest to q = 0 ({count})"
+
+
+def why_ended(tool: ToolMotion, robot: Robot) -> str:
+    """Why a tool path cannot be followed any further; "" where it can."""
+    if tool.complete:
+        return ""
+    pose = f"at pose {tool.reached:.5g}"
+    reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})" if tool.reason in _REASONS else (
+        f"{_joint(robot, tool.joint)} reaches its limit {pose}"
+    )
+    ahead = f"pose {int(min(np.floor(tool.reached + 1e-9) + 1, tool.poses))}"
+    if tool.next_reachable:
+        return f"{reason}; {ahead} is within reach, by other configurations"
+    return f"{reason}; {ahead} is out of reach: no configuration within the joint limits was found for it"
+
+
+def sentence(check: PathCheck) -> str:
+    """The verdict: what the path does, worst first."""
+    if check.holds:
+        kept = f", and farther than {angle(check.options.min_distance)} from any" if check.margin == "kept" else ""
+        limits = "; joint limits and rates kept" if check.curve.times is not None else ""
+        return f"Free: proven for every point of the path{kept}{limits}."
+    parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
+    if check.clear:
+        parts.append("free of singularities (proven)")
+    words = "; ".join(parts)
+    words = f"{words[0].upper()}{words[1:]}."
+    if check.tool is not None and not check.tool.complete:
+        beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
+        return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
+    return words
+
+
+def _reached(check: PathCheck) -> Iterator[str]:
+    """Singularities that the path reaches or comes near to; the end of a branch."""
+    if check.tool is not None and not check.tool.complete:
+        yield "the branch ends"
+    for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
+        part = [one for one in check.crossings if one.verdict == kind]
+        if part:
+            times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
+            yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {_when(part[0].closest.place)}"
+    if check.margin == "violated" and not check.crossings:
+        yield f"comes nearer than {angle(check.options.min_distance)} to a singularity"
+
+
+def _violation(one: Violation, check: PathCheck) -> str:
+    joint = check.robot.variables[one.joint - 1]
+    if one.what == "rate":
+        near = ""
+        if isfinite(one.distance):
+            near = f", {short(degrees(one.distance), 2)}° from a singularity ({one.name})"
+        limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {_when(one.place)}{near}"
+        return f"not possible at the programmed speed: {limit}" if one.proven else (
+            f"the rate of joint {one.joint} could not be proven to keep its limit"
+        )
+    if not one.proven:
+        return f"{_joint(check.robot, one.joint)} could not be proven to keep its limits"
+    excess = motion(one.amount, joint.unit)
+    rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first" if one.rows else ""
+    return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {_when(one.place)}, by {excess} at most"
+
+
+def _open(check: PathCheck) -> Iterator[str]:
+    """What is not proven."""
+    if check.margin == "not proven":
+        yield f"a distance of {angle(check.options.min_distance)} could not be proven"
+    if any(one.verdict == "undecided" for one in check.stretches):
+        time = "" if check.undecided_time is None else f", {check.undecided_time:.3g} s"
+        yield f"{check.undecided_length:.3g} rad of it{time} undecided"
+    if not check.complete:
+        yield "interrupted"
+
+
+def summary(check: PathCheck) -> tuple[str, ...]:
+    """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
+    times = check.curve.times
+    lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
+    free = sum(one.verdict == "free" for one in check.stretches)
+    lines = [
+        sentence(check),
+        f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
+        f"is proven free, {free} stretch{'es' if free != 1 else ''}.",
+    ]
+    if not check.holds:
+        lines.append(f"Next: {_advice(check)}.")
+    near = min((one for one in check.stretches if isfinite(one.closest.distance)),
+               key=lambda one: one.closest.distance, default=None)  # fmt: skip
+    if near is not None:
+        name, far = near.name or "a singularity", near.closest.distance
+        where = f"{name}, at its end" if near.verdict == "free" and far < _LEADS else (
+            f"{name}, {angle(far)} away, {_when(near.closest.place)}" if near.verdict == "free" else
+            f"{name}, {_when(near.closest.place)}"
+        )  # fmt: skip
+        lines.append(f"Nearest singularity: {where}.")
+    source = "none known, found on the spot" if check.source == "on the spot" else f"from the {check.source}"
+    tip = ""
+    if check.tool is not None:
+        size = 1e3 / counted_length(check.robot)
+        tip = f"; the tip stays within {_up(size * check.tool.off)} mm and {_up(1e3 * check.tool.turned)} mrad"
+    cover = "1 enclosure covers" if check.evaluations == 1 else f"{check.evaluations:,} enclosures cover"
+    lines.append(f"Verified: {cover} it{tip}; families {source}.")
+    return tuple(lines)
+
+
+def _advice(check: PathCheck) -> str:
+    if not check.complete:
+        return "run the same command again"
+    if check.verdict == "too fast":
+        worst = max(one.amount for one in check.violations if one.what == "rate")
+        return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.verdict == "undecided":
+        return "a larger --evaluations may decide it"
+    return "--remedies computes changes that avoid it; --full prints every stretch"
+
+
+def free_words(check: PathCheck) -> str:
+    """The share that is proven free in per cent, never rounded up to the whole: a crossing is a point of it."""
+    words = f"{100 * check.free_share:.6g}"
+    all_of_it = check.free_share == 1.0 and not check.crossings
+    return "more than 99.9999 %" if words == "100" and not all_of_it else f"{words} %"
+
+
+def notes(check: PathCheck) -> tuple[str, ...]:
+    """Remarks; of a tool path its branch and the poses of its crossings."""
+    lines = [_REMARKS[kind].format(values) for kind, values in check.remarks]
+    if check.tool is not None:
+        places = [one.closest.place for one in check.crossings][:_NAMED]
+        lines += [f"branch: {branch_chosen(check.tool)}",
+                  *(f"row {_row(place)} is pose {check.tool.pose_at(place):.6g}" for place in places)]  # fmt: skip
+    return tuple(lines)
 
 
 def path_sections(check: PathCheck, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
-    """The verdict, what is met, the other stretches, notes, and the verdict again.
+    """The summary, crossings, with `full` the free stretches, and notes.
 
     Args:
         check: the path.
         deg: joint angles in degrees.
-        full: every stretch, not the ten worst.
+        full: every crossing and every free stretch.
     """
-    shown = check.stretches if full else check.stretches[:SHOWN]
-    tone = {FREE: "good", CROSSING: "bad", TOUCHING: "bad"}.get(check.verdict, "warning")
-    sections = [Section(check.sentence, tone=tone), _about(check)]
-    met = [one for one in shown if one.verdict != FREE]
-    if met:
-        sections.append(Section("Where it meets a singularity", lines=tuple(_met_lines(met, check, deg=deg))))
-    free = [one for one in shown if one.verdict == FREE]
-    if free:
+    tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
+    first, *others = summary(check)
+    scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
+    about = f"{check.robot.name}, {check.task.name}"
+    sections = [Section(first, lines=tuple(others), tone=tone)]
+    met = sorted((one for one in check.stretches if one.verdict != "free"), key=lambda one: one.start.position)
+    shown = met if full else met[:SHOWN]
+    if shown:
+        more = (f"and {len(met) - len(shown)} more: --full prints them",) if len(met) > len(shown) else ()
+        lines = (line for one in shown for line in _crossing_lines(one, check, deg=deg, full=full))
+        sections.append(Section("Singularities on the path", lines=(*lines, *more)))
+    free = [one for one in check.stretches if one.verdict == "free"]
+    if full and free:
         sections.append(_free_section(free, check, deg=deg))
-    left = len(check.stretches) - len(shown)
-    notes = tuple(check.notes)
-    if left:
-        notes += (f"{left} more stretch{'es' if left > 1 else ''}: with --full, or in the JSON",)
-    if notes:
-        sections.append(Section("Notes", lines=notes))
-    return (*sections, Section(check.sentence, tone=tone))
+    if full or check.notes:
+        sections.append(Section("Notes", lines=(*check.notes, *((f"{about}: {scale}",) if full else ()))))
+    return tuple(sections)
 
 
-def _about(check: PathCheck) -> Section:
-    times = check.curve.times
-    lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
-    lines = [
-        f"{check.rows} rows{lasts}, {check.settings.interpolate} between them; {check.free_words} of its length is "
-        f"proven free",
-        f"families: {'none known, found on the spot' if check.source == 'on the spot' else f'from the {check.source}'};"
-        f" distances in joint space [rad], σ with translation divided by {check.settings.length_scale:.4g} m",
-    ]
-    return Section(f"{check.robot.name}, {check.task.name}", lines=tuple(lines))
-
-
-def _met_lines(met: Iterable[Stretch], check: PathCheck, *, deg: bool) -> Iterable[str]:
-    for one in met:
-        verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
-        name = f"{one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
-        yield f"{verb} {name}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
-        yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
-        yield f"    how: {one.how}"
-        if one.verdict == UNDECIDED and isfinite(one.closest.distance):
-            yield f"    nearest singularity known: {angle(one.closest.distance)}"
-        for sentence in one.lost:
-            yield f"    the tool {sentence}"
-        if not isnan(one.null_share):
-            yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
-        if one.speed_factor < 1.0:
-            yield f"    {_slow(one, check.robot)}"
+def _crossing_lines(one: Stretch, check: PathCheck, *, deg: bool, full: bool) -> Iterable[str]:
+    verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
+    name = f"{one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
+    yield f"{verb} {name}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
+    yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
+    yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
+    if not full:
+        return
+    yield f"    how: {evidence_words(one, check)}"
+    if one.verdict == "undecided" and isfinite(one.closest.distance):
+        yield f"    nearest singularity known: {angle(one.closest.distance)}"
+    if not isnan(one.null_share):
+        yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
+    if one.speed_factor < 1.0:
+        joint = check.robot.variables[one.slowest - 1]
+        yield (f"    too fast for {joint.name}: {one.rates[one.slowest - 1]:.4g} {joint.unit}/s, its limit is "
+               f"{joint.velocity:.4g}; {one.speed_factor:.3g} of the speed keeps it")  # fmt: skip
 
 
 def _free_section(free: list[Stretch], check: PathCheck, *, deg: bool) -> Section:
@@ -85,22 +248,29 @@ def _free_section(free: list[Stretch], check: PathCheck, *, deg: bool) -> Sectio
         name = f"{one.name or '(not known)'}{f' [{one.family}]' if one.family else ''}"
         time = [f"{one.start.time:.4g} – {one.end.time:.4g}"] if timed else []
         speed = ["–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}"] if limited else []
-        rows.append((
-            name, f"{_row(one.start)} – {_row(one.end)}", *time, *_near(one),
-            "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
-        ))  # fmt: skip
+        leads = one.closest.distance < _LEADS
+        near = ("at its end", "→ 0") if leads else (_far(one.closest.distance), short(one.closest.sigma, 3))
+        weak = "–" if isnan(one.closest.weak) else _percent(one.closest.weak)
+        rows.append((name, f"{_row(one.start)} – {_row(one.end)}", *time, *near, weak, *speed))
     where = tuple(
         f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, check.robot)}: "
         f"{_joints(check.robot, one.closest.q, deg=deg)}"
-        for one in free[:3] if one.closest.distance >= LEADS
+        for one in free[:SHOWN] if one.closest.distance >= _LEADS
     )
-    notes: tuple[str, ...] = (
+    small: tuple[str, ...] = (
         "closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the tool's "
         "travel there along the direction that would be lost",
     )
     if limited:
-        notes += ("speed: factor that keeps the velocity limits",)
-    return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=notes)
+        small += ("speed: factor that keeps the velocity limits",)
+    return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=small)
+
+
+def _when(place: Place) -> str:
+    if place.time is not None:
+        return f"at {place.time:.4g} s"
+    near = min(place.share, 1.0 - place.share) < _AT_ROW
+    return f"at row {round(place.position)}" if near else f"between rows {place.row} and {place.row + 1}"
 
 
 def _span(stretch: Stretch) -> str:
@@ -114,16 +284,25 @@ def _span(stretch: Stretch) -> str:
     if start.time is None or end.time is None:
         return rows
     if end.time - start.time < 1e-4:
-        return f"{rows}, at {stretch.closest.place.time:.6f} s (± {short(max(end.time - start.time, 1e-12), 2)} s)"
+        return f"{rows}, at {stretch.closest.place.time:.6f} s (± {short(max(end.time - start.time, _SMALLEST), 2)} s)"
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
 
 
 def _row(place: Place) -> str:
-    return f"{round(place.row + place.share, 2):.12g}"
+    return f"{round(place.position, 2):.12g}"
 
 
 def _far(distance: float) -> str:
     return short(distance, 3) if isfinite(distance) else "?"
+
+
+def _up(value: float) -> str:
+    """Two digits, rounded up: what is printed is proven as well."""
+    return short(float(np.nextafter(value * 1.05, np.inf)), 2) if value > 0.0 else "0"
+
+
+def _joint(robot: Robot, number: int) -> str:
+    return f"joint {number} ({robot.variables[number - 1].name})"
 
 
 def _way(stretch: Stretch, robot: Robot) -> str:
@@ -137,23 +316,8 @@ def _way(stretch: Stretch, robot: Robot) -> str:
     return f" ({', '.join(parts)} away)"
 
 
-def _near(stretch: Stretch) -> tuple[str, str]:
-    """How near it comes and σ there; a stretch that ends at a singularity comes as near as one likes."""
-    if stretch.closest.distance < LEADS:
-        return "at its end", "→ 0"
-    return _far(stretch.closest.distance), short(stretch.closest.sigma, 3)
-
-
 def _percent(share: float) -> str:
     return "< 0.1 %" if 0.0 < share < 1e-3 else f"{short(100 * share, 3)} %"
-
-
-def _slow(stretch: Stretch, robot: Robot) -> str:
-    joint = robot.variables[stretch.slowest - 1]
-    return (
-        f"too fast for {joint.name}: {stretch.rates[stretch.slowest - 1]:.4g} {joint.unit}/s against "
-        f"{joint.velocity:.4g}; {stretch.speed_factor:.3g} of the speed keeps the limit"
-    )
 
 
 def _joints(robot: Robot, q: Array, *, deg: bool) -> str:

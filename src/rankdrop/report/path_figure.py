@@ -42,8 +42,8 @@ def path_figure(check: PathCheck) -> Figure:
         axes = drawn.add_subplot(len(panels), 1, k + 1)
         _colour(axes, check, legend=k == 0)
         axes.plot(x, values, color="black", lw=1.0)
-        if name == "distance [rad]" and check.settings.min_distance > 0.0:
-            axes.axhline(check.settings.min_distance, color="black", lw=0.7, ls=":")
+        if name == "distance [rad]" and check.options.min_distance > 0.0:
+            axes.axhline(check.options.min_distance, color="black", lw=0.7, ls=":")
         if name == "rate / limit":
             axes.axhline(1.0, color="black", lw=0.7, ls=":")
         axes.set_ylabel(name, fontsize=8)

@@ -9,11 +9,12 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
-from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
+from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch, free_words
 from rankdrop.report.data import LIVE, first_view, robot_data
 from rankdrop.report.page import whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html
+from rankdrop.version import VERSION
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
 INKS = {FREE: "--good", CROSSING: "--bad", TOUCHING: "--lost4", UNDECIDED: "--near", TOO_NEAR: "--near"}
@@ -31,9 +32,9 @@ def path_page(check: PathCheck) -> str:
     robot = check.robot
     css = "good" if check.holds else "bad"
     facts = [
-        ("rows", f"{check.rows:,}, {check.settings.interpolate} between them"),
-        ("proven free", f"{check.free_words} of its length"),
-        ("task", f"{check.task.name}, σ with lengths divided by {check.settings.length_scale:.4g} m"),
+        ("rows", f"{check.rows:,}, {check.options.interpolate} between them"),
+        ("proven free", f"{free_words(check)} of its length"),
+        ("task", f"{check.task.name}, σ with lengths divided by {check.length_scale:.4g} m"),
     ]
     if check.curve.times is not None:
         facts.insert(1, ("lasts", f"{check.curve.times[-1] - check.curve.times[0]:.6g} s"))
@@ -43,10 +44,10 @@ def path_page(check: PathCheck) -> str:
         f'<p class="{css}">{escape(check.sentence)}</p><dl class="facts">{cells}</dl></header>'
     )
     body = f'{header}<main>{_stage(check)}<section id="words"><h2>In words</h2>'
-    body += f'<div class="scroll words">{html(check.sections()[1:-1])}</div></section></main>'
+    body += f'<div class="scroll words">{html(check.sections(full=True)[1:])}</div></section></main>'
     return whole_page(
         f"{robot.name}: a path", body, _data(check), SCRIPTS, ("page.css", "player.css"),
-        version=check.settings.version,
+        version=VERSION,
     )  # fmt: skip
 
 
@@ -116,7 +117,7 @@ def _data(check: PathCheck) -> dict[str, Any]:
         "tip": [_listed(one) for one in np.atleast_3d(pose(robot, q))[:, :3, 3]],
         "at": _listed(at),
         "family": family,
-        "min_distance": check.settings.min_distance,
+        "min_distance": check.options.min_distance,
         "series": [
             {"name": name, "unit": unit, "values": _listed(values)}
             for name, unit, values in series if np.isfinite(values).any()

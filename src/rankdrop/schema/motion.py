@@ -8,6 +8,9 @@ from rankdrop.codec import Count, Positive, many, num, optional, row, some, tabl
 from rankdrop.exact.posture_changes import Decision
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 
+VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",
+                  "free"]
+"""Of a path, worst first."""
 ASPECTS_SETTINGS = table(
     "aspects_settings",
     poses=Positive,
@@ -66,7 +69,7 @@ PATH_ROWS_FILE = file(
     "Written by `rankdrop path --rows OUT.json`: a judged path row by row. The names of the columns end in their "
     "unit; null where there is no number.",
     robot=str,
-    verdict=Literal["free", "crossing", "touching", "too near", "undecided"],
+    verdict=VERDICT,
     version=str,
     columns=some(COLUMNS),
     rows=some(many(num("column") | str | None)),
@@ -80,7 +83,21 @@ PATH_SETTINGS = table(
     length_scale=num("m", gt=0),
     tolerances=TOLERANCES,
     version=str,
-    frame=(optional(Literal["base", "tool", "link"]), "in whose axes lost motions are told"),
+    frame=(optional(Literal["base", "tool", "link"]), "axes in which lost motions are reported"),
+    tip_tolerance=(optional(num("m", gt=0)), "within which the tip of a tool path is proven to stay to its curve"),
+    turn_tolerance=optional(num("rad", gt=0)),
+)
+VIOLATIONS = table(
+    "violations",
+    what=Literal["rate", "range"],
+    joint=Positive,
+    place=(num("row", ge=1), "where the rate is largest, or the first row outside the range"),
+    time=num("s") | None,
+    amount=(num("1", ge=0), "of a rate, a multiple of its limit; of a range, the largest excess [rad, m]"),
+    rows=(Count, "rows outside the range"),
+    proven=(bool, "the limit is exceeded; false: only a bound exceeds it"),
+    name=(str, "of the nearest family"),
+    distance=num("distance", ge=0) | None,
 )
 UNDECIDED = table("undecided", time=num("s", ge=0) | None, share=num("1", ge=0, le=1), length=num("distance", ge=0))
 PATH_CROSSINGS = table(
@@ -165,7 +182,7 @@ FOUND = table(
     words=str,
     parameters=many(PARAMETERS),
     gains=many(GAINS),
-    verdict=(Literal["free", "crossing", "touching", "too near", "undecided"],
+    verdict=(VERDICT,
         "of the mended path: free, but of retime, which keeps the path and is judged by its limits"),
     sentence=str,
     limits=(LIMITS | None, "shares of the limits that it nowhere exceeds; null without times or limits"),
@@ -192,7 +209,8 @@ TOOL = table(
     words=str,
     start=many(num("joint")),
     chosen=str,
-    off=num("m", ge=0),
+    off=(num("m", ge=0), "the tip is proven to stay within this distance of its curve"),
+    turned=(optional(num("rad", ge=0)), "and within this angle"),
 )
 PATH_FILE = file(
     "path",
@@ -201,11 +219,13 @@ PATH_FILE = file(
     robot=ROBOT,
     settings=PATH_SETTINGS,
     rows=Positive,
-    verdict=Literal["free", "crossing", "touching", "too near", "undecided"],
+    verdict=VERDICT,
     sentence=text(min_length=1),
+    summary=(optional(many(str)), "the lines that the command prints first"),
     free_share=(num("1", ge=0, le=1), "of the length in joint space, proven free"),
     undecided=UNDECIDED,
     min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for"),
+    violations=(optional(many(VIOLATIONS)), "joint limits that the path breaks, or may break"),
     crossings=many(PATH_CROSSINGS),
     stretches=many(STRETCHES),
     profile=(PROFILE, "numbers along the path, for drawings; family: index into ids"),
@@ -219,7 +239,7 @@ PATH_FILE = file(
 PATHS = table(
     "paths",
     file=str,
-    verdict=Literal["bad input", "free", "crossing", "touching", "too near", "undecided"],
+    verdict=VERDICT | Literal["bad input"],
     sentence=text(min_length=1),
     rows=Positive | None,
     free_share=num("1", ge=0, le=1.000001) | None,

@@ -1,10 +1,11 @@
-"""The parts of a path for people: where it meets a singularity, and between, which family is nearest and how near."""
+"""The stretches of a path: where it reaches a singularity, and between, which family is nearest and how near."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +21,22 @@ from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.local.screws import words
-from rankdrop.motion.curve import Curve, Index
-from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
-from rankdrop.motion.meets import Meeting
+from rankdrop.motion.crossings import Crossing
+from rankdrop.motion.curve import Curve, Index, largest
+from rankdrop.motion.options import PathOptions
+from rankdrop.motion.record import (
+    FREE,
+    LEADS,
+    UNDECIDED,
+    VERDICTS,
+    Closest,
+    Evidence,
+    Place,
+    Profile,
+    Remark,
+    Stretch,
+    Violation,
+)
 from rankdrop.results.explanation.parts import lost_seen_from
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -31,15 +45,15 @@ from rankdrop.units import counted_length, metre_exponent
 
 _PLACES = 400  # of the profile, evenly along the length; as many rows besides
 _ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
+_BEYOND, _KEPT = 1e-9, 1.0 + 1e-9  # beyond a range [rad, m], and of a rate limit: below it rounding
 _SPOTS = 12  # families that are named, and nearest points that are searched, without an atlas: some 0.1 s each
-_TOLD = 40  # meetings whose lost motions are told
+_LOST = 40  # crossings whose lost motions are worked out
 
 
 def _badness(stretch: Stretch) -> tuple[object, ...]:
-    """Worst first; free stretches that lead to a meeting say least and come last."""
-    order = {"crossing": 0, "touching": 1, "undecided": 2, FREE: 3}
+    """Worst first; free stretches that lead to a crossing say least and come last."""
     leads = stretch.verdict == FREE and stretch.closest.distance < LEADS
-    return order[stretch.verdict], leads, stretch.closest.distance, stretch.start.row, stretch.start.share
+    return VERDICTS.index(stretch.verdict), leads, stretch.closest.distance, stretch.start.row, stretch.start.share
 
 
 def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
@@ -59,8 +73,8 @@ class Survey:
         given: families as they are known, of `asked`.
         source: where they are from.
         asked: the arm as it was given.
-        settings: `limits` and the tolerances are read.
-        notes: what could not be told.
+        options, tolerances: how it is checked.
+        remarks: what could not be worked out.
         profile: numbers along the path, once `stretches` has been called.
     """
 
@@ -70,8 +84,9 @@ class Survey:
     given: Sequence[Family]
     source: str
     asked: Robot
-    settings: PathSettings
-    notes: tuple[str, ...] = ()
+    options: PathOptions
+    tolerances: Tolerances
+    remarks: tuple[tuple[Remark, Any], ...] = ()
     families: tuple[Family, ...] = ()
     _spots: list[tuple[Family, Array]] = field(default_factory=list)
 
@@ -83,19 +98,11 @@ class Survey:
         self._rank = generic_rank(self.robot, self.task)
         self._scale = joint_scale(self.robot, self.task)
         self._limits = rate_limits(self.robot)
-        self._rates = self._largest_rates()
-        self._near = outer(self.families, self.robot, self.task, self.settings.tolerances)
-        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.settings.limits, starts=QUICK)
+        self._rates = self.path.rates
+        self._near = outer(self.families, self.robot, self.task, self.tolerances)
+        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.options.limits, starts=QUICK)
         self._feet = np.empty((0, self.robot.n))
         self.profile = self._profile()
-
-    def _largest_rates(self) -> Array | None:
-        """(T − 1, n) a bound on the joint rates of each stretch: exact for straight ones."""
-        if self.path.times is None:
-            return None
-        steps = np.abs(np.diff(self.path.control, axis=1)).max(axis=1) * self.path.degree
-        lasts = np.diff(self.path.times)[:, None]
-        return np.where(steps > 0.0, steps / np.where(lasts > 0.0, lasts, np.inf), 0.0)
 
     def _profile(self) -> Profile:
         positions = self._positions()
@@ -105,11 +112,15 @@ class Survey:
         sigma = singular_values(self.robot, q, self.task)
         rates = np.full(len(q), np.nan)
         if self._rates is not None and np.isfinite(self._limits).any():
-            rates = (self._rates / self._limits).max(axis=1)[stretch]
+            rates = self._share_of_limit(self._rates).max(axis=1)[stretch]
         return Profile(
             positions + 1.0, self.path.time(stretch, share), distance, family,
             sigma[:, self._rank - 1] if self._rank else np.zeros(len(q)), rates, tuple(one.id for one in self._near),
         )  # fmt: skip
+
+    def _share_of_limit(self, rates: Array) -> Array:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(rates > 0.0, rates / self._limits, 0.0)
 
     def _positions(self) -> Array:
         """Places evenly along the length, and rows; counted in stretches from 0."""
@@ -136,19 +147,57 @@ class Survey:
         feet[rows] = found.foot[rows, family[rows]]
         return family, np.where(np.isfinite(least), least, np.nan), feet
 
-    def stretches(self, met: Sequence[Meeting]) -> tuple[Stretch, ...]:
+    def stretches(self, crossings: Sequence[Crossing]) -> tuple[Stretch, ...]:
         """All parts of the path, worst first: by verdict, then by distance."""
-        parts = [self._met(one, told=k < _TOLD) for k, one in enumerate(met)]
-        if len(met) > _TOLD:
-            self.notes = (*self.notes, f"what is lost is told at the first {_TOLD} of {len(met)} meetings only")
+        parts = [self._singular(one, with_lost=k < _LOST) for k, one in enumerate(crossings)]
+        if len(crossings) > _LOST:
+            self.remarks = (*self.remarks, (Remark.LOST_OF_SOME, (_LOST, len(crossings))))
         last = len(self.path.control) - 1
-        ends = [(0, 0.0), *(end for one in met for end in (one.start, one.end)), (last, 1.0)]
+        ends = [(0, 0.0), *(end for one in crossings for end in (one.start, one.end)), (last, 1.0)]
         gaps = [(ends[i], ends[i + 1]) for i in range(0, len(ends), 2)]
         free = [part for gap in gaps if self._position(gap[1]) > self._position(gap[0]) for part in self._split_up(gap)]
-        if not met and not free:  # the arm stands still in one place
+        if not crossings and not free:  # the arm stands still in one place
             free = [((0, 0.0), (last, 1.0), int(self.profile.family[0]), 0)]
         parts += self._free(free)
         return tuple(sorted(parts, key=_badness))
+
+    def violations(self) -> tuple[Violation, ...]:
+        """Joint limits that the path breaks, or may break: the worst rate, and every joint outside its range."""
+        robot, control = self.robot, self.path.control
+        over = [self._too_fast(self.path.times)] if self.path.times is not None else []
+        reached, bound = largest(control, lambda q: np.maximum(q - robot.upper, robot.lower - q), _BEYOND)
+        samples = np.concatenate([control[:, 0], control[-1:, -1]])
+        outside = (samples < robot.lower - _BEYOND) | (samples > robot.upper + _BEYOND)
+        for j in np.flatnonzero((bound > _BEYOND).any(axis=0)).tolist():
+            proven = bool((reached[:, j] > _BEYOND).any())
+            excess, rows = (reached if proven else bound)[:, j], np.flatnonzero(outside[:, j])
+            first = int(rows[0] if len(rows) else excess.argmax())
+            place = (first, 0.0) if first < len(control) else (first - 1, 1.0)
+            worst = float(excess.max())
+            over.append(Violation("range", j + 1, self._place_of(place), worst, len(rows), proven, "", np.inf))
+        return tuple(one for one in over if one is not None)
+
+    def _too_fast(self, times: Array) -> Violation | None:
+        """The largest rate as a multiple of its limit, where it exceeds it."""
+        if not np.isfinite(self._limits).any() or self._rates is None:
+            return None
+        bound = self._share_of_limit(self._rates)
+        reached = bound
+        if self.path.degree > 1:
+            steps = self.path.degree * np.diff(self.path.control, axis=1) / np.diff(times)[:, None, None]
+            reached, bound = largest(steps, lambda rate: self._share_of_limit(np.abs(rate)), _KEPT)
+        proven = bool((reached > _KEPT).any())
+        shares = reached if proven else bound
+        stretch, joint = np.unravel_index(int(shares.argmax()), shares.shape)
+        if shares[stretch, joint] <= _KEPT:
+            return None
+        place = (int(stretch), 0.5)
+        family, distance, _ = self._nearest(self.path.at(np.array([stretch]), np.array([0.5])))
+        known = family[0] >= 0
+        return Violation(
+            "rate", int(joint) + 1, self._place_of(place), float(shares[stretch, joint]), 0, proven,
+            self._near[family[0]].name if known else "", float(distance[0]) if known else np.inf,
+        )  # fmt: skip
 
     @staticmethod
     def _position(place: tuple[int, float]) -> float:
@@ -184,8 +233,7 @@ class Survey:
         without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
         searched = {k for _, k in without[:_SPOTS]}
         if len(without) > _SPOTS:
-            note = f"distances are searched on {_SPOTS} of {len(without)} free stretches: no families are known"
-            self.notes = (*self.notes, note)
+            self.remarks = (*self.remarks, (Remark.DISTANCE_OF_SOME, (_SPOTS, len(without))))
         for k, (start, end, family, row) in enumerate(parts):
             place = self._place(best[k])
             q = self.path.at(np.array([place[0]]), np.array([place[1]]))[0]
@@ -196,8 +244,9 @@ class Survey:
                 number, name = self._near[family].id, self._near[family].name
             elif k in searched:
                 number, name, foot, distance = self._searched(q)
-            closest = Closest(self._told(place), q, distance, foot, self._sigma(q), self._weak(place, q))
-            found.append(self._stretch(start, end, FREE, number, name, closest, 0, "enclosures cover all of it"))
+            closest = Closest(self._place_of(place), q, distance, foot, self._sigma(q), self._weak(place, q))
+            part = Crossing(FREE, start, end, (start, end), place, q, np.zeros(0), 0, False, Evidence.COVERED)
+            found.append(self._stretch(part, number, name, closest))
         return found
 
     def _zoomed(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> Array:
@@ -226,10 +275,10 @@ class Survey:
         """Name, foot and distance of the nearest singular configuration that a search finds."""
         try:
             nearest = nearest_singularity(
-                self.robot, q, self.task, limits=self.settings.limits, tolerances=self.settings.tolerances
+                self.robot, q, self.task, limits=self.options.limits, tolerances=self.tolerances
             )
         except RankdropError as error:
-            self.notes = (*self.notes, f"no distance is searched: {error.what}")
+            self.remarks = (*self.remarks, (Remark.NO_DISTANCE, error.what))
             return "", "", np.zeros(0), np.inf
         if nearest is None:
             return "", "", np.zeros(0), np.inf
@@ -237,53 +286,51 @@ class Survey:
         number, name = self._named(foot, nearest.corank)
         return number, name, foot, nearest.distance
 
-    def _met(self, meeting: Meeting, *, told: bool) -> Stretch:
+    def _singular(self, part: Crossing, *, with_lost: bool) -> Stretch:
         """A crossing, a touch, or a part that is undecided."""
         name, number, null = "", "", np.nan
         lost: tuple[str, ...] = ()
-        if meeting.corank:
-            number, name = self._named(meeting.q, meeting.corank)
-            null = self._null_share(meeting)
-            if told:
-                framed = lost_seen_from(self.robot, meeting.q, self.task, meeting.corank, self.settings.frame)
+        if part.corank:
+            number, name = self._named(part.q, part.corank)
+            null = self._null_share(part)
+            if with_lost:
+                framed = lost_seen_from(self.robot, part.q, self.task, part.corank, self.options.frame)
                 lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
-        distance, foot = 0.0, meeting.q
-        if meeting.kind == UNDECIDED:
-            family, far, feet = self._nearest(meeting.q[None])
+        distance, foot = 0.0, part.q
+        if part.kind == UNDECIDED:
+            family, far, feet = self._nearest(part.q[None])
             distance, foot = np.inf, np.zeros(0)
             if family[0] >= 0:
                 distance, foot = float(far[0]), feet[0]
                 number, name = self._near[family[0]].id, self._near[family[0]].name
         closest = Closest(
-            self._told(meeting.at), meeting.q, distance, foot, self._sigma(meeting.q), self._weak(meeting.at, meeting.q)
+            self._place_of(part.at), part.q, distance, foot, self._sigma(part.q), self._weak(part.at, part.q)
         )
-        return self._stretch(
-            meeting.start, meeting.end, meeting.kind, number, name, closest, meeting.corank, meeting.how,
-            lies=meeting.lies, lost=lost, null_share=null,
-            bracket=(self._told(meeting.bracket[0]), self._told(meeting.bracket[1])),
-        )  # fmt: skip
+        return self._stretch(part, number, name, closest, lost, null)
 
     def _stretch(
-        self, start: tuple[int, float], end: tuple[int, float], verdict: str, family: str, name: str, closest: Closest,
-        corank: int, how: str, *, lies: bool = False, lost: tuple[str, ...] = (), null_share: float = np.nan,
-        bracket: tuple[Place, Place] | None = None,
+        self, part: Crossing, family: str, name: str, closest: Closest, lost: tuple[str, ...] = (),
+        null_share: float = np.nan,
     ) -> Stretch:  # fmt: skip
         rates, factor, slowest = np.zeros(0), np.nan, 0
+        start, end = part.start, part.end
         if self._rates is not None:
             after = end[0] + (end[1] > 0.0 or end[0] == start[0])
             rates = self._rates[start[0] : max(after, start[0] + 1)].max(axis=0)
             if np.isfinite(self._limits).any():
-                room = np.where(rates > 0.0, self._limits / np.where(rates > 0.0, rates, 1.0), np.inf)
-                factor = float(min(1.0, room.min()))
-                slowest = int(room.argmin()) + 1 if room.min() < 1.0 else 0
+                shares = self._share_of_limit(rates)
+                factor = 1.0 / max(1.0, float(shares.max()))
+                slowest = int(shares.argmax()) + 1 if factor < 1.0 else 0
+        low, high = part.bracket
         return Stretch(
-            self._told(start), self._told(end), bracket or (self._told(start), self._told(end)), verdict, family,
-            name, closest, corank, lies, how, lost, float(null_share), rates, factor, slowest,
+            self._place_of(start), self._place_of(end), (self._place_of(low), self._place_of(high)), part.kind, family,
+            name, closest, part.corank, part.lies, part.evidence, part.condition, lost, null_share, rates, factor,
+            slowest,
         )  # fmt: skip
 
     def _named(self, q: Array, corank: int) -> tuple[str, str]:
         """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
-        tolerances = self.settings.tolerances
+        tolerances = self.tolerances
         found = families_at(self.families, self.robot, q, self.task, tolerances, self.source)
         if found and found[0].family.corank >= corank:
             family = found[0].family
@@ -301,7 +348,7 @@ class Survey:
         self._spots.append((local, q))
         return "", local.name
 
-    def _told(self, place: tuple[int, float]) -> Place:
+    def _place_of(self, place: tuple[int, float]) -> Place:
         """A place for people: the end of a stretch is the beginning of the next."""
         stretch, share = place
         time = self.path.time(np.array([stretch]), np.array([share]))
@@ -327,10 +374,10 @@ class Survey:
             return np.nan
         return float(abs(decompose(self.robot, q, self.task).u[:, self._rank - 1] @ travel) / size)
 
-    def _null_share(self, meeting: Meeting) -> float:
-        motion = self._travel(meeting.at)
+    def _null_share(self, part: Crossing) -> float:
+        motion = self._travel(part.at)
         size = float(np.linalg.norm(motion))
         if size == 0.0:
             return np.nan
-        still = decompose(self.robot, meeting.q, self.task).v[:, self._rank - meeting.corank : self._rank]
+        still = decompose(self.robot, part.q, self.task).v[:, self._rank - part.corank : self._rank]
         return float(np.linalg.norm(still.T @ motion) / size)

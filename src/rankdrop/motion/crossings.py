@@ -1,12 +1,8 @@
-"""What a sliver that is not proven free holds: a crossing, a touch, or nothing that can be told.
+"""Where a path crosses a singularity, from the slivers that are not proven free.
 
-Crossing, proven by the intermediate value theorem: a function that is continuous along the path has opposite signs at
-two points where its sign is beyond rounding. For as many joints as task rows the function is det J; for every family of
-one condition f, whatever the number of joints, it is f, whose zeros are singular; where no family is known, f is found
-around a configuration that is touched. Halving brackets the zero.
-
-Touching: σ_r is within the tolerance at a configuration of the path, without such a change of sign. That is a
-measurement: a path that passes at 1e-10, or crosses twice within as little, looks the same.
+Signs decide: where a determinant or a family's condition has opposite signs, beyond rounding, on both sides, the path
+crosses, by the intermediate value theorem. Where σ_r is within the tolerance and no sign changes it touches, which is
+a measurement: a path that passes at 1e-10, or crosses twice within as little, looks the same.
 """
 
 from __future__ import annotations
@@ -27,26 +23,25 @@ from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.prove import Sliver
+from rankdrop.motion.record import CROSSING, TOUCHING, UNDECIDED, Evidence, Verdict
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 
-CROSSING, TOUCHING, UNDECIDED = "crossing", "touching", "undecided"
-DETERMINANT = "the determinant changes its sign"
 _LOOKS = 65  # points of a sliver
 _DENSE = 1025  # points of a sliver that was not finished
 _CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of a determinant
 _CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
 _HALVINGS = 60
-_SAME = 1e-5  # zeros of two functions nearer to each other are one meeting: rounding blurs touching ones so far [rad]
+_SAME = 1e-5  # zeros of two functions nearer to each other are one crossing: rounding blurs touching ones so far [rad]
 _SPOTS = 12  # touched configurations around which a condition is looked for: some 0.1 s each
 _LYING = 1e-3  # slivers longer than this, singular wherever looked at, lie in the singular set [rad]
 
 
 @dataclass(frozen=True, eq=False)
-class Meeting:
-    """Where a path meets the singular set, or may.
+class Crossing:
+    """Where a path reaches the singular set, or may.
 
     Attributes:
         kind: "crossing", "touching" or "undecided".
@@ -57,10 +52,11 @@ class Meeting:
         sigma: (min(m, n),) singular values there [1].
         corank: at q, by the tolerance; 0 where undecided.
         lies: σ_r is zero within the tolerance wherever it was looked at from start to end, which are apart.
-        how: how it is known, in words.
+        evidence: how it is known.
+        condition: left-hand side of the condition that changes its sign; "" for other evidence.
     """
 
-    kind: str
+    kind: Verdict
     start: tuple[int, float]
     end: tuple[int, float]
     bracket: tuple[tuple[int, float], tuple[int, float]]
@@ -69,71 +65,70 @@ class Meeting:
     sigma: Array
     corank: int
     lies: bool
-    how: str
+    evidence: Evidence
+    condition: str = ""
 
 
 Signs = Callable[[Array], NDArray[np.int8]]
 """(N, n) configurations -> +1, −1, or 0 where rounding could have made the sign."""
+SignFunctions = dict[str, Signs]
+"""Left-hand side of a condition, "" for the determinant -> its signs; a change of sign proves a crossing."""
 
 
-def meetings(
+def crossings(
     robot: Robot, task: Task, path: Curve, slivers: Sequence[Sliver], families: Sequence[Family], tolerances: Tolerances
-) -> tuple[Meeting, ...]:
+) -> tuple[Crossing, ...]:
     """What every sliver holds, in order along the path.
 
     Args:
         robot, task: the arm and its task.
         path: the curve.
         slivers: from `prove`.
-        families: known ones; those of one condition in one equation tell crossings by its sign.
+        families: known ones; the sign of a single condition shows crossings.
         tolerances: `singular`.
     """
     functions = signs(robot, task, families)
-    found: list[Meeting] = []
+    every: list[Crossing] = []
     looks = _SPOTS
     for sliver in slivers:
         judge = _Judge(robot, task, path, sliver, functions, tolerances)
-        met = judge.meetings()
-        touched = [one for one in met if one.kind == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        part = judge.crossings()
+        touched = [one for one in part if one.kind == TOUCHING and one.corank == 1 and not one.lies][:looks]
         looks -= len(touched)
-        known = {how for how, _ in functions}
-        more = [one for one in signs_at(robot, task, [one.q for one in touched], tolerances) if one[0] not in known]
-        if more:
-            functions = functions + more
-            met = replace(judge, functions=functions).meetings()
-        found += met
-    return tuple(found)
+        more = signs_at(robot, task, [one.q for one in touched], tolerances)
+        if more.keys() - functions.keys():
+            functions = functions | more
+            part = replace(judge, functions=functions).crossings()
+        every += part
+    return tuple(every)
 
 
-def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[str, Signs]]:
-    """Functions whose change of sign proves a crossing, each with the words that say so."""
-    rank = generic_rank(robot, task)
-    found: list[tuple[str, Signs]] = []
-    if robot.n == task.m == rank:
-        found.append((DETERMINANT, _determinant(robot, task)))
+def signs(robot: Robot, task: Task, families: Sequence[Family]) -> SignFunctions:
+    """The determinant, and conditions of families of one condition that passed their test."""
+    square = robot.n == task.m == generic_rank(robot, task)
+    found: SignFunctions = {"": _determinant(robot, task)} if square else {}
     for family in families:
         if family.dimension == robot.n - 1 and len(family.equations) == 1 and family.soundness.holds:
-            found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
+            found[family.equations[0].text()] = _condition(family)
     return found
 
 
-def signs_at(robot: Robot, task: Task, there: Sequence[Array], tolerances: Tolerances) -> list[tuple[str, Signs]]:
+def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], tolerances: Tolerances) -> SignFunctions:
     """As `signs`, of families of one condition that no list has: through configurations (n,) of corank 1.
 
-    The condition is taken from the neighbourhood, and believed where random solutions of it, anywhere, are singular.
+    The condition is fitted to the neighbourhood, and used where random solutions of it, anywhere, are singular.
     """
-    found: list[tuple[str, Signs]] = []
+    found: SignFunctions = {}
     problem = Problem(robot, task, 1, tolerances)
-    for q in there:
+    for q in configurations:
         try:
             family = name_on_the_spot(robot, q, task, 1, fit=True, tolerances=tolerances)
         except RankdropError:  # rounding: singular to the tolerance and not to that of its neighbours
             continue
         if family.dimension == robot.n - 1 and len(family.equations) == 1:
             sound, _ = soundness(problem, family.system, 1, np.random.default_rng(0))
-            how = f"the condition {family.equations[0].text()} = 0 changes its sign"
-            if sound.holds and how not in {said for said, _ in found}:
-                found.append((how, _condition(family)))
+            if sound.holds:
+                found[family.equations[0].text()] = _condition(family)
     return found
 
 
@@ -165,38 +160,40 @@ class _Judge:
     task: Task
     path: Curve
     sliver: Sliver
-    functions: list[tuple[str, Signs]]
+    functions: SignFunctions
     tolerances: Tolerances
 
-    def meetings(self) -> list[Meeting]:
+    def crossings(self) -> list[Crossing]:
         places = self._places()
         q = self._at(places)
-        met: list[Meeting] = []
+        parts: list[Crossing] = []
         wide = self._widened(places)
-        there = self._at(wide)
-        for how, function in self.functions:
-            for low, high in self._brackets(wide, function(there), function):
-                met.append(self._crossing(low, high, how))
-        met = self._distinct(met)
+        samples = self._at(wide)
+        for condition, function in self.functions.items():
+            for low, high in self._brackets(wide, function(samples), function):
+                evidence = Evidence.CONDITION if condition else Evidence.DETERMINANT
+                crossing = self._part(CROSSING, low, high, (low + high) / 2, evidence)
+                parts.append(replace(crossing, condition=condition))
+        parts = self._distinct(parts)
         if not self.sliver.finished:
-            return self._between(met, places, q)
-        return self._spread(met) if met else [self._still(places, q)]
+            return self._between(parts, places, q)
+        return self._spread(parts) if parts else [self._still(places, q)]
 
-    def _spread(self, met: list[Meeting]) -> list[Meeting]:
+    def _spread(self, parts: list[Crossing]) -> list[Crossing]:
         """Crossings that share the sliver: none of it is proven free."""
         first, last = self.sliver.stretches
-        cuts = [(one.bracket[1], two.bracket[0]) for one, two in pairwise(met)]
+        cuts = [(one.bracket[1], two.bracket[0]) for one, two in pairwise(parts)]
         middles = [self._place((self._count(low) + self._count(high)) / 2) for low, high in cuts]
         ends = [(first, self.sliver.shares[0]), *middles, (last, self.sliver.shares[1])]
-        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(met)]
+        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(parts)]
 
-    def _between(self, met: list[Meeting], places: Array, q: Array) -> list[Meeting]:
+    def _between(self, parts: list[Crossing], places: Array, q: Array) -> list[Crossing]:
         """The work ended early: crossings that were seen, and the parts between them, undecided."""
         cuts = [float(places[0])]
-        for one in met:
+        for one in parts:
             cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
         cuts.append(float(places[-1]))
-        out = list(met)
+        out = list(parts)
         for low, high in zip(cuts[::2], cuts[1::2], strict=True):
             inside = (places >= low) & (places <= high)
             if high > low:
@@ -204,8 +201,8 @@ class _Judge:
                 out[-1] = replace(out[-1], start=self._place(low), end=self._place(high))
         return sorted(out, key=lambda one: (one.start, one.end))
 
-    def _unseen(self, low: float, high: float) -> Meeting:
-        return self._meeting(UNDECIDED, low, high, (low + high) / 2, "the work ended before it was decided")
+    def _unseen(self, low: float, high: float) -> Crossing:
+        return self._part(UNDECIDED, low, high, (low + high) / 2, Evidence.UNFINISHED)
 
     def _count(self, place: tuple[int, float]) -> float:
         return place[0] - self.sliver.stretches[0] + place[1]
@@ -259,53 +256,46 @@ class _Judge:
             active = active[found != 0]  # at the zero itself, as far as rounding tells
         return list(zip(low.tolist(), high.tolist(), strict=True))
 
-    def _crossing(self, low: float, high: float, how: str) -> Meeting:
-        return self._meeting(CROSSING, low, high, (low + high) / 2, how)
-
-    def _meeting(self, kind: str, low: float, high: float, at: float, how: str, *, lies: bool = False) -> Meeting:
+    def _part(self, kind: Verdict, low: float, high: float, at: float, evidence: Evidence) -> Crossing:
         q = self._at(np.array([at]))[0]
         sigma = singular_values(self.robot, q, self.task)
         rank = generic_rank(self.robot, self.task)
         corank = rank - int((sigma[:rank] > self.tolerances.singular).sum())
         q.flags.writeable = sigma.flags.writeable = False
         ends = self._place(low), self._place(high)
-        return Meeting(
+        return Crossing(
             kind, ends[0], ends[1], ends, self._place(at), q, sigma, 0 if kind == UNDECIDED else corank,
-            lies, how,
+            evidence is Evidence.SINGULAR_THROUGHOUT, evidence,
         )  # fmt: skip
 
-    def _distinct(self, met: list[Meeting]) -> list[Meeting]:
-        """One meeting for zeros of several functions at the same place; a zero where σ is not zero is none."""
+    def _distinct(self, parts: list[Crossing]) -> list[Crossing]:
+        """One crossing for zeros of several functions at the same place; a zero where σ is not zero is none."""
         scale = joint_scale(self.robot, self.task)
-        kept: list[Meeting] = []
-        for one in met:
-            others = [other for other in kept if other.how != one.how]
+        kept: list[Crossing] = []
+        for one in parts:
+            others = [other for other in kept if other.condition != one.condition]
             if one.corank and not any(np.linalg.norm((one.q - other.q) / scale) < _SAME for other in others):
                 kept.append(one)
         return sorted(kept, key=lambda one: one.at)
 
-    def _still(self, places: Array, q: Array) -> Meeting:
+    def _still(self, places: Array, q: Array) -> Crossing:
         """No change of sign: the point of least σ."""
         rank = generic_rank(self.robot, self.task)
         sigma = singular_values(self.robot, q, self.task)[:, rank - 1]
         length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
         limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
         if length > _LYING and bool((sigma <= limit).all()):
-            how = f"σ{_low(rank)} ≤ {limit:g} at each of {len(q)} points of it"
-            return self._meeting(TOUCHING, low, high, (low + high) / 2, how, lies=True)
+            return self._part(TOUCHING, low, high, (low + high) / 2, Evidence.SINGULAR_THROUGHOUT)
         at, least = self._least(places, sigma)
         if least <= limit:
-            how = f"σ{_low(rank)} = {least:.1e}, within the tolerance {limit:g}, and no change of sign is seen"
-            return self._meeting(TOUCHING, low, high, at, how)
-        how = f"no enclosure proves it free, and σ{_low(rank)} is {least:.1e} at least"
-        return self._meeting(UNDECIDED, low, high, at, how)
+            return self._part(TOUCHING, low, high, at, Evidence.SMALL_SIGMA)
+        return self._part(UNDECIDED, low, high, at, Evidence.NO_ENCLOSURE)
 
-    def _open(self, places: Array, q: Array) -> Meeting:
+    def _open(self, places: Array, q: Array) -> Crossing:
         """The work ended before the sliver was narrow."""
         rank = generic_rank(self.robot, self.task)
-        at, least = self._least(places, singular_values(self.robot, q, self.task)[:, rank - 1])
-        how = f"the work ended before it was decided; σ{_low(rank)} is {least:.1e} at least where it was looked at"
-        return self._meeting(UNDECIDED, float(places[0]), float(places[-1]), at, how)
+        at, _ = self._least(places, singular_values(self.robot, q, self.task)[:, rank - 1])
+        return self._part(UNDECIDED, float(places[0]), float(places[-1]), at, Evidence.UNFINISHED)
 
     def _least(self, places: Array, sigma: Array) -> tuple[float, float]:
         """The place of least σ, zoomed in around the least sample."""
@@ -321,7 +311,3 @@ class _Judge:
                 best, least = float(near[k]), float(values[k])
             low, high = float(near[max(k - 1, 0)]), float(near[min(k + 1, 8)])
         return best, least
-
-
-def _low(rank: int) -> str:
-    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(rank))

@@ -1,0 +1,392 @@
+"""A checked path as data: what was asked, the verdict, every stretch, the limits it breaks, and its profile.
+
+Facts alone; their sentences are made in `motion.text`. As plain data the record has the names of docs/json.md;
+rows and joints are numbered from 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from rankdrop.local.block import generic_rank
+from rankdrop.motion import text
+from rankdrop.motion.curve import Curve, Index
+from rankdrop.motion.options import PathOptions
+from rankdrop.results.codec import Record, plain, robot_to_dict
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section, html
+from rankdrop.sections import text as plain_text
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+from rankdrop.units import heading
+from rankdrop.version import VERSION
+
+LEADS = 1e-6
+"""A free stretch that comes nearer than this leads to a crossing at one of its ends [rad]."""
+
+
+class Verdict(StrEnum):
+    """What is known of a path; of a stretch: free, crossing, touching or undecided. Worst first."""
+
+    CROSSING = "crossing"
+    TOUCHING = "touching"
+    NOT_FOLLOWED = "cannot be followed"
+    OUTSIDE = "outside limits"
+    TOO_FAST = "too fast"
+    TOO_NEAR = "too near"
+    UNDECIDED = "undecided"
+    FREE = "free"
+
+
+CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE = VERDICTS = tuple(Verdict)
+
+
+class Evidence(StrEnum):
+    """How the verdict of a stretch is known."""
+
+    COVERED = "covered"
+    DETERMINANT = "determinant"
+    CONDITION = "condition"
+    SINGULAR_THROUGHOUT = "singular throughout"
+    SMALL_SIGMA = "small sigma"
+    NO_ENCLOSURE = "no enclosure"
+    UNFINISHED = "unfinished"
+
+
+class Remark(StrEnum):
+    """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
+
+    LOOKS_LIKE_DEGREES = "degrees"
+    VELOCITIES_UNUSED = "velocities"
+    LOST_OF_SOME = "lost"
+    DISTANCE_OF_SOME = "distances"
+    NO_DISTANCE = "no distance"
+    DISTANCE_OPEN = "distance open"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A point of a path.
+
+    Attributes:
+        row: number of the sample before it, from 1.
+        share: of the way to the next sample, 0 … 1.
+        time: [s]; None without times.
+    """
+
+    row: int
+    share: float
+    time: float | None
+
+    @property
+    def position(self) -> float:
+        """Row with the share of the way to the next as a fraction."""
+        return self.row + self.share
+
+
+@dataclass(frozen=True, eq=False)
+class Closest:
+    """Where a stretch is nearest to a singularity.
+
+    Attributes:
+        place: on the path.
+        q: (n,) configuration there [rad, m].
+        distance: to the nearest configuration known or found [rad; slides divided by the length scale]; 0 at a
+            singularity, inf where none is known.
+        foot: (n,) that configuration; empty where none is known.
+        sigma: σ_r there [1].
+        weak: share of the tool's travel there that goes along the direction of σ_r, the one that is lost first, 0 … 1;
+            nan where the tool stands still.
+    """
+
+    place: Place
+    q: Array
+    distance: float
+    foot: Array
+    sigma: float
+    weak: float
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A part of a path with one verdict and one nearest family.
+
+    Attributes:
+        start, end: its ends.
+        bracket: two places inside, a zero between them where it is a crossing; its ends on a free stretch.
+        verdict: free (proven), crossing, touching or undecided.
+        family: id of the family crossed or nearest; "" where there is none.
+        name: of that family.
+        closest: where it is nearest to a singularity; where it reaches one, the configuration.
+        corank: of the singularity reached; 0 on a free stretch.
+        lies: all of it is singular, as far as it was evaluated.
+        evidence: how the verdict is known.
+        condition: left-hand side of the condition that changes its sign; "" for other evidence.
+        lost: what is lost where it reaches a singularity.
+        null_share: share of the joints' motion there that does not move the task, 0 … 1; nan on a free stretch.
+        rates: (n,) largest joint rates of the commanded motion [rad/s, m/s]; empty without times.
+        speed_factor: largest factor, at most 1, that brings them within the velocity limits; nan where there are no
+            times or no limits.
+        slowest: number from 1 of the joint that decides it; 0 where none does.
+    """
+
+    start: Place
+    end: Place
+    bracket: tuple[Place, Place]
+    verdict: Verdict
+    family: str
+    name: str
+    closest: Closest
+    corank: int
+    lies: bool
+    evidence: Evidence
+    condition: str
+    lost: tuple[str, ...]
+    null_share: float
+    rates: Array
+    speed_factor: float
+    slowest: int
+
+
+@dataclass(frozen=True, eq=False)
+class Violation:
+    """A joint limit that a path breaks.
+
+    Attributes:
+        what: "rate" or "range" (of the joint's values).
+        joint: number from 1.
+        place: where the rate is largest, or the first row outside the range.
+        amount: the rate as a multiple of its limit [1], or the largest excess over the range [rad, m].
+        rows: number of rows outside the range; 0 for a rate.
+        proven: the limit is exceeded; False: only a bound exceeds it.
+        name: of the family nearest to that place; "" where none is known.
+        distance: to it [rad; slides divided by the length scale]; inf where none is known.
+    """
+
+    what: str
+    joint: int
+    place: Place
+    amount: float
+    rows: int
+    proven: bool
+    name: str
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Numbers along the path, at places close enough to draw.
+
+    Attributes:
+        position: (P,) rows, from 1, with fractions.
+        time: (P,) [s]; None without times.
+        distance: (P,) to the nearest known family; nan where none is known.
+        family: (P,) index into `ids` of that family; −1 where none is known.
+        sigma: (P,) σ_r.
+        rates: (P,) largest share of a velocity limit that the commanded motion needs; nan without.
+        ids: of the families.
+    """
+
+    position: Array
+    time: Array | None
+    distance: Array
+    family: Index
+    sigma: Array
+    rates: Array
+    ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ToolMotion:
+    """A path that was given by poses of the tip, and how its joint values were found.
+
+    Attributes:
+        poses: how many were given.
+        complete: all of them were reached.
+        reached: number of the last pose reached, from 1, with the share of the way to the next.
+        reason: why it ended: "" where complete, else "singular", "limit" or "stuck".
+        joint: number of the joint that reaches its limit; 0 for other reasons.
+        sigma: σ_r where it ended [1].
+        next_reachable: a configuration within the joint limits was found for the pose after the end.
+        start: (n,) configuration at the first pose.
+        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
+        more: the arm is redundant, so that there are more.
+        place: (rows,) pose of each row, from 1, with shares.
+        off: the tip stays within this distance of its curve, proven [m].
+        turned: … and within this angle, as far as the task asks for orientations [rad].
+    """
+
+    poses: int
+    complete: bool
+    reached: float
+    reason: str
+    joint: int
+    sigma: float
+    next_reachable: bool
+    start: tuple[float, ...]
+    solutions: int
+    more: bool
+    place: Array
+    off: float
+    turned: float
+
+    def pose_at(self, place: Place) -> float:
+        """Number of the pose at a place of the path, with the share of the way to the next."""
+        return float(np.interp(place.position - 1, np.arange(len(self.place)), self.place))
+
+
+@dataclass(frozen=True, eq=False)
+class PathCheck:
+    """A checked path.
+
+    Attributes:
+        robot, task: the arm and its task, its length scale worked out.
+        curve: the path.
+        rows: number of samples.
+        options: how it was checked.
+        tolerances: `singular` decides what counts as touching.
+        verdict: of the whole path.
+        stretches: all parts, worst first.
+        violations: joint limits that it breaks, worst first.
+        free_share: of the length in joint space, proven free.
+        undecided_share, undecided_length, undecided_time: what is undecided: share of the length, length [rad], and
+            time [s; None without times].
+        margin: what is known of `min_distance`: "kept" (proven), "violated" (a nearer singular configuration was
+            found), "not proven"; None where none was asked for.
+        evaluations: enclosures spent.
+        source: where the families are from: "catalogue", "analysis" or "on the spot".
+        remarks: what a reader should know.
+        complete: False where it was interrupted.
+        profile: for drawings.
+        tool: how joint values were found, where poses of the tip were given; else None.
+    """
+
+    robot: Robot
+    task: Task
+    curve: Curve
+    rows: int
+    options: PathOptions
+    tolerances: Tolerances
+    verdict: Verdict
+    stretches: tuple[Stretch, ...]
+    violations: tuple[Violation, ...]
+    free_share: float
+    undecided_share: float
+    undecided_length: float
+    undecided_time: float | None
+    margin: str | None
+    evaluations: int
+    source: str
+    remarks: tuple[tuple[Remark, Any], ...]
+    complete: bool
+    profile: Profile
+    tool: ToolMotion | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Proven free, the distance asked for proven to be kept, and every joint limit kept."""
+        return self.verdict == FREE and self.complete
+
+    @property
+    def clear(self) -> bool:
+        """Proven free of singularities, and the distance asked for proven to be kept, whatever joint limits say."""
+        met = any(one.verdict != FREE for one in self.stretches)
+        return self.complete and not met and self.margin in (None, "kept") and (self.tool is None or self.tool.complete)
+
+    @property
+    def length_scale(self) -> float:
+        """Translation is divided by it [m]."""
+        return float(self.task.scale(self.robot))
+
+    @property
+    def crossings(self) -> tuple[Stretch, ...]:
+        """Where it reaches singularities, crossing or touching, in order along the path."""
+        met = [one for one in self.stretches if one.verdict in (CROSSING, TOUCHING)]
+        return tuple(sorted(met, key=lambda one: (one.start.row, one.start.share)))
+
+    @property
+    def sentence(self) -> str:
+        """The verdict for people."""
+        return text.sentence(self)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The remarks, and joints outside their limits, in words."""
+        return text.notes(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record that `rankdrop path --json` writes."""
+        return path_to_dict(self)
+
+    def sections(self, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
+        """As sections of text; `full`: every crossing and every free stretch."""
+        return text.path_sections(self, deg=deg, full=full)
+
+    def __str__(self) -> str:
+        return plain_text(self.sections())
+
+    def _repr_html_(self) -> str:
+        return html(self.sections())
+
+
+SCHEMA = "rankdrop/path/1"
+
+
+def path_to_dict(check: PathCheck) -> Record:
+    """Everything but the samples."""
+    return {
+        **heading(SCHEMA),
+        "robot": robot_to_dict(check.robot, check.task, generic_rank(check.robot, check.task)),
+        "settings": plain(check.options) | {
+            "length_scale": check.length_scale, "tolerances": plain(check.tolerances), "version": VERSION},
+        "rows": check.rows, "verdict": check.verdict.value, "sentence": check.sentence,
+        "summary": list(text.summary(check)), "free_share": check.free_share,
+        "undecided": {
+            "time": check.undecided_time, "share": check.undecided_share, "length": check.undecided_length
+        },
+        "min_distance": check.margin,
+        "violations": [{**plain(one), "place": one.place.position, "time": one.place.time} for one in check.violations],
+        "crossings": [
+            {**_span(one, *one.bracket), "corank": one.corank, "q": one.closest.q.tolist(),
+             "touching": one.verdict == TOUCHING, "lies": one.lies, "how": text.evidence_words(one, check)}
+            for one in check.crossings
+        ],
+        "stretches": [_stretch(one, check) for one in check.stretches],
+        "profile": plain(check.profile),
+        "evaluations": check.evaluations, "source": check.source, "notes": list(check.notes),
+        "complete": check.complete, "tool": None if check.tool is None else _tool(check.tool, check.robot),
+    }  # fmt: skip
+
+
+def _tool(tool: ToolMotion, robot: Robot) -> Record:
+    return {
+        "poses": tool.poses, "complete": tool.complete, "reached": tool.reached, "reason": tool.reason,
+        "words": text.why_ended(tool, robot), "start": list(tool.start), "chosen": text.branch_chosen(tool),
+        "off": tool.off, "turned": tool.turned,
+    }  # fmt: skip
+
+
+def _span(stretch: Stretch, start: Place, end: Place) -> Record:
+    timed = start.time is not None and end.time is not None
+    return {"rows": [start.position, end.position], "time": [start.time, end.time] if timed else None,
+            "family": stretch.family, "name": stretch.name}  # fmt: skip
+
+
+def _stretch(stretch: Stretch, check: PathCheck) -> Record:
+    closest = stretch.closest
+    return {
+        **_span(stretch, stretch.start, stretch.end),
+        "verdict": stretch.verdict.value, "corank": stretch.corank, "how": text.evidence_words(stretch, check),
+        "closest": {
+            "row": closest.place.position, "time": closest.place.time, "q": closest.q.tolist(),
+            "distance_rad": plain(closest.distance), "singular_q": closest.foot.tolist() or None,
+            "sigma": closest.sigma, "weak_share": plain(closest.weak),
+        },
+        "lost": list(stretch.lost), "null_share": plain(stretch.null_share),
+        "rates": stretch.rates.tolist() or None, "speed_factor": plain(stretch.speed_factor),
+        "slowest": stretch.slowest or None,
+    }  # fmt: skip

@@ -199,7 +199,7 @@ def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rankdrop.motion.mend.shifts", stop)
+    monkeypatch.setattr("rankdrop.motion.remedies.shifts", stop)
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv")
     assert code == 130
     assert "Remedies: blend (judged again: free, proven), interrupted: not all kinds were tried." in out

@@ -11,7 +11,7 @@ import rankdrop
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.motion import mend_path
-from rankdrop.motion.mending import BLEND, FLIP, NULL, RETIME, SHIFT, TILT
+from rankdrop.motion.remedies import BLEND, FLIP, NULL, RETIME, SHIFT, TILT
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -13,10 +13,9 @@ from rankdrop import motion
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.motion import mend as module
+from rankdrop.motion import remedies as module
 from rankdrop.motion.files import WRITTEN, read_trajectory, trajectory_bytes
-from rankdrop.motion.mend import mend_path
-from rankdrop.motion.mending import Mending
+from rankdrop.motion.remedies import Mending, mend_path
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task
 from rankdrop.units import scaled
@@ -59,9 +58,9 @@ def test_every_remedy_is_proven_free_and_gains_distance() -> None:
     assert [one.kind for one in wrist().remedies] == ["flip", "tool tilt", "base shift", "retime"]
     for one in wrist().remedies[:3]:
         assert one.check.holds
-        assert one.gains[0].what == "distance"
-        assert one.gains[0].before == 0.0
-        assert one.gains[0].after > 0.03
+        before, after = one.gains["distance"]
+        assert before == 0.0
+        assert after > 0.03
         made = one.trajectory
         again = rankdrop.check_path(open_robot("puma560"), made.q, made.times)
         assert again.verdict == "free"

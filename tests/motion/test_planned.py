@@ -15,8 +15,8 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.motion import mend_path
 from rankdrop.motion.inverse import Aim
-from rankdrop.motion.mending import NULL
-from rankdrop.motion.planned import along, planned
+from rankdrop.motion.planning import along, planned
+from rankdrop.motion.remedies import NULL
 from rankdrop.motion.tool_path import rising, room, tool_path
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot

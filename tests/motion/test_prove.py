@@ -17,8 +17,8 @@ from rankdrop.family.equation import Equation, System, Term
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
-from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.crossings import crossings, signs_at
+from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.prove import Proof, Sliver, prove
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import DHRow, from_dh

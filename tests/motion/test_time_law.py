@@ -15,8 +15,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import decide_postures
 from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
-from rankdrop.motion.time_law import through
-from rankdrop.motion.time_law_record import CORNER, NOT, PASSES, REGULAR, TANGENT, TURNS, Through
+from rankdrop.motion.time_law import CORNER, NOT, PASSES, REGULAR, TANGENT, TURNS, Through, through
 from rankdrop.results.codec import json_text
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot

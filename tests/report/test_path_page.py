@@ -98,7 +98,7 @@ def test_the_command_writes_it_and_refuses_what_it_cannot(
     assert main.run(["path", "ur5", "a.npy", "--html", "a.pdf", "--quiet"]) == 2
     assert "--html: the ending names no format" in capsys.readouterr().err
     assert main.run(["path", "ur5", "a.npy", "a.npy", "--html", "b.html", "--quiet"]) == 2
-    assert "--html: a page is of one path" in capsys.readouterr().err
+    assert "--html: this option is for one path" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

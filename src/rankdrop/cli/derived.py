@@ -9,6 +9,7 @@ from typing import Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Parameter, Token
 
+from rankdrop.errors import OptionError
 from rankdrop.options import Options, hints, meta_of, plain_type, unit_of
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -32,9 +33,20 @@ def derived(record: type[Options]) -> type[Options]:
         for field, hint in zip(fields(record), hints(record).values(), strict=True)  # type: ignore[arg-type]
     }
     defaults = {field.name: field.default for field in fields(record)}  # type: ignore[arg-type]
-    made = type(record.__name__, (record,), {"__annotations__": own, "__doc__": "", "__module__": __name__, **defaults})
+    members = {"__annotations__": own, "__doc__": "", "__module__": __name__, "__post_init__": _check_as_typed}
+    made = type(record.__name__, (record,), {**members, **defaults})
     found: type[Options] = dataclass(frozen=True)(made)
     return Parameter(name="*", group=getattr(record, "TITLE", None))(found)
+
+
+def _check_as_typed(options: Options) -> None:
+    """The check of the record, with the option's name as it is typed."""
+    try:
+        Options.__post_init__(options)
+    except OptionError as error:
+        meta = meta_of(hints(type(options)).get(error.where or ""))
+        name = ((meta.extra if meta else None) or {}).get("name") or f"--{(error.where or '').replace('_', '-')}"
+        raise OptionError(error.what, where=name, got=error.got, allowed=error.allowed, mend=error.mend) from error
 
 
 def _parameter(hint: Any, default: object) -> Parameter:

@@ -13,9 +13,6 @@ from .many import check_file as check_file
 from .many import check_files as check_files
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
-from .mend import mend_path as mend_path
-from .mending import Mending as Mending
-from .mending import Remedy as Remedy
 from .options import FileReading as FileReading
 from .options import PathOptions as PathOptions
 from .options import RemedyOptions as RemedyOptions
@@ -37,13 +34,16 @@ from .record import PathCheck as PathCheck
 from .record import Place as Place
 from .record import Stretch as Stretch
 from .record import ToolMotion as ToolMotion
+from .remedies import Mending as Mending
+from .remedies import Remedy as Remedy
+from .remedies import mend_path as mend_path
 from .rows import FORMATS as FORMATS
 from .rows import PathRows as PathRows
 from .rows import check_format as check_format
 from .rows import path_rows as path_rows
 from .rows import rows_file as rows_file
 from .text import free_words as free_words
+from .time_law import Through as Through
 from .time_law import through as through
-from .time_law_record import Through as Through
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint

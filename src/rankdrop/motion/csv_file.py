@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import re
-from dataclasses import dataclass
+import warnings
+from contextlib import suppress
 from math import isfinite, radians
 from pathlib import Path
 
@@ -31,15 +32,6 @@ FACTORS = {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0), "m": 1.0, "mm": 
 ANGLES = {"rad", "deg", "°"}
 
 
-@dataclass(frozen=True, slots=True)
-class _Column:
-    """Where a joint's values stand, and what they are multiplied by."""
-
-    place: int
-    factor: float
-    joint: Joint
-
-
 def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -> Trajectory:
     """A trajectory from the text of a CSV file.
 
@@ -57,13 +49,45 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     Raises:
         TrajectoryError: with file, line and column.
     """
+    table = plain_table(text)
+    if table is not None:
+        with suppress(TrajectoryError):  # the careful reader says in which line
+            return _trajectory(name, robot, [*table[0]], [], table[1], deg=deg)
     rows = rows_of(text, name)
-    if not rows:
+    return _trajectory(name, robot, rows[0][1] if rows else [], rows, None, deg=deg)
+
+
+def plain_table(text: str) -> tuple[list[str], Array] | None:
+    """Words of the first row and all numbers of a file that has names, then plain numbers in every row, or these alone.
+
+    None: there is anything else in it, and it is read row by row.
+    """
+    head, _, body = text.partition("\n")
+    delimiter = _delimiter(head)
+    if '"' in text or "#" in text or not head.strip():
+        return None
+    words = [word.strip() for word in head.split(delimiter)]
+    numbers = all(map(is_number, words))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # an empty file
+            values = np.loadtxt(io.StringIO(text if numbers else body), delimiter=delimiter, comments=None, ndmin=2)
+    except (ValueError, UserWarning):
+        return None
+    return (words, values) if values.shape[1] == len(words) and np.isfinite(values).all() else None
+
+
+def _trajectory(
+    name: str, robot: Robot, head: list[str], rows: list[tuple[int, list[str]]], values: Array | None, *, deg: bool
+) -> Trajectory:
+    """From the first row, and either all rows or, where they are plain, all values."""
+    if not head:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
-    line, head = rows[0]
+    line = rows[0][0] if rows else 1
     if all(is_number(word) for word in head):
         names = [joint.name for joint in robot.variables]
-        if len(head) == robot.n + 1 and _rises(rows):
+        first = _column(rows, 0) if values is None else values[:, 0]
+        if len(head) == robot.n + 1 and len(first) > 1 and bool((np.diff(first) > 0).all()):
             names = ["time", *names]
         if len(head) != len(names):
             raise TrajectoryError(
@@ -75,33 +99,33 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     else:
         rows = rows[1:]
     columns, time, unused = _columns(head, robot, f"{name}, line {line}", deg)
-    if not rows:
+    count = len(rows) if values is None else len(values)
+    if not count:
         raise TrajectoryError("there is no row below the names", where=f"{name}, line {line}")
-    if len(rows) > MOST_ROWS:
-        raise TrajectoryError("there are too many rows", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
+    if count > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=name, got=count, allowed=f"at most {MOST_ROWS}")
     _check_lengths(rows, name, len(head))
-    q = _block(rows, [column.place for column in columns], name, head, [column.joint.unit for column in columns])
-    made = q * np.array([column.factor for column in columns])
+    places = [place for place, _ in columns]
+    units = [joint.unit for joint in robot.variables]
+    q = _block(rows, places, name, head, units) if values is None else values[:, places]
+    made = q * np.array([factor for _, factor in columns])
     for row, joint in too_large(made, robot)[:1]:
-        place = columns[joint].place
+        place, words = places[joint], rows[row] if rows else (0, [])
         raise TrajectoryError(
-            "the value is too large", where=f"{name}, line {rows[row][0]}, column {place + 1} ({head[place]})",
-            got=rows[row][1][place], allowed=joint_range(robot.variables[joint]),
+            "the value is too large", where=f"{name}, line {words[0]}, column {place + 1} ({head[place]})",
+            got=words[1][place] if rows else None, allowed=joint_range(robot.variables[joint]),
         )  # fmt: skip
-    times: Array = np.arange(len(rows), dtype=np.float64) * ROW_SECONDS
+    times: Array = np.arange(count, dtype=np.float64) * ROW_SECONDS
     if time is not None:
-        times = _block(rows, [time], name, head, [""])[:, 0]
-        checked_times(times, [f"{name}, line {number}, column {head[time]!r}" for number, _ in rows])
+        times = (_block(rows, [time], name, head, [""]) if values is None else values[:, [time]])[:, 0]
+        where = [f"{name}, line {number}, column {head[time]!r}" for number, _ in rows]
+        checked_times(times, where or [name] * count)
     return Trajectory(Path(name).name, times, made, time is not None, unused)
 
 
-def _rises(rows: list[tuple[int, list[str]]]) -> bool:
-    """Whether the first column grows from row to row."""
-    try:
-        first = np.array([float(row[0]) for _, row in rows])
-    except (ValueError, IndexError):
-        return False
-    return len(first) > 1 and bool((np.diff(first) > 0).all())
+def _column(rows: list[tuple[int, list[str]]], place: int) -> Array:
+    """(T,) numbers of a column; nan where a word is none."""
+    return np.array([float(row[place]) if is_number(row[place]) else np.nan for _, row in rows])
 
 
 def _check_lengths(rows: list[tuple[int, list[str]]], name: str, columns: int) -> None:
@@ -112,22 +136,26 @@ def _check_lengths(rows: list[tuple[int, list[str]]], name: str, columns: int) -
 
 
 def _block(rows: list[tuple[int, list[str]]], places: list[int], name: str, head: list[str], units: list[str]) -> Array:
-    """(T, len(places)) numbers: all at once where every word is a plain one, else word by word."""
-    try:
-        values = np.array([[row[place] for place in places] for _, row in rows]).astype(np.float64)
-    except (ValueError, IndexError):
-        values = np.full((1, 1), np.nan)
-    if np.isfinite(values).all():
-        return values
+    """(T, len(places)) numbers, word by word."""
     both = list(zip(places, units, strict=True))
     return np.array([[number_at(row, place, name, number, head, unit) for place, unit in both] for number, row in rows])
 
 
+def first_row(text: str, name: str) -> list[str]:
+    """Words of the first row that is neither empty nor a comment; empty where there is none."""
+    first = next((line for line in io.StringIO(text) if line.strip() and not line.lstrip().startswith("#")), "")
+    rows = rows_of(first, name)
+    return rows[0][1] if rows else []
+
+
+def _delimiter(line: str) -> str:
+    return max(",;\t", key=line.count)
+
+
 def rows_of(text: str, name: str) -> list[tuple[int, list[str]]]:
     """Line number and words of every row that is not empty or a comment."""
-    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    delimiter = max(",;\t", key=first.count)
-    reader = csv.reader(io.StringIO(text), delimiter=delimiter, skipinitialspace=True)
+    first = next((line for line in io.StringIO(text) if line.strip() and not line.lstrip().startswith("#")), "")
+    reader = csv.reader(io.StringIO(text), delimiter=_delimiter(first), skipinitialspace=True)
     rows = []
     try:
         for words in reader:
@@ -138,10 +166,12 @@ def rows_of(text: str, name: str) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list[_Column], int | None, tuple[str, ...]]:
-    """Columns of the joints in their order, the column of the time, and the names of the others."""
+def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[
+    list[tuple[int, float]], int | None, tuple[str, ...]
+]:
+    """Places and factors of the joints in their order, the column of the time, and the names of the others."""
     numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
-    found: dict[int, _Column] = {}
+    found: dict[int, tuple[int, float]] = {}
     time, unused = None, []
     for place, word in enumerate(head):
         if len(word) > LONGEST_HEAD:
@@ -163,8 +193,7 @@ def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list
         if index in found:
             raise TrajectoryError("the joint has two columns", where=f"{where}, column {place + 1}", got=repr(word),
                                   allowed="one column for each joint")  # fmt: skip
-        found[index] = _Column(place, _factor(unit, robot.variables[index], f"{where}, column {place + 1}", deg),
-                               robot.variables[index])  # fmt: skip
+        found[index] = place, _factor(unit, robot.variables[index], f"{where}, column {place + 1}", deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in found]
     if missing:
         raise TrajectoryError("joints have no column", where=where, got=", ".join(head),

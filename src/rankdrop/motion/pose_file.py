@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import RankdropError
-from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, is_number, number_at, rows_of
+from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, first_row, is_number, number_at, rows_of
 from rankdrop.motion.message_file import documents, is_double
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
@@ -62,14 +62,11 @@ def holds_poses(path: Path, robot: Robot) -> bool:
         text = read_text(path)
         if ending in (".json", ".yaml", ".yml"):
             return _list_in(_loaded(text, str(path), yaml=ending != ".json")) is not None
-        rows = rows_of(text, str(path))
+        words = first_row(text, str(path))
     except RankdropError:
         return False
-    if not rows:
-        return False
-    names = {_named(word)[0] for word in rows[0][1]}
     joints = {joint.name for joint in robot.variables}
-    return names >= _LENGTHS and not joints <= set(rows[0][1])
+    return {_named(word)[0] for word in words} >= _LENGTHS and not joints <= set(words)
 
 
 def read_poses(path: str | Path, *, deg: bool = False) -> Poses:

@@ -17,8 +17,7 @@ from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singul
 from rankdrop.local.null_motion import CLOSED, self_motion
 from rankdrop.motion.follow import Followed, Pull
 from rankdrop.motion.inverse import Aim, distinct
-from rankdrop.motion.mending import Parameter
-from rankdrop.motion.planned import along, planned
+from rankdrop.motion.planning import along, planned
 from rankdrop.motion.tool_path import Run, ToolPath, rising, room, start_moved
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
@@ -36,6 +35,21 @@ _ENOUGH = 0.05  # first-order distance at which a path that keeps its start goes
 
 Told = Callable[[int, int], None]
 """told(done, all)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number, or some, that a remedy is made with.
+
+    Attributes:
+        name: of what.
+        value: one number, or one for each joint or axis.
+        unit: "rad", "m", "s", "rad, m" for joint values, or "" for a number without.
+    """
+
+    name: str
+    value: float | tuple[float, ...]
+    unit: str
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,10 @@ from papers import ml_decoupling
 from papers.elbow import angles, elbow_arm, rank_of, worst
 from papers.formula import matrix, value
 from papers.item import Sheet, Shown, listed, rounded
+from papers.planar import planar_two_link, rate_table
 from rankdrop import conditions, explain
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.local import generic_rank, lost_directions, planar_two_link, rate_growth, rate_table, representation_at
+from rankdrop.local import generic_rank, lost_directions, rate_growth, representation_at
 from rankdrop.robot import Array, open_robot, reach
 from rankdrop.task import Frame, Task, resolve_task
 

@@ -93,5 +93,9 @@ NEAR = 0.05
 """A configuration is near a singularity within this distance in joint space [rad]: 2.9°."""
 SMALL = 1e-3
 """… or where σ_r is below this [1]: unit end-effector speed then needs joint rates of a thousand times the usual."""
+SLOW = 0.025
+"""… or where some straight translation of the tool is slower than this within the joints' rate limits [m/s] …"""
+SLOW_TURN = 0.08726646259971647
+"""… or some rotation about the tool point is: 5°/s [rad/s]."""
 EVALUATIONS = 5_000
 """Enclosures spent on the certified radius: some 8 ms."""

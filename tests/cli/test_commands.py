@@ -320,11 +320,10 @@ def test_tolerant_ends_with_3_where_a_joint_is_always_needed(run) -> None:
 
 
 def test_explain_tells_what_each_failure_leaves(run) -> None:
-    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0")
+    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0", "--full")
     told = " ".join(ended.out.split())
     assert "If one joint fails" in told
     assert "4 joint4 0 0 5 of 6 can" in told
-    assert "If one joint fails" not in run("explain", "ur5", "--q", "0,-2.3,0.8,1.5,-1.5,0.3", "--evaluations", "0").out
 
 
 @pytest.mark.slow

@@ -34,12 +34,13 @@ def test_the_exit_code_tells_the_verdict(run, words: tuple[str, ...], code: int)
 
 def test_what_is_printed_at_a_singularity(run) -> None:
     text = run("explain", *SINGULAR).out
-    for part in ("puma560: SINGULAR", "wrist: axes 4 and 6 aligned", "θ5 = 0 or π", "What is lost", "can only move",
-                 "Joints to blame", "How to get out", "5 joint5", "per rad", "What motion costs", "How"):  # fmt: skip
+    for part in ("puma560 is singular: wrist: axes 4 and 6 aligned", "θ5 = 0 or π", "What is lost", "can only move",
+                 "How to get out", "5 joint5", "How"):  # fmt: skip
         assert part in text
     assert "Every circuit" not in text
     full = run("explain", *SINGULAR, "--full").out
-    for part in ("Every circuit", "Ellipsoids", "rank 5 + nullity 1 = 6 joints: holds", "zyz"):
+    for part in ("Every circuit", "Ellipsoids", "rank 5 + nullity 1 = 6 joints: holds", "zyz", "Joints to blame",
+                 "per rad", "What motion costs", "Numbers"):  # fmt: skip
         assert part in full
 
 
@@ -56,7 +57,7 @@ def test_json_is_valid_and_alone(process) -> None:
 def test_json_in_a_file_beside_the_text(run, tmp_path: Path) -> None:
     target = tmp_path / "here.json"
     ended = run("explain", *REGULAR, "--json", str(target))
-    assert "REGULAR" in ended.out
+    assert "is regular" in ended.out
     assert json.loads(target.read_text())["verdict"] == "regular"
 
 
@@ -167,11 +168,11 @@ def test_a_proof_that_was_interrupted_holds_and_is_said_to_be(capsys) -> None:
 
 def test_escape_says_first_which_joint_which_way_and_how_far(run) -> None:
     plain = run("escape", *SINGULAR).out
-    assert re.match(r"puma560: SINGULAR.*\n  Move joint 5 by −5.73°: σ6, zero here, becomes 0.00547\.", plain)
+    assert re.match(r"puma560 is singular: wrist.*\n  Lost: .*\n  Get out: jog joint 5 by −5.7°\.", plain)
     assert "Hunt's cofactors beside" not in plain
     assert "carries out" not in plain
     full = run("escape", *SINGULAR, "--full").out
     assert "Hunt's cofactors beside" in full
     assert "carries out" in full
     farther = run("escape", "ur5e", "--deg", "--q", "0,-60,20,40,50,0").out
-    assert "To get farther away move joint 3 (elbow_joint) by +5.73°: σ6 = 0.04893 here becomes" in farther
+    assert "Get farther away: jog joint 3 by +5.7°; σ6 is 0.063 then." in farther

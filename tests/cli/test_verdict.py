@@ -139,11 +139,12 @@ def test_what_was_tried_on_no_configuration_does_not_claim_it(run) -> None:
 
 
 @pytest.mark.parametrize(("q", "code"), [("0,0,0,0", 4), ("0,0.01,0.1,0", 3), ("0,1.5,0.1,0", 0)])
-def test_explain_says_one_sentence_first_and_last(run, q: str, code: int) -> None:
+def test_explain_begins_with_the_five_sentences_of_its_summary(run, q: str, code: int) -> None:
     ended = run("explain", "scara", "--q", q)
-    word = {4: "SINGULAR", 3: "NEAR", 0: "REGULAR"}[code]
-    sentence = " ".join(ended.out.split("\n  ")[0].split())
-    assert sentence.startswith(f"scara: {word}, ")
-    assert " ".join(ended.out.split()).endswith(sentence)
+    word = {4: "singular", 3: "near a singularity", 0: "regular"}[code]
+    record = json.loads(run("explain", "scara", "--q", q, "--json", "-").out)
+    sentences = record["summary"]["text"]
+    assert sentences[0].startswith(f"scara is {word}: ")
+    assert " ".join(ended.out.split()).startswith(" ".join(" ".join(sentences).split()))
     assert ended.code == code
-    assert json.loads(run("explain", "scara", "--q", q, "--json", "-").out)["sentence"] == sentence
+    assert record["sentence"].startswith(f"scara: {record['verdict'].upper()}, ")

@@ -24,7 +24,8 @@ PENDANT = "0,-60,0,40,50,0"
 def test_which_singularity_what_is_lost_and_what_to_press(tmp_path: Path) -> None:
     done = run(tmp_path, "explain", "ur5e", "--deg", "--q", PENDANT, "--json", "stopped.json")
     assert done.returncode == 4, done.stderr  # singular
-    assert "SINGULAR" in done.stdout.splitlines()[0]
+    assert done.stdout.startswith("ur5e is singular: elbow")
+    assert "Get out: jog joint 3 by" in done.stdout
     found = json.loads((tmp_path / "stopped.json").read_text(encoding="utf-8"))
     assert (found["verdict"], found["rank"]) == ("singular", 5)
     assert found["family"]["name"].startswith("elbow")

@@ -41,7 +41,7 @@ def test_a_long_arm_has_its_rank_and_its_singular_values() -> None:
     assert (found.verdict, found.rank.rank, found.rank.nullity) == ("regular", 6, 27)
     assert np.allclose(found.rank.sigma, singular_values(arm, np.full(33, 0.3), found.task), atol=1e-12)
     assert found.blame.circuits == ()
-    assert "σ = " in str(found)
+    assert any("σ = " in line for section in found.sections(full=True) for line in section.lines)
 
 
 def test_pa10_at_zero() -> None:
@@ -147,7 +147,7 @@ def test_records_are_valid_and_lost_motions_are_lost(name: str) -> None:
             sections = found.sections(full=full)
             assert sections[0].title.startswith(arm.name)
             assert all(len(row) == len(section.columns) for section in sections for row in section.rows)
-        assert found._repr_html_().count("<table>") > 2
+        assert found._repr_html_().count("<table>") > 0
 
 
 def test_the_last_point_of_each_arm_is_singular() -> None:
@@ -280,7 +280,7 @@ def test_the_proven_radius_is_rounded_down() -> None:
 def test_how_it_shows_itself() -> None:
     found = explain(open_robot("scara"), [0.3, 0.0, 0.1, 0.2])
     assert repr(found) == "<Explanation of scara: singular, 1 of 4 directions of the tool is lost>"
-    assert str(found).startswith("scara: SINGULAR")
+    assert str(found).startswith("scara is singular: elbow")
     assert "--full" not in str(found) + found._repr_html_()
     assert "<p><b></b>" not in found._repr_html_()
 
@@ -328,5 +328,6 @@ def test_ways_out_of_a_high_order_are_printed() -> None:
          -1.668953371799625]  # fmt: skip
     found = explain(open_robot("stanford"), q, "scara")
     orders = [one.order for one in found.escape.single if one.order]
-    assert str(found).count(" per ") == len(orders)
+    rows = next(section.rows for section in found.sections(full=True) if section.title == "How to get out")
+    assert sum(" per " in " ".join(row) for row in rows) == len(orders)
     assert [raised(k) for k in (2, 5, 12)] == ["²", "⁵", "¹²"]

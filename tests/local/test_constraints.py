@@ -12,6 +12,7 @@ from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.screws import constraint, in_short
+from rankdrop.results import lost_text
 from rankdrop.results.codec import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import with_tool
@@ -56,18 +57,18 @@ def test_motions_that_the_joints_make_obey_what_is_told_in_every_frame(name, too
     for q in places(name):
         found = explain(robot, q, "pose" if tool is None else None, evaluations=0)
         assert found.rank.corank
-        assert {one.frame for one in found.lost.seen} >= {"base", "tool"}
-        for seen in found.lost.seen:
-            frame = found.lost.framed.frame if seen.frame == "link" else Frame(TIP if seen.frame == "tool" else 0, TIP)
+        assert set(found.lost.seen) >= {"base", "tool"}
+        for name, seen in found.lost.seen.items():
+            frame = found.lost.framed.frame if name == "link" else Frame(TIP if name == "tool" else 0, TIP)
             for twist in twists(robot, q, frame, rng):
-                for direction, text in zip(seen.directions, seen.constraints, strict=True):
+                for direction, text in zip(seen.directions, lost_text(robot, seen)["constraints"], strict=True):
                     assert abs(direction @ twist) < 1e-9
                     assert abs(value(text, twist)) < 2e-2  # three digits of six numbers
 
 
 def test_finite_motion_of_the_tool_point_obeys_it_to_first_order():
     robot, q = with_tool(open_robot("ur5e"), *TOOL), np.radians([0, -60, 0, 40, 50, 0])
-    (base,) = explain(robot, q, frame="base", evaluations=0).lost.seen
+    (base,) = explain(robot, q, frame="base", evaluations=0).lost.seen.values()
     here, rng = pose(robot, q), np.random.default_rng(3)
     for rates in rng.normal(size=(20, robot.n)):
         there = pose(robot, q + 1e-6 * rates)
@@ -79,8 +80,8 @@ def test_finite_motion_of_the_tool_point_obeys_it_to_first_order():
 def test_a_plain_translation_along_what_is_called_lost_is_almost_all_lost():
     """UR5e at (0, −60, 0, 40, 50, 0)°: the sentence says that the plain translation is lost, and it is, but for 2 %."""
     robot, q = open_robot("ur5e"), np.radians([0, -60, 0, 40, 50, 0])
-    (base,) = explain(robot, q, frame="base", evaluations=0).lost.seen
-    assert base.short[0].startswith("nearly no motion along")
+    (base,) = explain(robot, q, frame="base", evaluations=0).lost.seen.values()
+    assert lost_text(robot, base)["short"][0].startswith("nearly no motion along")
     along = np.concatenate([base.directions[0][:3] / np.linalg.norm(base.directions[0][:3]), np.zeros(3)])
     columns = jacobian(robot, q)
     left = columns @ np.linalg.lstsq(columns, along, rcond=1e-9)[0]
@@ -138,7 +139,8 @@ def test_it_is_the_same_in_millimetres():
     assert constraint([0, 1, 0, 0, 0, 0.1]) == "vy + 0.1 m·ωz = 0"
     assert constraint([0, 1, 0, 0, 0, 0.1], 1000.0) == "vy + 100 m·ωz = 0"
     twist = jacobian(small, q) @ np.ones(6)
-    assert abs(value(other.lost.seen[0].constraints[0], twist)) < 2e-2 * np.linalg.norm(twist)
+    first = lost_text(other.robot, next(iter(other.lost.seen.values())))["constraints"][0]
+    assert abs(value(first, twist)) < 2e-2 * np.linalg.norm(twist)
 
 
 @pytest.mark.parametrize("wrong", [(0, 0), (0, np.nan, 1), "abc"])
@@ -168,7 +170,8 @@ def test_a_link_is_called_as_its_file_calls_it():
     arm = from_urdf(text)
     assert [joint.link for joint in arm.joints] == ["upper", "forearm"]
     found = explain(arm, [0.4, 0.0], "planar-position", evaluations=0)
-    assert [one.axes for one in found.lost.seen] == ["base axes", "tool axes", "axes of link 2 (forearm)"]
-    assert found.lost.seen[2].constraints == ("vx = 0",)
+    axes = [lost_text(found.robot, one)["axes"] for one in found.lost.seen.values()]
+    assert axes == ["base axes", "tool axes", "axes of link 2 (forearm)"]
+    assert lost_text(found.robot, found.lost.seen["link"])["constraints"] == ["vx = 0"]
     again = robot_from_dict(robot_to_dict(arm, found.task, 2))
     assert [joint.link for joint in again.joints] == ["upper", "forearm"]

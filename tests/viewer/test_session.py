@@ -160,14 +160,16 @@ def test_no_sentence_beside_the_arm_is_longer_than_can_be_read(arm: str, q: list
 
 
 def test_the_panel_says_lost_motions_and_joints_to_blame() -> None:
+    from rankdrop.results import lost_text
     from rankdrop.verbs.explain import explain
 
     found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], evaluations=0)
     text = details_html(found)
     assert "joints 4, 6" in text
     assert len(found.lost.seen) >= 2
-    for place, seen in enumerate(found.lost.seen):  # base and tool; a link would be too much to read beside the arm
-        assert (escape(seen.constraints[0]) in text and escape(seen.axes) in text) == (place < 2)
+    for place, framed in enumerate(found.lost.seen.values()):  # base and tool; a link would be too much
+        seen = lost_text(found.robot, framed)
+        assert (escape(seen["constraints"][0]) in text and escape(seen["axes"]) in text) == (place < 2)
 
 
 @pytest.mark.parametrize("q", [(0.3, 0.5, 0.4, 0.2, 0.0, 0.6), (0.3, 0.5, 0.4, 0.2, 0.9, 0.6), (0.0,) * 6])

@@ -98,6 +98,29 @@ def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
     return radians(value) if deg and unit == "rad" and plain else value
 
 
+def parse_speeds(text: str | None, option: str = "--speed") -> dict[str, float]:
+    """Speeds of the tool below which a motion is slow, by the names that `explain` has for them [m/s, rad/s].
+
+    Raises:
+        OptionError: not one speed, or a translation and a rotation, each with its unit.
+    """
+    from rankdrop.robot import quantity
+
+    if text is None:
+        return {}
+    if text.strip() == "0":
+        return {"speed": 0.0, "turn_speed": 0.0}
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        turns = re.search(r"(deg|rad|°)\s*/s\s*$", part) is not None
+        name, measure = ("turn_speed", "angle") if turns else ("speed", "length")
+        allowed = "a translation, a rotation or both, such as 250mm/s,20deg/s; 0 for none"
+        if name in found or not part.strip().endswith("/s"):
+            raise OptionError("this is not a speed of the tool", where=option, got=repr(text), allowed=allowed)
+        found[name] = quantity(part.strip().removesuffix("/s").strip(), measure, where=option)
+    return found
+
+
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
 class ArmOptions:

@@ -65,7 +65,7 @@ def escape(
     procedure = report(OrderedScrewSet.of(model, found.q), seed) if lie else None
 
     def to_stdout() -> None:
-        parts = ("verdict", "escape", "lost", "blame") if full else ("answer", "lost", "fuller")
+        parts = ("summary", "escape", "lost", "blame", "numbers") if full else ("summary", "escape", "lost", "more")
         print_sections(found.sections(parts=parts, full=full))
         if procedure is not None:
             show(results(), ["", render(procedure)])

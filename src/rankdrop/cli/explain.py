@@ -27,6 +27,7 @@ def explain(
     ideal: IDEAL = None,
     analysis: str | None = None,
     near: float = NEAR,
+    speed: str | None = None,
     tolerance: float | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = EVALUATIONS,
@@ -56,6 +57,8 @@ def explain(
             What the arm itself does where the ideal one is singular is told.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found on the spot.
         near: Near a singularity: within this distance in joint space [rad].
+        speed: … or where a straight motion of the tool is slower than this within the rate limits of the joints, such
+            as 250mm/s or 250mm/s,20deg/s; else 25mm/s,5deg/s; 0 for none.
         tolerance: Singular values at or below it count as zero; else 1e-9.
         limits: The nearest singularity within the joint limits.
         evaluations: Budget of the certified radius; 0 for the quick one.
@@ -69,7 +72,7 @@ def explain(
     from dataclasses import replace
 
     from rankdrop import explain as run
-    from rankdrop.cli.arm import open_ideal, parse_configuration
+    from rankdrop.cli.arm import open_ideal, parse_configuration, parse_speeds
     from rankdrop.cli.certificates import of_place, save_certificate
     from rankdrop.cli.terminal import check_targets, hand_over, interrupted, write_json
     from rankdrop.results import Analysis, plain
@@ -81,7 +84,7 @@ def explain(
     given = parse_configuration(q, model, deg=deg)
     found = run(
         model, given, task, analysis=None if analysis is None else Analysis.load(analysis), near=near, limits=limits,
-        evaluations=evaluations, seed=seed, frame=frame,
+        evaluations=evaluations, seed=seed, frame=frame, **parse_speeds(speed),
         tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
@@ -109,8 +112,8 @@ def _print(explanation: Explanation, made: Idealised | None, beside: Here | None
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 
-    *sections, last = explanation.sections(full=full)
+    first, *sections = explanation.sections(full=full)
     if made is not None and beside is not None:
-        sections[1:1] = [here_section(made, beside), *([moved_section(made)] if full else [])]
+        sections[:0] = [here_section(made, beside), *([moved_section(made)] if full else [])]
     sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
-    print_sections([*sections, last])
+    print_sections([first, *sections])

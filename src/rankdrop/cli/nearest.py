@@ -71,7 +71,7 @@ def nearest(
     proven = of_place(found, near, evaluations) if certificate is not None or near is not None else None
     said = [] if proven is None else [Section("certificate", in_words(proven))]
     hand_over(
-        lambda: print_sections([*found.sections(parts=("verdict", "far"), full=True), *said]),
+        lambda: print_sections([*found.sections(parts=("summary", "far", "numbers"), full=True), *said]),
         (certificate, lambda target: save_certificate(proven, target)),
         (json, lambda target: write_json(far_to_dict(found), target)),
     )

@@ -36,9 +36,9 @@ from .ordered_report import OrderedReport as OrderedReport
 from .ordered_report import render as render
 from .ordered_report import report as report
 from .ordered_report import session as session
-from .planar import planar_two_link as planar_two_link
-from .planar import rate_table as rate_table
+from .rates import Slowest as Slowest
 from .rates import rate_growth as rate_growth
+from .rates import slowest_motions as slowest_motions
 from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .relations import relations_at as relations_at

@@ -17,6 +17,18 @@ All solutions are ẋ = s (b + N z), b = A⁺d, N a basis of the null space, so 
 the best approximation of b in the maximum norm. Its dual is a maximum over the vertices of
 {y : Σ_i y_i N_i / l_i = 0, Σ|y_i| ≤ 1}. These are the circuits of the weighted rows of N: minimal sets of rows that are
 dependent, at most k + 1 of them for k null motions. For a handful of joints all are listed, and serve every d.
+
+The slowest straight motion: how fast the tool moves in its worst direction, every joint within its rate limit.
+
+    s(d) = max {s : J q̇ = s d, |q̇_i| ≤ l_i},      slowest = min s(d) over unit d, translations and rotations apart
+
+Attainable twists form a zonotope, so that min s(d) is its distance from the origin to the nearest facet, measured in
+the subspace of straight motions: with A = J diag(l) and y normal to a facet, scaled so that Σ|Aᵀy| = 1,
+
+    slowest translation = min over facets of 1/|y_v|,   in the direction y_v.
+
+The vectors c = Aᵀy of facets are the circuits of the null space: c ⟂ N, at most p + 1 entries for p null motions. A
+joint that enters c is at its limit there. For as many joints as rows c has one entry, and y is a row of A⁻¹.
 """
 
 from __future__ import annotations
@@ -26,17 +38,17 @@ from itertools import combinations
 from math import comb, inf, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import one_configuration
+from rankdrop.kinematics import configurations, one_configuration, task_jacobian
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.inverse import Factored, factor, task_sigma
 from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import counted
+from rankdrop.units import counted, in_metres, into_metres, task_in_metres
 
 
 def rate_limits(robot: Robot) -> Array:
@@ -119,6 +131,7 @@ def _standing(particular: Array, null: Array, stuck: Array) -> tuple[Array, Arra
 
 
 _NOTHING = 1e-12  # a share below it is rounding
+WEAKEST = "weakest direction"
 _AXES = ("along X", "along Y", "along Z", "about X", "about Y", "about Z")
 
 
@@ -209,34 +222,29 @@ def joint_rates(
     verdict = rank_at(robot, configuration, resolved, tolerances)
     parts = factor(robot, configuration, resolved, tolerances)
     limits = rate_limits(robot)
-    names = [_AXES[row] for row in resolved.rows]
-    twists = [np.eye(6)[row] for row in resolved.rows]
-    unit = np.repeat([counted(robot), 1.0], 3)[list(resolved.rows)]
-    gone = _gone(parts, verdict.rank, unit)
+    rows, rank = list(resolved.rows), verdict.rank
+    motions = [(_AXES[row], np.eye(6)[row]) for row in rows]
+    lengths = np.repeat([counted(robot), 1.0], 3)
+    unit = lengths[rows]
+    gone = _gone(parts, rank, unit)
     shares = np.einsum("ij,ij->j", gone, gone)
     shares[shares < _NOTHING] = 0.0
     left = [row for row, share in enumerate(shares) if share < 1.0 - _NOTHING]
-    if verdict.rank:
-        weakest = np.zeros(6)
-        weakest[list(resolved.rows)] = parts.u[:, verdict.rank - 1] / parts.rows
-        names.append("weakest direction")
-        twists.append(weakest * np.copysign(1.0, weakest[np.argmax(np.abs(weakest))]))
+    if rank:
+        weakest = six_rows(parts.u[:, rank - 1] / parts.rows, resolved)
+        motions.append((WEAKEST, weakest * np.copysign(1.0, weakest[np.argmax(np.abs(weakest))])))
     if verdict.corank:
         lost = lost_directions(robot, configuration, resolved, verdict.corank)
-        names += [f"lost direction {i}" for i in range(1, len(lost) + 1)]
-        twists += list(lost * np.repeat([counted(robot), 1.0], 3))
-    here = len(twists)
+        motions += [(f"lost direction {i}", row * lengths) for i, row in enumerate(lost, start=1)]
+    here = len(motions)
     for row in left:
-        nearest = np.zeros(6)
-        nearest[list(resolved.rows)] = (np.eye(resolved.m)[row] - gone.T @ gone[:, row]) / (1.0 - shares[row]) * unit
-        twists.append(nearest / unit[row])
-        names.append(names[row])
-    found = _along(robot, parts, np.array(twists)[:, list(resolved.rows)], limits, verdict.rank, tolerances)
-    every = [_named(robot, name, twist, part) for name, twist, part in zip(names, twists, found, strict=True)]
+        nearest = (np.eye(resolved.m)[row] - gone.T @ gone[:, row]) / (1.0 - shares[row]) * unit / unit[row]
+        motions.append((motions[row][0], six_rows(nearest, resolved)))
+    every = _along(robot, parts, motions, resolved, limits, rank, tolerances)
     m = resolved.m
     remaining = dict(zip(left, every[here:], strict=True))
     return Rates(
-        tuple(every[:m]), every[m] if verdict.rank else None, tuple(every[m + bool(verdict.rank) : here]),
+        tuple(every[:m]), every[m] if rank else None, tuple(every[m + bool(rank) : here]),
         tuple(limits.tolist()), resolved.scale(robot), tuple(shares.tolist()),
         tuple(remaining.get(row) for row in range(m)),
     )  # fmt: skip
@@ -247,62 +255,40 @@ def _gone(parts: Factored, rank: int, unit: Array) -> Array:
     return np.asarray(np.linalg.qr((parts.u[:, rank:].T * parts.rows * unit).T)[0].T)
 
 
-@dataclass(frozen=True, slots=True)
-class _Found:
-    rates: Array | None
-    norm: float
-    worst: int | None
-    smallest: float
-    speed: float
-    exact: bool
-
-
 def _along(
-    robot: Robot, parts: Factored, twists: Array, limits: Array, rank: int, tolerances: Tolerances
-) -> list[_Found]:
-    """Rates and speeds for unit twists (k, m) in SI units."""
+    robot: Robot, parts: Factored, motions: list[tuple[str, Array]], task: Task, limits: Array, rank: int,
+    tolerances: Tolerances,
+) -> list[DirectionRates]:  # fmt: skip
+    """Rates and speeds for unit twists (6,) in SI units, each with its name."""
+    twists = np.array([twist for _, twist in motions])[:, list(task.rows)]
     scaled = twists * parts.rows
     outside = np.linalg.norm(scaled @ parts.u[:, rank:], axis=1) / np.linalg.norm(scaled, axis=1)
     weakest = float(parts.sigma[rank - 1]) if rank else 1.0
     rounding = 16 * np.finfo(float).eps * float(parts.sigma[0]) / weakest if rank else 0.0
     possible = outside <= max(tolerances.singular, rounding)
     rates = twists @ parts.inverse(parts.reciprocal).T
-    null = parts.joints[:, None] * parts.v[:, rank:]
-    speeds, exact = largest_speeds(rates, null, limits)
+    speeds, exact = largest_speeds(rates, parts.joints[:, None] * parts.v[:, rank:], limits)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = np.where(rates == 0.0, 0.0, np.abs(rates) / limits)
     sizes, largest = np.abs(rates / parts.joints), shares.max(axis=1)
     worst = np.where(largest > 0.0, shares.argmax(axis=1), sizes.argmax(axis=1)).tolist()
     found = []
-    for row in range(len(twists)):
+    for row, (name, twist) in enumerate(motions):
+        mixed = twist[:3].any() and (twist[3:].any() or name == WEAKEST)  # of the weakest ℓ m/s is the unit
+        unit = "1" if mixed else "m/s" if twist[:3].any() else "rad/s"
         if not possible[row]:
-            found.append(_Found(None, inf, None, 0.0, 0.0, True))
+            found.append(
+                DirectionRates(name, tuple(twist.tolist()), unit, False, (), inf, None, None, 0.0, 0.0, True)
+            )
             continue
-        norm, most = sqrt(float(sizes[row] @ sizes[row])), float(largest[row])
-        smallest = 1.0 / most if most else inf
-        found.append(_Found(rates[row], norm, worst[row], smallest, float(speeds[row]), exact))
+        norm, most, number = sqrt(float(sizes[row] @ sizes[row])), float(largest[row]), worst[row]
+        found.append(
+            DirectionRates(
+                name, tuple(twist.tolist()), unit, True, tuple(rates[row].tolist()), norm, number + 1,
+                robot.variables[number].name, 1.0 / most if most else inf, float(speeds[row]), exact,
+            )
+        )  # fmt: skip
     return found
-
-
-def _named(robot: Robot, name: str, twist: Array, found: _Found) -> DirectionRates:
-    moves, turns = bool(twist[:3].any()), bool(twist[3:].any())
-    unit = "1" if moves and turns else "m/s" if moves else "rad/s"
-    if unit == "m/s" and name == "weakest direction":
-        unit = "1"  # the twist of ℓ m/s is the unit
-    possible = found.rates is not None
-    return DirectionRates(
-        name=name,
-        direction=tuple(twist.tolist()),
-        unit=unit,
-        possible=possible,
-        joint_rates=tuple(found.rates.tolist()) if found.rates is not None else (),
-        norm=found.norm,
-        worst=None if found.worst is None else found.worst + 1,
-        worst_joint=None if found.worst is None else robot.variables[found.worst].name,
-        speed_smallest_rates=found.smallest,
-        speed=found.speed,
-        exact=found.exact,
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,3 +352,124 @@ def rate_growth(
     for array in (steps, rates):
         array.flags.writeable = False
     return RateGrowth(steps, rates, power)
+
+
+MOST_FACETS = 1_000
+"""Candidates for a facet that are listed at most; 8 joints have 56."""
+_TINY = 1e-100  # its square is still a number
+
+
+@dataclass(frozen=True, eq=False)
+class Slowest:
+    """The slowest straight motions of one kind at N configurations.
+
+    Attributes:
+        unit: "m/s" or "rad/s".
+        speed: (N,) largest speed in the slowest direction; inf where rate limits bind no direction.
+        direction: (N, 3) that direction, a unit vector in the task's axes.
+        joint: (N,) the joint, from 1, that limits it most.
+        normal: (N, m) normal y of the facet in the task's rows: directions that are slow there.
+        exact: False where the arm has too many joints to list facets: the slowest motion is no faster than `speed`.
+    """
+
+    unit: str
+    speed: Array
+    direction: Array
+    joint: NDArray[np.intp]
+    normal: Array
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StraightMotion:
+    """The slowest straight motion of one kind: the tool translates without turning, or turns about its point.
+
+    Attributes:
+        unit: of speeds: "m/s" or "rad/s".
+        speed: the largest within the rate limits of the joints; `limit`: below it the motion is slow.
+        direction: (3,) unit vector in the axes of the task.
+        number, joint: the joint that limits it most, from 1, and its name.
+        exact: False for an arm of so many joints that this is a bound: the slowest motion is no faster.
+    """
+
+    unit: str
+    speed: float
+    limit: float
+    direction: tuple[float, float, float]
+    number: int
+    joint: str
+    exact: bool
+
+
+def slowest_motions(robot: Robot, q: ArrayLike, task: Task) -> tuple[Slowest, ...]:
+    """Slowest straight translation (the tool does not turn) and rotation (the tool point stands still), batched.
+
+    Args:
+        robot: the arm; `Joint.velocity` are its rate limits, those of mimic joints included.
+        q: (..., n) configurations [rad, m].
+        task: rows that count; a kind of motion without rows in the task is left out.
+
+    Returns:
+        One record per kind, translation first. None at all without rate limits, or with more rows than joints.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("gen3")
+        >>> slow = slowest_motions(arm, [0.3, 0.5, 0.2, 0.02, 0.4, 0.8, 0.1], resolve_task(None, arm))[0]
+        >>> f"{slow.speed[0]:.4f} {slow.unit}", int(slow.joint[0])
+        ('0.0022 m/s', 4)
+    """
+    rows, _ = configurations(robot, q)
+    here, inside = in_metres(robot), task_in_metres(task, robot)
+    limits = rate_limits(here)
+    bounded = np.flatnonzero(np.isfinite(limits))
+    spare = robot.n - task.m
+    if spare < 0 or len(bounded) <= spare:
+        return ()
+    columns = task_jacobian(here, into_metres(robot, rows), inside) * np.where(np.isfinite(limits), limits, 1.0)
+    u, sigma, vt = np.linalg.svd(columns)
+    facets, exact = _facets(vt[:, task.m :], bounded)
+    if facets is None:  # directions that cost most stand in: each bounds the slowest speed from above
+        facets = vt[:, : task.m] * np.isfinite(limits)
+    facets = facets / np.maximum(np.abs(facets).sum(axis=-1, keepdims=True), _TINY)
+    normals = (facets @ vt[:, : task.m].swapaxes(1, 2) / np.maximum(sigma, _TINY)[:, None]) @ u.swapaxes(1, 2)
+    scale = np.array([inside.scale(here) if row < 3 else 1.0 for row in task.rows])
+    normals = normals / scale  # of twists in m/s and rad/s
+    parts = (("m/s", [i for i, row in enumerate(task.rows) if row < 3]),
+             ("rad/s", [i for i, row in enumerate(task.rows) if row >= 3]))  # fmt: skip
+    return tuple(_slowest(unit, part, facets, normals, task, exact) for unit, part in parts if part)
+
+
+def _facets(null: Array, bounded: NDArray[np.intp]) -> tuple[Array | None, bool]:
+    """(N, C, n) circuits of null spaces (N, p, n) among the joints with a limit; None where there are too many."""
+    count, spare, n = null.shape
+    if comb(len(bounded), spare + 1) > MOST_FACETS:
+        return None, False
+    chosen = np.array(list(combinations(bounded.tolist(), spare + 1)))  # (C, p + 1)
+    facets = np.zeros((count, len(chosen), n))
+    parts = null[:, :, chosen].swapaxes(1, 2)  # (N, C, p, p + 1)
+    if spare == 0:
+        entries = np.ones((count, len(chosen), 1))
+    elif spare == 1:
+        entries = np.stack([parts[..., 0, 1], -parts[..., 0, 0]], axis=-1)
+    else:
+        entries = np.linalg.svd(parts)[2][..., -1, :]
+    np.put_along_axis(facets, np.broadcast_to(chosen, entries.shape), entries, axis=-1)
+    return facets, True
+
+
+def _slowest(unit: str, part: list[int], facets: Array, normals: Array, task: Task, exact: bool) -> Slowest:
+    """The nearest facet for motions in the rows `part` alone."""
+    size = np.linalg.norm(normals[..., part], axis=-1)
+    best = size.argmax(axis=1)
+    each = np.arange(len(best))
+    longest = size[each, best]
+    normal = normals[each, best]
+    direction = np.zeros((len(best), 3))
+    direction[:, [task.rows[i] % 3 for i in part]] = normal[:, part] / np.maximum(longest, _TINY)[:, None]
+    speed = np.where(longest > 0.0, 1.0 / np.maximum(longest, _TINY), np.inf)
+    return Slowest(unit, speed, direction, np.abs(facets[each, best]).argmax(axis=1) + 1, normal, exact)

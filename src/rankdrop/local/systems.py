@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -183,12 +182,16 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[
         [((4, 5, 6), 'spherical')]
     """
     lines = Lines(robot, one_configuration(robot, q), tolerance)
-    elsewhere = _Elsewhere(robot)
+    elsewhere: list[Array] = []  # worked out when first needed
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
     for member in members(lines):
         for joints, structural in _pieces(member):
             overfull = len(joints) > member.dimension
-            always = structural or (overfull and elsewhere.keeps(joints, member.dimension))
+            if overfull and not structural and not elsewhere:
+                elsewhere = _elsewhere(robot)
+            always = structural or (overfull and all(
+                len(closure(twists[list(joints)], most=member.dimension)) <= member.dimension for twists in elsewhere
+            ))  # fmt: skip
             system = _system(robot, lines, member, joints, always)
             count = len(system.numbers)
             telling = count > system.dimension or (structural and count == system.dimension >= 2)
@@ -237,23 +240,10 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
     return head + told + ("" if bound == rank else f"; this accounts for rank {bound}, not for {rank}")
 
 
-class _Elsewhere:
-    """Joint twists at random configurations, computed when they are first asked for."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-
-    @cached_property
-    def twists(self) -> list[Array]:
-        """(N, 6) about the tip, lengths per reach, for every configuration."""
-        found = []
-        for q in structural_sample(self.robot, resolve_task("pose", self.robot), _SAMPLES):
-            found.append(_twists(self.robot, q, reach(self.robot)))
-        return found
-
-    def keeps(self, joints: tuple[int, ...], dimension: int) -> bool:
-        """Do these joints generate no more than this dimension there as well?"""
-        return all(len(closure(t[list(joints)], most=dimension)) <= dimension for t in self.twists)
+def _elsewhere(robot: Robot) -> list[Array]:
+    """Joint twists (N, 6) at random configurations, about the tip, lengths per reach."""
+    points = structural_sample(robot, resolve_task("pose", robot), _SAMPLES)
+    return [_twists(robot, q, reach(robot)) for q in points]
 
 
 def _twists(robot: Robot, q: Array, length: float) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,18 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, task_in_metres
+
+
+class Cause(StrEnum):
+    """What decides the verdict on a configuration."""
+
+    LOST = "lost"  # the rank is below the generic one
+    NEVER = "never"  # the arm is deficient for the task at every configuration
+    NEAR_MISS = "near miss"  # σ_r is small, and its local minimum nearby is not zero
+    DISTANCE = "distance"  # a singular configuration is near in joint space
+    SMALL = "small"  # σ_r is small
+    SLOW = "slow"  # some straight motion is slow within the rate limits of the joints
+    NONE = "none"  # none of these
 
 
 @dataclass(frozen=True, slots=True)

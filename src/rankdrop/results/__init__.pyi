@@ -8,7 +8,6 @@ from .conditions import Conditions as Conditions
 from .conditions_text import arm_lines as arm_lines
 from .conditions_text import steps_text as steps_text
 from .covered import Covered as Covered
-from .explanation.data import Seen as Seen
 from .explanation.explanation import Explanation as Explanation
 from .explanation.explanation import far_to_dict as far_to_dict
 from .explanation.explanation import way_out_to_dict as way_out_to_dict
@@ -17,6 +16,7 @@ from .explanation.failures import tolerant_to_dict as tolerant_to_dict
 from .explanation.parts import first_verdict as first_verdict
 from .explanation.parts import known_families as known_families
 from .explanation.text import condition_sentences as condition_sentences
+from .explanation.text import lost_text as lost_text
 from .explanation.words import angle as angle
 from .explanation.words import angle_below as angle_below
 from .explanation.words import motion as motion

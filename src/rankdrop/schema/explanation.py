@@ -11,7 +11,7 @@ from rankdrop.local.cofactors import Hunt, HuntJoint
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
-from rankdrop.local.rates import DirectionRates, Rates
+from rankdrop.local.rates import DirectionRates, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.relations import Relation
 from rankdrop.local.representation import Representation, Representations
@@ -20,6 +20,7 @@ from rankdrop.local.second_order import LostMotion
 from rankdrop.local.systems import ScrewSystem
 from rankdrop.local.verdict import Rank
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.results.explanation.data import Summary
 from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 
 ESCAPE_SETTINGS = table(
@@ -35,6 +36,8 @@ ESCAPE_SETTINGS = table(
     version=(str, "of rankdrop"),
     frame=(optional(Literal["base", "tool", "link", ""]),
         "in whose axes motions are told; empty: base, tool, and a link where they are simpler there"),
+    slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none"),
+    slow_turn=(optional(num("rad/s", ge=0)), "a straight rotation slower than this is slow; 0 for none"),
 )
 CIRCUIT = table(
     "circuit",
@@ -281,6 +284,40 @@ EXPLANATION_IDEAL = table(
     families=many(dict[str, Any]),
     here=HERE,
 )
+STRAIGHT_MOTION = table(
+    "straight_motion",
+    of=StraightMotion,
+    unit=Literal["m/s", "rad/s"],
+    speed=num("entry", ge=0) | None,
+    limit=num("entry", ge=0),
+    direction=row(num("1"), 3),
+    number=Positive,
+)
+SLOW_FAMILY = table(
+    "slow_family",
+    id=str,
+    name=str,
+    distance=(num("distance", ge=0), "to its nearest point"),
+    ideal=(bool, "a family of the ideal arm nearby, not of the arm itself"),
+    length=(num("m", ge=0), "largest difference of a length between the two arms"),
+    angle=(num("rad", ge=0), "largest difference of an angle"),
+)
+SUMMARY = table(
+    "summary",
+    of=Summary,
+    distance=num("distance", ge=0) | None,
+    length=num("m", ge=0),
+    angle=num("rad", ge=0),
+    pinned=many(tuple[Positive, num("joint")]),
+    lost=many(row(num("1"), 6)),
+    slowest=STRAIGHT_MOTION | None,
+    way_out=many(tuple[Positive, num("joint")]),
+    sigma_after=num("1", ge=0) | None,
+    next_distance=num("distance", ge=0) | None,
+    source=Literal["catalogue", "analysis", "on the spot"],
+    radius=num("distance", ge=0) | None,
+    text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),
+)
 LOST_SEEN = table(
     "lost_seen",
     frame=Literal["base", "tool", "link"],
@@ -339,6 +376,9 @@ EXPLANATION_FILE = file(
     ideal=(optional(EXPLANATION_IDEAL),
         "with --ideal: the arm that was given, beside the ideal one that all else is about"),
     lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]"),
+    summary=(optional(SUMMARY), "the answer: facts, then five sentences"),
+    slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits"),
+    slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide"),
 )
 NEAREST_FILE = file(
     "nearest",

@@ -14,10 +14,10 @@ from rankdrop.local.ways_out import check_step
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, ExplainSettings
 from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.parts import checked_frame, how_far, known_families, verdict_of
+from rankdrop.results.explanation.parts import checked_frame, how_far, known_families, straight_motions, verdict_of
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SMALL, Tolerances
+from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SLOW, SLOW_TURN, SMALL, Tolerances
 from rankdrop.version import VERSION
 
 LARGEST_TOLERANCE = 1e-3
@@ -40,12 +40,15 @@ def explain(
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
     frame: str | None = None,
+    speed: float = SLOW,
+    turn_speed: float = SLOW_TURN,
 ) -> Explanation:
     """Explain one configuration: at, near, or far from a singularity.
 
     Verdicts: *singular*, the rank is below the generic one (σ_r ≤ `tolerances.singular`); *near*, a singular
-    configuration was found within `near`, or σ_r ≤ `small` (a near miss, where none was found); *always-singular*, the
-    arm is deficient for the task at every configuration and not more so here; else *regular*.
+    configuration was found within `near`, or σ_r ≤ `small` (a near miss, where none was found), or some straight motion
+    of the tool is slower than `speed` or `turn_speed` with every joint at its rate limit; *always-singular*, the arm is
+    deficient for the task at every configuration and not more so here; else *regular*.
 
     Rank, distances and verdict are worked out at once. Every other part, the certified radius too, is worked out when
     it is first asked for, printed or written, and kept; it is the same whenever that is.
@@ -69,6 +72,7 @@ def explain(
         tolerances: thresholds, recorded in the result.
         frame: in whose axes lost motions and the cost of motion are told: "base", "tool", or "link", the one in which
             they are simplest; None tells what is lost in all three.
+        speed, turn_speed: of straight translations [m/s] and rotations [rad/s] that count as slow; 0 for none.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -84,7 +88,7 @@ def explain(
     check_robot(robot)
     configuration = one_configuration(robot, q)
     configuration.flags.writeable = False
-    _check_numbers(near=near, small=small, step=step)
+    _check_numbers(near=near, small=small, step=step, speed=speed, turn_speed=turn_speed)
     _check_whole(evaluations=evaluations, seed=seed, coranks=coranks)
     check_budget(evaluations)
     check_step(step)
@@ -98,7 +102,7 @@ def explain(
     families, source = known_families(robot, resolved, analysis, tolerances)
     settings = ExplainSettings(
         near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION,
-        checked_frame(frame),
+        checked_frame(frame), speed, turn_speed,
     )  # fmt: skip
     rank = rank_at(robot, configuration, resolved, tolerances)
     check_moves(robot, resolved, rank.generic_rank)
@@ -108,8 +112,9 @@ def explain(
 def _explained(asked: Asked) -> Explanation:
     """How far and the verdict; all else when it is asked for, at the configuration or at the singular one near it."""
     far = how_far(asked)
-    verdict, reason = verdict_of(asked.rank, far, asked.settings.near, asked.settings.small)
-    return Explanation(asked, verdict, reason, far)
+    straight = straight_motions(asked)
+    verdict, cause = verdict_of(asked, far, [one for one in straight if one.speed < one.limit])
+    return Explanation(asked, verdict, cause, far, straight)
 
 
 def _check_numbers(**options: float) -> None:

@@ -12,7 +12,7 @@ from math import isfinite
 
 from rankdrop.family import Family
 from rankdrop.local import Circuit
-from rankdrop.results import Explanation, Seen, angle, angle_below, short
+from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, short
 from rankdrop.viewer.live import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
@@ -129,7 +129,7 @@ def details_html(found: Explanation) -> str:
     if found.lost.words:
         if found.verdict != "singular":
             lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
-        lines += [_lost_line(seen) for seen in found.lost.seen[:_FRAMES]]
+        lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
         f"{circuit_text(one)}"
@@ -140,11 +140,11 @@ def details_html(found: Explanation) -> str:
     return lines_html(lines)
 
 
-def _lost_line(seen: Seen) -> str:
+def _lost_line(seen: Record) -> str:
     """What is lost in one frame: what it comes to first, where that can be said, then what every motion obeys."""
-    exact = f"the tool can only move so that {escape(', '.join(seen.constraints))}"
-    told = escape(", ".join(one for one in seen.short if one))
-    return f"<span style='{_QUIET}'>in {escape(seen.axes)}:</span> " + (
+    exact = f"the tool can only move so that {escape(', '.join(seen['constraints']))}"
+    told = escape(", ".join(one for one in seen['short'] if one))
+    return f"<span style='{_QUIET}'>in {escape(seen['axes'])}:</span> " + (
         f"{told}<br><span style='{_QUIET}'>{exact}</span>" if told else exact
     )
 

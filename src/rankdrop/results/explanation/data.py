@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
@@ -15,16 +15,57 @@ from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.rates import StraightMotion
 from rankdrop.local.screws import Screw
 from rankdrop.local.systems import ScrewSystem
-from rankdrop.local.verdict import Rank
+from rankdrop.local.verdict import Cause, Rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.tolerances import Tolerances
+from rankdrop.tolerances import SLOW, SLOW_TURN, Tolerances
 
 _AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 AT_LIMIT = 1e-3
 """A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The answer in facts: what the configuration is, what is lost, what to do, what is next, how sure it is.
+
+    Attributes:
+        verdict, cause: as in `Explanation`.
+        family, family_id: that the answer is about; empty where there is none.
+        distance: to it [rad; slides in length scales]; None at a regular configuration without one.
+        ideal: it is a family of the ideal arm nearby, and not one of the arm itself; length, angle: what keeps it from
+            being the arm's own, the largest differences between the two [m, rad].
+        pinned: (number, value) of the joints that the family holds at fixed values [rad, m].
+        lost: (6,) directions that are lost, or nearly, in base axes.
+        slowest: the slowest straight motion in terms of its limit; None without rate limits.
+        way_out: (number, motion) of the joints to move [rad, m]; empty where no way out is known.
+        sigma_after: σ_r after that motion.
+        next_family, next_distance: the next family, or the nearest singularity of all.
+        source: where the families come from; `exact`: exact conditions of this arm are shipped.
+        radius: proven free of singularities [rad]; None where that is not known.
+    """
+
+    verdict: str
+    cause: Cause
+    family: str
+    family_id: str
+    distance: float | None
+    ideal: bool
+    length: float
+    angle: float
+    pinned: tuple[tuple[int, float], ...]
+    lost: tuple[tuple[float, ...], ...]
+    slowest: StraightMotion | None
+    way_out: tuple[tuple[int, float], ...]
+    sigma_after: float | None
+    next_family: str
+    next_distance: float | None
+    source: str
+    exact: bool
+    radius: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +84,8 @@ class ExplainSettings:
         version: of rankdrop.
         frame: in whose axes motions are told: "base", "tool" or "link"; empty for base, tool, and a link where they
             are simpler there.
+        slow, slow_turn: a configuration is near a singularity where some straight translation [m/s] or rotation
+            [rad/s] is slower within the rate limits of the joints; 0 asks for neither.
     """
 
     near: float
@@ -55,6 +98,8 @@ class ExplainSettings:
     tolerances: Tolerances
     version: str
     frame: str = ""
+    slow: float = SLOW
+    slow_turn: float = SLOW_TURN
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,25 +126,6 @@ class Asked:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """What is lost as it is seen from one part of the arm.
-
-    Attributes:
-        frame: "base", "tool" or "link".
-        axes: whose axes, as a heading: "base axes", "tool axes", "axes of link 5 (wrist_2_link) at its origin".
-        directions: (k, 6) the lost directions, readable, in this frame.
-        constraints: of each, what all motions that remain obey: "0.63 vy + 0.7 vz + 0.098 m·ωx = 0".
-        short: of each, what that comes to: "no motion along Y", "nearly no turning about X"; else empty.
-    """
-
-    frame: str
-    axes: str
-    directions: Array
-    constraints: tuple[str, ...]
-    short: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Lost:
     """What cannot be done, or is about to be lost.
 
@@ -114,7 +140,7 @@ class Lost:
         twist_screws, wrench_screws: axis and pitch of each direction, read as twist and as wrench, in that frame.
         never: (p, 6) directions that this arm cannot make anywhere near, where its generic rank is below that of the
             task.
-        seen: the same directions in axes of the base, of the tool, and of a link where they are simpler there.
+        seen: the same directions in axes of the "base", of the "tool", and of a "link" where they are simpler there.
     """
 
     directions: Array
@@ -125,7 +151,7 @@ class Lost:
     twist_screws: tuple[Screw, ...]
     wrench_screws: tuple[Screw, ...]
     never: Array
-    seen: tuple[Seen, ...] = ()
+    seen: dict[str, FramedDirections] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

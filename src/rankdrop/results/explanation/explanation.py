@@ -18,17 +18,42 @@ from rankdrop.family.which import Incidence
 from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.rates import Rates, joint_rates
+from rankdrop.local.rates import Rates, StraightMotion, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.local.representation import Representations, representation_at
-from rankdrop.local.verdict import Rank
+from rankdrop.local.verdict import Cause, Rank
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
-from rankdrop.results.explanation.data import AT_LIMIT, Asked, Blame, ExplainSettings, Far, Lost
+from rankdrop.results.explanation.data import (
+    AT_LIMIT,
+    Asked,
+    Blame,
+    ExplainSettings,
+    Far,
+    Lost,
+    Summary,
+)
 from rankdrop.results.explanation.failures import failures_to_dict
-from rankdrop.results.explanation.parts import blame_at, disagreements, incidences_at, lost_of, turned_task
-from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of, sentence_of
+from rankdrop.results.explanation.parts import (
+    SlowFamily,
+    blame_at,
+    disagreements,
+    incidences_at,
+    lost_of,
+    slow_family,
+    summary_of,
+    turned_task,
+)
+from rankdrop.results.explanation.text import (
+    DETAILS,
+    PARTS,
+    lost_text,
+    reason_of,
+    sections_of,
+    sentence_of,
+    summary_lines,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
@@ -43,6 +68,7 @@ def explanation_to_dict(explanation: Explanation) -> Record:
         **heading(SCHEMA),
         **_head(explanation),
         "sentence": sentence_of(explanation),
+        **_summary(explanation),
         **plain(explanation.rank),
         "nearly_lost": explanation.nearly_lost,
         "focus": explanation.focus.tolist(),
@@ -50,7 +76,7 @@ def explanation_to_dict(explanation: Explanation) -> Record:
         "families": [incidence_to_dict(one) for one in explanation.met],
         "family_source": explanation.source,
         "relations": plain(explanation.relations),
-        **_lost(explanation.lost),
+        **_lost(explanation),
         **_ways(explanation),
         "joint_rates": plain(explanation.rates),
         **_far(explanation),
@@ -71,6 +97,18 @@ def _head(explanation: Explanation) -> Record:
         "at_limits": list(explanation.at_limits),
         "verdict": explanation.verdict,
         "reason": explanation.reason,
+    }
+
+
+def _summary(explanation: Explanation) -> Record:
+    summary, slow = plain(explanation.summary), None
+    if explanation.slow_family is not None:
+        slow = {"id": summary["family_id"], "name": summary["family"]}
+        slow |= {name: summary[name] for name in ("distance", "ideal", "length", "angle")}
+    return {
+        "summary": {**summary, "text": list(summary_lines(explanation))},
+        "slowest": plain(explanation.straight),
+        "slow_family": slow,
     }
 
 
@@ -109,8 +147,9 @@ def incidence_to_dict(met: Incidence) -> Record:
     }
 
 
-def _lost(lost: Lost) -> Record:
-    framed = lost.framed
+def _lost(explanation: Explanation) -> Record:
+    lost = explanation.lost
+    framed, robot = lost.framed, explanation.robot
     return {
         "lost_directions": lost.directions.tolist(),
         "lost_words": list(lost.words),
@@ -125,7 +164,10 @@ def _lost(lost: Lost) -> Record:
             "twist_screws": plain(lost.twist_screws),
             "wrench_screws": plain(lost.wrench_screws),
         },
-        "lost_seen": plain(lost.seen),
+        "lost_seen": [
+            {"frame": frame, "directions": seen.directions.tolist(), **lost_text(robot, seen)}
+            for frame, seen in lost.seen.items()
+        ],
         "weakest_direction": lost.weakest.tolist(),
         "never_possible": lost.never.tolist(),
     }
@@ -171,7 +213,7 @@ def certificate_to_dict(certificate: Certificate) -> Record:
     return found
 
 
-_SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
+_PLAIN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,14 +223,38 @@ class Explanation:
     Attributes:
         asked: the question: arm, configuration, task, rank, known families, settings.
         verdict: "regular", "near", "singular" or "always-singular".
-        reason: one sentence for it.
+        cause: what decides it.
         far: how far the next singularity is.
+        straight: the slowest translation and the slowest rotation of the tool.
     """
 
     asked: Asked
     verdict: str
-    reason: str
+    cause: Cause
     far: Far
+    straight: tuple[StraightMotion, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """What decides the verdict, in a sentence."""
+        return reason_of(self)
+
+    @cached_property
+    def slow_family(self) -> SlowFamily | None:
+        """The family that makes a straight motion slow; None where speed does not decide the verdict."""
+        return slow_family(self.asked, self.far) if self.cause == Cause.SLOW else None
+
+    @property
+    def distance(self) -> float | None:
+        """To the nearest singular configuration found [rad; slides in length scales]; 0 at one, None where none was."""
+        if self.rank.corank:
+            return 0.0
+        return None if self.far.nearest is None else self.far.nearest.distance
+
+    @cached_property
+    def summary(self) -> Summary:
+        """The answer in facts."""
+        return summary_of(self)
 
     @property
     def robot(self) -> Robot:
@@ -227,7 +293,7 @@ class Explanation:
 
     @property
     def _at_hand(self) -> Nearest | None:
-        return self.far.nearest if self.verdict == "near" and self.far.near_miss is None else None
+        return self.far.nearest if self.cause in (Cause.DISTANCE, Cause.SMALL) else None
 
     @property
     def _corank(self) -> int:
@@ -246,7 +312,7 @@ class Explanation:
     @cached_property
     def lost(self) -> Lost:
         """Directions of the tool that are lost at the focus."""
-        return lost_of(self.asked, self.focus, self._corank or (1 if self.far.near_miss is not None else 0))
+        return lost_of(self.asked, self.focus, self._corank or int(self.cause in (Cause.NEAR_MISS, Cause.SLOW)))
 
     @cached_property
     def blame(self) -> Blame:
@@ -326,7 +392,7 @@ class Explanation:
 
     def __str__(self) -> str:
         """What the command line prints, unwrapped."""
-        return text(self.sections(parts=_SHOWN))
+        return text(self.sections(parts=_PLAIN))
 
     def to_dict(self) -> Record:
         """Plain data: see docs/json.md."""
@@ -346,4 +412,4 @@ class Explanation:
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        return html(self.sections(parts=_SHOWN))
+        return html(self.sections(parts=_PLAIN))

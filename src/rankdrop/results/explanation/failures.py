@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees
-from typing import TYPE_CHECKING
 
 from rankdrop.families.tolerant import Place, Tolerant
 from rankdrop.local.failures import Failures
@@ -17,15 +16,6 @@ from rankdrop.sections import Section
 from rankdrop.text.families import FREE, joint_symbol
 from rankdrop.units import heading
 from rankdrop.version import VERSION
-
-if TYPE_CHECKING:
-    from rankdrop.results.explanation.explanation import Explanation
-
-
-def failures_part(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """What each joint's failure leaves; of arms without a joint to spare only on demand: each costs a freedom."""
-    if full or explanation.robot.n > explanation.rank.generic_rank:
-        yield failures_table(explanation.failures, "If one joint fails")
 
 
 def failures_table(failures: Failures, title: str) -> Section:

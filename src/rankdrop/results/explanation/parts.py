@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,18 +32,28 @@ from rankdrop.local.directions import (
 )
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.local.ordered import ordered_subsets
-from rankdrop.local.screws import blocked_words, constraint, in_short, screw_of, words
+from rankdrop.local.rates import StraightMotion, slowest_motions
+from rankdrop.local.screws import blocked_words, screw_of, words
 from rankdrop.local.systems import always_singular_reason, systems_at
-from rankdrop.local.verdict import Rank
-from rankdrop.local.ways_out import JointEscape
+from rankdrop.local.verdict import Cause, Rank
+from rankdrop.local.ways_out import Escape, JointEscape
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.data import Asked, Blame, Far, Lost, Seen
-from rankdrop.results.explanation.words import angle, angle_below, short
-from rankdrop.results.known import known_analysis
+from rankdrop.results.explanation.data import (
+    Asked,
+    Blame,
+    Far,
+    Lost,
+    Summary,
+)
+from rankdrop.results.known import known_analysis, shipped_conditions_record
+from rankdrop.robot.ideal import Near, ideal, near_ideal
 from rankdrop.robot.model import Array, Robot, geometry
-from rankdrop.task import BASE, TIP, Task
+from rankdrop.task import BASE, TIP, Task, six_rows
 from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length
+
+if TYPE_CHECKING:
+    from rankdrop.results.explanation.explanation import Explanation
 
 
 def known_families(
@@ -95,7 +106,7 @@ def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
         twist_screws=tuple(screw_of(one).in_lengths(length) for one in framed.directions),
         wrench_screws=tuple(screw_of(np.roll(one, 3)).in_lengths(length) for one in framed.directions),
         never=never,
-        seen=tuple(_seen(robot, focus, task, corank, framed, settings.frame)),
+        seen=_seen(robot, focus, task, corank, framed, settings.frame),
     )
 
 
@@ -105,21 +116,14 @@ FRAMES = ("base", "tool", "link")
 
 def _seen(
     robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, asked: str
-) -> Iterator[Seen]:
+) -> dict[str, FramedDirections]:
     """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
-    length = counted_length(robot)
-    found = [(name, lost_seen_from(robot, q, task, corank, name)) for name in FRAMES[:2]]
-    fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for _, one in found)
+    found = {name: lost_seen_from(robot, q, task, corank, name) for name in FRAMES[:2]}
+    fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for one in found.values())
     simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
     if asked == "link" or (not asked and simpler):
-        found.append(("link", sparsest))
-    for name, framed in found:
-        if not asked or asked == name:
-            yield Seen(
-                name, axes_text(robot, framed), framed.directions,
-                tuple(constraint(one, length) for one in framed.directions),
-                tuple(in_short(one) for one in framed.directions),
-            )  # fmt: skip
+        found["link"] = sparsest
+    return {name: framed for name, framed in found.items() if not asked or asked == name}
 
 
 def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
@@ -143,20 +147,6 @@ def checked_frame(frame: str | None) -> str:
     if frame is not None and frame not in FRAMES:
         raise OptionError("these are no axes", where="frame", got=repr(frame), allowed=", ".join(FRAMES))
     return frame or ""
-
-
-def axes_text(robot: Robot, framed: FramedDirections) -> str:
-    """Whose axes: "base axes", "tool axes", "axes of the tool at the origin of link 5 (wrist_2_link)"."""
-    frame = framed.frame
-    if frame.origin == TIP and frame.axes in (BASE, TIP):
-        return f"{'base' if frame.axes == BASE else 'tool'} axes"
-    text = framed.name
-    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
-    if number in (BASE, TIP):
-        return f"axes of {text}"
-    joint, link = robot.joints[number - 1], f"link {number}"
-    known = joint.link or f"after {joint.name}"
-    return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
 
 
 def turned_task(task: Task, frame: str, lost: Lost) -> Task:
@@ -271,28 +261,134 @@ def _near_miss(asked: Asked) -> float | None:
     return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
 
 
-def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]:
-    """The verdict and one sentence for it; see `rankdrop.verbs.explain`."""
+def verdict_of(asked: Asked, far: Far, slow: Sequence[StraightMotion]) -> tuple[str, Cause]:
+    """The verdict and what decides it; see `rankdrop.verbs.explain`.
+
+    Args:
+        asked: the question.
+        far: distances.
+        slow: straight motions that are slower than was asked.
+    """
+    rank, settings = asked.rank, asked.settings
     r = rank.generic_rank
-    sigma = float(rank.sigma[r - 1]) if r else 0.0
-    lost = f"rank {rank.rank} of {r}"
     if rank.corank:
-        are = "is" if rank.corank == 1 else "are"
-        return "singular", f"{rank.corank} of {r} directions of the tool {are} lost{_nearly(rank, small)}"
+        return "singular", Cause.LOST
     if rank.always_singular:
-        return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
+        return "always-singular", Cause.NEVER
     if far.near_miss is not None:
-        least = f"σ{r} = {short(sigma, 3)} is small, but a descent from here ends at σ{r} = {short(far.near_miss, 3)}"
-        return "near", f"{lost}; near miss: {least}, not at zero"
-    if far.nearest is not None and far.nearest.distance <= near:
-        there = f"a singular configuration is {angle(far.nearest.distance)} away"
-        return "near", f"{lost}, but {there}{_several(rank, small)}"
-    if sigma <= small:
-        return "near", f"{lost}, but σ{r} = {short(sigma, 3)} is at most {short(small)}"
-    if far.nearest is None:
-        proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
-        return "regular", f"{lost}; no singular configuration was found, and {proven}"
-    return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
+        return "near", Cause.NEAR_MISS
+    if far.nearest is not None and far.nearest.distance <= settings.near:
+        return "near", Cause.DISTANCE
+    if r and float(rank.sigma[r - 1]) <= settings.small:
+        return "near", Cause.SMALL
+    return ("near", Cause.SLOW) if slow else ("regular", Cause.NONE)
+
+
+def straight_motions(asked: Asked) -> tuple[StraightMotion, ...]:
+    """The slowest translation and the slowest rotation; none without rate limits, or where the arm lacks a freedom."""
+    robot, rank, settings = asked.robot, asked.rank, asked.settings
+    if rank.generic_rank < asked.task.m:
+        return ()
+    limits = {"m/s": settings.slow, "rad/s": settings.slow_turn}
+    found = []
+    for one in slowest_motions(robot, asked.q[None], asked.task):
+        x, y, z = one.direction[0].tolist()
+        number = int(one.joint[0])
+        found.append(StraightMotion(one.unit, float(one.speed[0]), limits[one.unit], (x, y, z), number,
+                                    robot.variables[number - 1].name, one.exact))  # fmt: skip
+    return tuple(found)
+
+
+SlowFamily = tuple[Family, float, Near | None]
+"""The family that makes a motion slow, the distance to it, and the ideal arm nearby where it is that arm's family."""
+_ALIGNED = 0.7  # cosine between a slow motion and what a family loses from which the family explains it
+
+
+def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
+    """The family that makes a straight motion slow: one of the ideal arm nearby if that is nearer than the arm's own.
+
+    Of the arm's own families it is the nearest whose lost motions point along the slow one, else the nearest of all.
+    """
+    own = far.nearest.distance if far.nearest is not None else np.inf
+    near = near_ideal(asked.robot)
+    if near is not None:
+        model = ideal(asked.robot, length=near.tolerance.length, angle=near.tolerance.angle)[0]
+        task = replace(asked.task, length_scale=asked.settings.length_scale)
+        try:
+            there = nearest_singularity(model, asked.q, task, seed=asked.settings.seed)
+        except OptionError:  # too many joints for a search
+            there = None
+        if there is not None and there.distance < own:
+            families, source = known_families(model, task, None, asked.settings.tolerances)
+            question = replace(asked, robot=model, task=task, families=families, source=source)
+            family = incidences_at(question, np.array(there.q), there.corank)[0].family
+            return family, there.distance, near
+    if far.nearest is None or far.nearest_family is None:
+        return None
+    slow = [one.normal[0] for one in slowest_motions(asked.robot, asked.q[None], asked.task)]
+    nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
+    candidates = [nearest, *((one.distance, one.q, one.family.corank, one.family) for one in far.families)]
+    explains = (one for one in candidates if any(_lost_along(asked, one[1], one[2], y) for y in slow))
+    distance, _, _, family = next(explains, nearest)
+    return family, distance, None
+
+
+def _lost_along(asked: Asked, q: Sequence[float], corank: int, normal: Array) -> bool:
+    """Whether a singular configuration loses a motion along `normal`, in the rows of the task [m/s, rad/s]."""
+    lost = lost_directions(asked.robot, q, asked.task, corank)
+    unit = six_rows(normal, asked.task) / np.linalg.norm(normal)
+    return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
+
+
+def summary_of(explanation: Explanation) -> Summary:
+    """The answer in facts."""
+    asked, far, rank = explanation.asked, explanation.far, explanation.rank
+    slow, met = explanation.slow_family, explanation.met
+    nearest = None if far.nearest_family is None else far.nearest_family.family
+    about = met[0].family if met and slow is None else None
+    family, distance, near = (about, explanation.distance, None) if slow is None else slow
+    base = explanation.lost.seen.get("base")
+    rest = [one for one in far.families if about is None or one.family.name != about.name]
+    following, away = (rest[0].family, rest[0].distance) if rest else (None, None)
+    if about is None and slow is None and far.nearest is not None:
+        following, away = nearest, far.nearest.distance
+    moves, after = best_way_out(explanation.escape, rank) if rank.generic_rank else ((), None)
+    slowest = [one for one in explanation.straight if slow is None or one.speed < one.limit]
+    turned = explanation.focus if about is not None else explanation.q
+    return Summary(
+        verdict=explanation.verdict, cause=explanation.cause, family=family.name if family else "",
+        family_id=family.id if family else "", distance=distance, ideal=near is not None,
+        length=near.length if near else 0.0, angle=near.angle if near else 0.0,
+        pinned=() if about is None else tuple((pin.number, float(turned[pin.number - 1])) for pin in about.pinned),
+        lost=() if base is None else tuple(tuple(row.tolist()) for row in base.directions),
+        slowest=slowest[0] if slowest else None, way_out=moves,
+        sigma_after=after, next_family=following.name if following else "", next_distance=away, source=asked.source,
+        exact=asked.source == "catalogue" and shipped_conditions_record(asked.robot, asked.task) is not None,
+        radius=explanation.certified_radius,
+    )  # fmt: skip
+
+
+def best_way_out(out: Escape, rank: Rank) -> tuple[tuple[tuple[int, float], ...], float | None]:
+    """The joint to move, or joints where none alone helps, with their motions [rad, m], and σ_r then."""
+    best = max((abs(one.rate) for one in out.single), default=0.0)
+    for one in out.single:
+        worth = rank.corank or abs(one.rate) > max(IDLE * best, NO_RATE)
+        if one.order is not None and worth and one.within_limits and abs(one.step) >= NO_RATE:
+            return ((one.number, one.step),), one.sigma_after
+    several = out.best_direction
+    if not (several.within_limits and several.restores):
+        return (), None
+    delta = np.array(several.delta) * several.step
+    large = [number for number in several.numbers if abs(delta[number - 1]) >= SHARE * np.abs(delta).max()]
+    return tuple((number, float(delta[number - 1])) for number in large), several.sigma_after
+
+
+IDLE = 0.01
+"""Away from a singularity: a joint whose rate is below this share of the best does not help."""
+NO_RATE = 1e-12
+"""A rate or a step below it is rounding."""
+SHARE = 0.02
+"""A joint that moves less than this share of the fastest is left out of a direction."""
 
 
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
@@ -312,18 +408,3 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
     if generic_rank < smallest:
         return "always-singular"
     return "near" if distance <= near or sigma <= small else "regular"
-
-
-def _several(rank: Rank, small: float) -> str:
-    """Where more is small than what vanishes nearby: an arm without its offsets would lose it all."""
-    count = int((rank.sigma[: rank.rank] <= small).sum())
-    first = rank.rank - count
-    if count < 2:
-        return ""
-    return f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}"
-
-
-def _nearly(rank: Rank, small: float) -> str:
-    """What is small beside what is zero: Gen3's offsets of 12 mm keep σ above zero where it would vanish without."""
-    kept = rank.sigma[: rank.rank]
-    return f", and σ{rank.rank} = {short(kept[-1], 3)} is nearly zero" if len(kept) and kept[-1] <= small else ""

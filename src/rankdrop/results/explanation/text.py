@@ -1,7 +1,7 @@
-"""An explanation in words: section by section, most useful first.
+"""An explanation in words: the answer in five lines, then section by section in the order of use.
 
-Last the parts that are shown only on demand, ellipsoids, redundancy, coordinates of the orientation; and what has to
-hold on a family, one sentence each.
+Last the parts that are shown on demand: joint rates, failures, ellipsoids, redundancy, coordinates of the orientation,
+singular values and joint angles; and what has to hold on a family, one sentence each.
 """
 
 from __future__ import annotations
@@ -15,26 +15,39 @@ import numpy as np
 
 from rankdrop.family.record import Family
 from rankdrop.local.cofactors import Hunt
+from rankdrop.local.directions import FramedDirections
+from rankdrop.local.rates import DirectionRates, StraightMotion
+from rankdrop.local.screws import constraint, in_short
+from rankdrop.local.second_order import proof_of
+from rankdrop.local.verdict import Cause
+from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record
 from rankdrop.results.conditions_text import values_in_degrees
-from rankdrop.results.explanation.failures import failures_part
-from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
+from rankdrop.results.explanation.data import Summary
+from rankdrop.results.explanation.failures import failures_table
+from rankdrop.results.explanation.parts import IDLE, NO_RATE, SHARE, turned_task
 from rankdrop.results.explanation.words import (
+    angle,
+    angle_below,
+    below,
     degrees_hint,
     fixed,
     minus,
+    motion,
     numbers,
     pitch_text,
     plural,
     power,
+    raised,
     short,
     vector,
     wrench_text,
 )
 from rankdrop.results.known import shipped_conditions_record
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.task import TIP, Task
+from rankdrop.task import BASE, TIP, Task
+from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
     from rankdrop.results.explanation.explanation import Explanation
@@ -43,15 +56,175 @@ if TYPE_CHECKING:
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
-_TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]"
+_TWIST = "v [m/s], ω [rad/s]: velocity and turning of the tool"
 _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
+_SHOWN = 3  # ways out and families
+_AXIS = 1e-4  # components below it are not shown: the axis is X, Y or Z
 
 
 def sentence_of(explanation: Explanation) -> str:
     """What may be claimed of one configuration; its word is `Explanation.verdict`."""
-    differ = "; two methods differ on a detail, told at the end" if explanation.disagreements else ""
+    differ = "; two methods disagree, see the end" if explanation.disagreements else ""
     return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
+
+
+def reason_of(explanation: Explanation) -> str:
+    """What decides the verdict, in a sentence."""
+    rank, far, cause = explanation.rank, explanation.far, explanation.cause
+    r = rank.generic_rank
+    lost = f"rank {rank.rank} of {r}"
+    small = [f"σ{r} = {short(float(value), 3)}" for value in rank.sigma[r - 1 : r]]
+    count = explanation.nearly_lost
+    if cause == Cause.LOST:
+        least = f", and σ{rank.rank} = {short(rank.sigma[rank.rank - 1], 3)} is nearly zero" if count else ""
+        return f"{rank.corank} of {r} directions of the tool {'is' if rank.corank == 1 else 'are'} lost{least}"
+    if cause == Cause.NEVER:
+        return f"rank {r} here and at almost every configuration: the arm never does more"
+    if cause == Cause.NEAR_MISS:
+        assert far.near_miss is not None
+        ends = f"a descent from here ends at σ{r} = {short(far.near_miss, 3)}, not at zero"
+        return f"{lost}; near miss: {small[0]} is small, but {ends}"
+    if cause == Cause.DISTANCE:
+        assert far.nearest is not None
+        first = rank.rank - count
+        several = "" if count < 2 else (
+            f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}")
+        return f"{lost}, but a singular configuration is {angle(far.nearest.distance)} away{several}"
+    if cause == Cause.SMALL:
+        return f"{lost}, but {small[0]} is at most {short(explanation.settings.small)}"
+    if cause == Cause.SLOW:
+        slow = " and ".join(_speed_words(one) for one in explanation.straight if one.speed < one.limit)
+        return f"{lost}, but the tool is slow: at most {slow}"
+    if far.nearest is None:
+        proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
+        return f"{lost}; no singular configuration was found, and {proven}"
+    return f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
+
+
+def summary_lines(explanation: Explanation) -> tuple[str, ...]:
+    """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
+    summary = explanation.summary
+    return (
+        f"{explanation.robot.name} is {_what_it_is(explanation, summary)}.",
+        f"{_what_is_lost(explanation, summary)}.", f"{_what_to_do(explanation, summary)}.",
+        f"Next: {_short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
+        if summary.next_distance is not None else "Next: no other singularity was found.",
+        f"{_how_sure(explanation, summary)}.",
+    )  # fmt: skip
+
+
+def _what_it_is(explanation: Explanation, summary: Summary) -> str:
+    rank = explanation.rank
+    if summary.cause == Cause.NEVER:
+        return f"singular at every configuration: rank {rank.generic_rank} of {explanation.task.m}"
+    if summary.cause == Cause.NONE:
+        return f"regular: rank {rank.rank} of {rank.generic_rank}, no direction of the tool is lost"
+    if summary.cause == Cause.NEAR_MISS:
+        return "near a singularity that it just misses: σ" + (
+            f"{rank.generic_rank} does not vanish, {short(explanation.far.near_miss or 0.0, 3)} is its least nearby")
+    name = summary.family or "family unknown"
+    if summary.cause == Cause.LOST:
+        units = explanation.robot.units
+        at = [f"joint {number} at {_value_words(value, units[number - 1])}" for number, value in summary.pinned[:2]]
+        held = f" ({', '.join(at)})" if at else ""
+        return f"singular: {name}{held}"
+    if not summary.ideal:
+        return f"near a singularity: {name}, {_degrees(summary.distance or 0.0)} away"
+    kept = [f"{short(1e3 * summary.length, 2)} mm"] * bool(summary.length)
+    kept += [f"{short(degrees(summary.angle), 2)}°"] * bool(summary.angle)
+    return f"near a singularity: {name}; offsets of {' and '.join(kept)} keep it from being exact"
+
+
+def _value_words(value: float, unit: str) -> str:
+    return f"{short(round(degrees(value), 3) + 0.0)}°" if unit == "rad" else f"{short(round(value, 6) + 0.0)} m"
+
+
+def _short_name(name: str) -> str:
+    """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
+    return name.partition(":")[0].partition(" (")[0].partition(",")[0]
+
+
+def _what_is_lost(explanation: Explanation, summary: Summary) -> str:
+    if summary.cause == Cause.NEVER:
+        return f"Never possible: {_motions_words(explanation.lost.never.tolist())}"
+    if summary.cause in (Cause.SLOW, Cause.NONE):
+        if summary.slowest is None or isinf(summary.slowest.speed):
+            return "Lost: nothing"
+        word = "Slow" if summary.cause == Cause.SLOW else "Slowest straight motion"
+        return f"{word}: at most {_speed_words(summary.slowest)}"
+    lost = "Lost" if summary.cause == Cause.LOST else "Nearly lost"
+    return f"{lost}: {_motions_words(summary.lost)}" if summary.lost else f"{lost}: see --full"
+
+
+def _speed_words(slow: StraightMotion) -> str:
+    """A straight motion: "2.2 mm/s along (0.1, …), limited by joint 4"."""
+    along = f"{'along' if slow.unit == 'm/s' else 'about'} {_axis_words(slow.direction)}"
+    return f"{speed_text(slow.speed, slow.unit)} {along}, limited by joint {slow.number}"
+
+
+def speed_text(speed: float, unit: str) -> str:
+    """A speed of the tool: "2.2 mm/s", "1.3 m/s", "4.1°/s"."""
+    if unit == "rad/s":
+        return f"{short(degrees(speed), 3 if speed > 1.0 else 2)}°/s"
+    if speed >= 1.0:
+        return f"{short(speed, 2)} m/s"
+    return f"{short(1e3 * speed, 3 if speed >= 0.1 else 2)} mm/s"
+
+
+def _motions_words(directions: Sequence[Sequence[float]]) -> str:
+    """Lost directions in base axes: "motion along (−0.49, −0.20, 0.85); turning about Z"."""
+    shown = "; ".join(_motion_words(np.array(row)) for row in directions[:2])
+    return f"{shown}{f'; {len(directions) - 2} more' if len(directions) > 2 else ''} in base axes"
+
+
+def _motion_words(direction: Array) -> str:
+    moves, turns = (float(np.linalg.norm(part)) for part in (direction[:3], direction[3:]))
+    along, about = f"motion along {_axis_words(direction[:3])}", f"turning about {_axis_words(direction[3:])}"
+    least = _MIXED * np.hypot(moves, turns)
+    return along if turns <= least else about if moves <= least else f"{along} with {about}"
+
+
+_MIXED = 0.25  # below this share of a direction its smaller part is not named
+
+
+def _axis_words(vector: Iterable[float]) -> str:
+    unit = np.array(list(vector))
+    unit = unit / max(float(np.linalg.norm(unit)), 1e-300)
+    large = np.flatnonzero(np.abs(unit) > _AXIS)
+    if len(large) == 1:
+        return "XYZ"[int(large[0])]
+    return f"({', '.join(minus(f'{round(x, 2) + 0.0:.2f}') for x in unit.tolist())})"
+
+
+def _what_to_do(explanation: Explanation, summary: Summary) -> str:
+    if summary.cause == Cause.NEVER:
+        return "Get out: ask for a task with fewer rows (planar, position, …)"
+    lead = "Get out" if summary.cause == Cause.LOST else "Get farther away"
+    if not summary.way_out or summary.sigma_after is None:
+        return f"{lead}: no small motion inside the joint limits does"
+    units, r = explanation.robot.units, explanation.rank.generic_rank
+    moves = [f"joint {number} by {motion(value, units[number - 1], 2)}" for number, value in summary.way_out]
+    jog = f"{lead}: {'jog' if len(moves) == 1 else 'move together'} {', '.join(moves)}"
+    if summary.cause == Cause.LOST:
+        return f"{jog}. Cartesian jogging along the lost motion fails"
+    return f"{jog}; σ{r} is {short(summary.sigma_after, 2)} then"
+
+
+def _how_sure(explanation: Explanation, summary: Summary) -> str:
+    rank = explanation.rank
+    size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
+    if summary.cause in (Cause.LOST, Cause.DISTANCE, Cause.SMALL):
+        source = {"catalogue": "the catalogue", "analysis": "the analysis given"}.get(summary.source)
+        told = "the exact conditions" if summary.exact else source or "singular points around it"
+        return f"Verified: {size}; family from {told}"
+    if summary.radius:
+        return f"Verified: {size}; none within {short(below(degrees(summary.radius), 3))}° (proven)"
+    return f"Verified: {size}"
+
+
+def _degrees(distance: float) -> str:
+    return f"{short(degrees(distance), 3)}°"
 
 
 def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
@@ -59,34 +232,27 @@ def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence
 
     Args:
         full: every detail; else what an engineer at a stopped robot needs.
-        parts: names out of `PARTS` and `ANSWERS`; none: all of them, those in `DETAILS` only with `full`.
+        parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
     """
     names = parts or [name for name in PARTS if full or name not in DETAILS]
-    every = PARTS | ANSWERS
-    return tuple(section for name in names for section in every[name](explanation, full))
+    return tuple(section for name in names for section in PARTS[name](explanation, full))
 
 
-def _hint(explanation: Explanation) -> Iterator[Section]:
+def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
     hint = degrees_hint(explanation.q, explanation.robot)
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+    first, *lines = summary_lines(explanation)
+    yield Section(first, "", (*lines, *_warnings(explanation, full)), tone=TONE[explanation.verdict])
 
 
-def _answer(explanation: Explanation, full: bool) -> Iterator[Section]:
-    yield from _hint(explanation)
-    lines = (*_warnings(explanation), *answer(explanation))
-    yield Section(sentence_of(explanation), "", lines, notes=explanation.robot.notes, tone=TONE[explanation.verdict])
-
-
-def _verdict(explanation: Explanation, full: bool) -> Iterator[Section]:
+def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Singular values, nullity and the configuration in both units."""
     rank, robot = explanation.rank, explanation.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
-    yield from _hint(explanation)
-    told = f"rank {rank.rank} of {r}, corank {rank.corank}; " if rank.corank else ""
     lines = [
-        *_warnings(explanation),
-        f"{told}{_idle(explanation)} (nullity {rank.nullity})",
+        f"rank {rank.rank} of {r}, corank {rank.corank}; {_idle(explanation)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {explanation.task.name}; σ has translation divided by {short(explanation.settings.length_scale)} m",
     ]
@@ -96,11 +262,12 @@ def _verdict(explanation: Explanation, full: bool) -> Iterator[Section]:
     rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, explanation.q))]
     if any(joint.unit == "rad" for joint in joints):
         rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(explanation.q, joints, strict=True))))
-    yield Section(
-        sentence_of(explanation), "", tuple(lines),
-        ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
-        tone=TONE[explanation.verdict],
-    )  # fmt: skip
+    columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
+    yield Section("Numbers", "", tuple(lines), columns, tuple(rows), notes=robot.notes)
+
+
+def _deg(value: float, unit: str) -> str:
+    return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
 
 
 def _idle(explanation: Explanation) -> str:
@@ -112,9 +279,9 @@ def _idle(explanation: Explanation) -> str:
     return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
 
 
-def _warnings(explanation: Explanation) -> Iterator[str]:
+def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
     """Values that the arm cannot have."""
-    reach = explanation.settings.length_scale
+    reach, outside = explanation.settings.length_scale, list[str]()
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
     for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
@@ -123,9 +290,14 @@ def _warnings(explanation: Explanation) -> Iterator[str]:
             f"{short(degrees(x) if turns else x)}{'°' if turns else ' m'}" for x in (value, joint.lower, joint.upper)
         )
         if number in explanation.outside_limits:
-            yield f"joint {number} at {at} is outside its limits, {low} … {high}"
+            outside.append(f"joint {number} at {at} is outside its limits, {low} … {high}")
         elif number in explanation.at_limits:
-            yield f"joint {number} at {at} stands at a limit ({low} … {high})"
+            outside.append(f"joint {number} at {at} stands at a limit ({low} … {high})")
+    if full or len(outside) < 2:
+        yield from outside
+    else:
+        both = ((explanation.outside_limits, "outside the limits"), (explanation.at_limits, "at a limit"))
+        yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
 
 
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -135,15 +307,16 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
         return
     own = [met for met in explanation.met if met.family.corank == explanation.met[0].family.corank]
     others = [met.family.name for met in explanation.met if met not in own]
-    lines = []
-    for met in own:
-        lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        lines.append(f"    {'; '.join(condition_sentences(explanation.robot, explanation.task, met.family))}")
-    if others:
+    lines: list[str] = []
+    for met in own[: None if full else 2]:
+        conditions = "; ".join(condition_sentences(explanation.robot, explanation.task, met.family))
+        of = f"  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})" if full else ""
+        lines += [f"{met.family.name}{of}"] * (full or len(own) > 1) + [f"    {conditions}" if full else conditions]
+    if others and full:
         lines.append(f"lies on: {'; '.join(others)}")
-    if special:
+    if special and full:
         lines.append(f"here: {'; '.join(special)}")
-    notes = (f"at every configuration: {'; '.join(always)}",) if always else ()
+    notes = (f"at every configuration: {'; '.join(always)}",) if always and full else ()
     if lines or notes:
         yield Section(
             "Which singularity" if explanation.met else "Axes", _focus(explanation), tuple(lines), notes=notes
@@ -160,9 +333,11 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
         miss = explanation.far.near_miss is not None and not explanation.rank.corank
         only = "can hardly move other than" if miss else "can only move"
         lines = [f"The tool {only} so that"]
-        for seen in lost.seen:
-            lines.append(f"  in {seen.axes}: {', '.join(seen.constraints)}")
-            lines += [f"      {'; '.join(told)}" for told in [[one for one in seen.short if one]] if told]
+        some = [seen for frame, seen in lost.seen.items() if full or frame != "link"] or lost.seen.values()
+        told = [lost_text(explanation.robot, seen) for seen in some]
+        for one in told:
+            lines.append(f"  in {one['axes']}: {', '.join(one['constraints'])}")
+            lines += [f"      {'; '.join(filter(None, one['short']))}"] * (full and any(one["short"]))
         if full:
             lines.append(f"In the {_seen(explanation)}:")
             for direction, twist, wrench in zip(
@@ -172,7 +347,7 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
                 torque = "with hardly any joint torque" if miss else "without joint torque"
                 lines.append(f"      carried {torque}: {wrench_text(wrench)}")
         title = "What is lost" if explanation.rank.corank else "What is nearly lost"
-        nearly = any(one.startswith("nearly") for seen in lost.seen for one in seen.short)
+        nearly = full and any(text.startswith("nearly") for one in told for text in one["short"])
         notes = (_TWIST, *((_COUNTED,) if nearly else ()))
         yield Section(title, _focus(explanation), tuple(lines), notes=notes)
     if len(lost.never):
@@ -187,6 +362,35 @@ def _seen(explanation: Explanation) -> str:
     frame, name = explanation.lost.framed.frame, explanation.lost.framed.name
     at_tip = frame.origin == TIP and not any(frame.point)
     return f"axes of {name}" + (", reference point at the tool" if at_tip else "")
+
+
+def lost_text(robot: Robot, framed: FramedDirections) -> Record:
+    """What is lost as it reads in one frame, with an entry for each direction.
+
+    Returns:
+        axes: as a heading: "base axes", "axes of link 5 (wrist_2_link) at its origin"; constraints: what all motions
+        that remain obey: "0.63 vy + 0.7 vz + 0.098 m·ωx = 0"; short: what that comes to: "no motion along Y", or empty.
+    """
+    length = counted_length(robot)
+    return {
+        "axes": axes_text(robot, framed),
+        "constraints": [constraint(one, length) for one in framed.directions],
+        "short": [in_short(one) for one in framed.directions],
+    }
+
+
+def axes_text(robot: Robot, framed: FramedDirections) -> str:
+    """Whose axes: "base axes", "tool axes", "axes of the tool at the origin of link 5 (wrist_2_link)"."""
+    frame = framed.frame
+    if frame.origin == TIP and frame.axes in (BASE, TIP):
+        return f"{'base' if frame.axes == BASE else 'tool'} axes"
+    text = framed.name
+    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
+    if number in (BASE, TIP):
+        return f"axes of {text}"
+    joint, link = robot.joints[number - 1], f"link {number}"
+    known = joint.link or f"after {joint.name}"
+    return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
 
 
 def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -242,6 +446,230 @@ def _dependencies(explanation: Explanation) -> str:
     return text
 
 
+def _escape(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
+    if explanation.rank.corank:
+        yield _out(explanation, full)
+    elif full or any(abs(one.rate) > NO_RATE for one in explanation.escape.single):
+        yield _away(explanation, full)
+
+
+def _out(explanation: Explanation, full: bool) -> Section:
+    out, r = explanation.escape, explanation.rank.generic_rank
+    helpful = [one for one in out.single if one.order is not None]
+    rows = tuple(_joint_row(explanation, one) for one in (out.single if full else helpful[:_SHOWN]))
+    after = [] if helpful else ["no single joint restores the full rank"]
+    if out.best_pair is not None and full:
+        after.append(f"best two joints: {_direction(explanation, out.best_pair)}")
+    if full or not helpful:
+        after.append(f"best direction: {_direction(explanation, out.best_direction)}")
+    if full or out.avoidable is not None:
+        after.append(_sentence(out.avoidable_words))
+    for words in dict.fromkeys(one.words for one in out.types if full):
+        which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
+        one = words if len(out.types) == 1 else words.replace("the lost direction", _which_of(which, len(out.types)))
+        slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
+        after.append(_sentence(f"{slowly}{one}"))
+    if full or out.boundary is not None:
+        after.append(_sentence(out.boundary_words))
+    columns: tuple[str, ...] = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
+    if not full:
+        columns, rows = (columns[0], *columns[3:5]), tuple((row[0], *row[3:5]) for row in rows)
+    notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
+    return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows,
+                   (0, 5) if full else (0,), tuple(after), notes if rows and full else ())  # fmt: skip
+
+
+def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Why the sentences on ways out hold, with the formulas."""
+    out = explanation.escape
+    said = (out.avoidable_words, *(one.words for one in out.types), out.boundary_words)
+    lines = tuple(f"{_sentence(words)} {proof_of(words)}" for words in dict.fromkeys(said) if proof_of(words))
+    if lines and explanation.rank.corank:
+        yield Section("Why", "for the ways out", lines)
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _which_of(which: list[int], count: int) -> str:
+    """Which of several lost directions."""
+    if len(which) == count:
+        return "each lost direction"
+    return f"lost {plural('direction', len(which))} {numbers(which)}"
+
+
+def _away(explanation: Explanation, full: bool) -> Section:
+    out, r = explanation.escape, explanation.rank.generic_rank
+    best = max((abs(one.rate) for one in out.single), default=0.0)
+    helpful = [one for one in out.single if one.order is not None and abs(one.rate) > max(IDLE * best, NO_RATE)]
+    rows = tuple(
+        (f"{one.number} {one.joint}", *_rate_and_step(explanation, one))
+        for one in (out.single if full else helpful[:_SHOWN])
+    )
+    now = f"one joint alone, best first; σ{r} = {short(explanation.rank.sigma[r - 1])} here" if r else ""
+    after = (f"best direction: {_direction(explanation, out.best_direction)}",) if r else ()
+    return Section("How to get away", now if rows else "", (),
+                   ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows, (0,), after)  # fmt: skip
+
+
+def _joint_row(explanation: Explanation, joint: JointEscape) -> tuple[str, ...]:
+    name = f"{joint.number} {joint.joint}"
+    if joint.order is None:
+        return (name, "–", f"gains {joint.gain}, not all" if joint.gain else "no gain", "", "", "")
+    return (
+        name,
+        str(joint.order),
+        *_rate_and_step(explanation, joint),
+        numbers(joint.receptors) if joint.receptors else "–",
+    )
+
+
+def _rate_and_step(explanation: Explanation, joint: JointEscape) -> tuple[str, str, str]:
+    if joint.order is None:
+        return "0", "", ""
+    unit = explanation.robot.variables[joint.number - 1].unit
+    per = unit if joint.order == 1 else f"{unit}{raised(joint.order)}"
+    rate = f"{short(joint.rate) if abs(joint.rate) > NO_RATE else '0'} per {per}"
+    if not joint.within_limits or abs(joint.step) < NO_RATE:
+        return rate, "not within limits", ""
+    return rate, motion(joint.step, unit), short(joint.sigma_after)
+
+
+def _direction(explanation: Explanation, direction: Direction) -> str:
+    """The joints that matter, in words, and what they reach."""
+    joints = explanation.robot.variables
+    scale = np.where([joint.unit == "m" for joint in joints], explanation.settings.length_scale, 1.0)
+    size = np.abs(np.array(direction.delta)) / scale
+    large = [number for number in direction.numbers if size[number - 1] >= SHARE * size.max()]
+    parts = [
+        f"joint {number} {motion(direction.delta[number - 1] * direction.step, joints[number - 1].unit)}"
+        for number in large
+    ]
+    rest = ", the others far less" if len(large) < sum(size > 1e-9) else ""
+    end = f"σ{explanation.rank.generic_rank} = {short(direction.sigma_after)}"
+    if not direction.within_limits:
+        end += ", outside the joint limits"
+    return f"{', '.join(parts)}{rest}: {end}" + ("" if direction.restores else f", gains {direction.gain} only")
+
+
+def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """The nearest singularity that was found, the radius that is proven free, and the known families."""
+    far, lines, units = explanation.far, [], explanation.robot.units
+    rows: list[tuple[str, ...]] = []
+    if far.nearest is not None and (full or not far.families):
+        name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
+        limits = "" if far.nearest.within_limits else "; it is outside the joint limits"
+        checked = f"; {far.nearest.agreeing} of {far.nearest.starts} searches agree; σ there at most "
+        lines.append(f"nearest singular configuration found: {angle(far.nearest.distance)} away{name}"
+                     f"{checked + power(far.nearest.sigma) if full else ''}{limits}")  # fmt: skip
+        if full and not any(one.distance <= far.nearest.distance * (1 + 1e-9) for one in far.families):
+            rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
+    radius = explanation.certified_radius
+    if explanation.rank.always_singular:
+        pass  # every configuration is deficient: nothing to certify
+    elif far.certificate is not None and radius is not None:
+        lines.append(
+            f"certified: no singularity within {angle_below(radius)} (proven; {far.certificate.evaluations:,} "
+            f"enclosures{'' if far.certificate.complete else '; interrupted'})"
+        )
+    elif far.uncertified and not explanation.rank.corank:
+        lines.append(f"no certified radius: {far.uncertified}")
+    for one in far.families[: None if full else 2]:
+        moves = _deltas(one.delta, units) if full else ()
+        rows.append((angle(one.distance), one.family.name + f" (corank {one.family.corank})" * full, *moves))
+    if lines or rows:
+        joints = tuple(f"{number}" for number in range(1, explanation.robot.n + 1)) if full else ()
+        columns = ("distance", "family", *joints) if rows else ()
+        yield Section("How far the next one is" if explanation.rank.corank else "How far", "", tuple(lines), columns,
+                      tuple(rows), (0, 1), notes=("by joint: the motion to it",) if full and rows else ())  # fmt: skip
+
+
+def _deltas(delta: Sequence[float], units: list[str]) -> tuple[str, ...]:
+    return tuple(motion(value, unit, 4) for value, unit in zip(delta, units, strict=True))
+
+
+def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Joint rates for unit speed along the axes, the weakest and the lost directions."""
+    rates, n = explanation.rates, explanation.robot.n
+    losing = any(rates.lost_shares)
+    rows: list[tuple[str, ...]] = []
+    for axis, share, left in zip(rates.axes, rates.lost_shares, rates.remaining, strict=True):
+        lost = (_percent(share),) if losing else ()
+        if left is None:
+            rows.append((axis.name, *lost, *(["–"] if full else []), "", "0", *([""] * n if full else [])))
+        else:
+            rows.append((axis.name, *lost, *_costs(left, axis.unit, full, brief=losing)))
+    if rates.weakest is not None:
+        rows.append((rates.weakest.name, *(("",) if losing else ()), *_costs(rates.weakest, "", full, brief=losing)))
+    unlimited = [number for number, limit in enumerate(rates.limits, start=1) if isinf(limit)]
+    held = "held back by" if len(unlimited) < n else "fastest"
+    columns = ("unit speed", *(("lost",) if losing else ()), *(("joint rates",) if full or not losing else ()), held,
+               "at most")  # fmt: skip
+    notes = [_limits_in_words(unlimited, explanation)]
+    if "joint rates" in columns:
+        notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
+    if losing:
+        rest = (
+            "lost: the share of this motion that cannot be made",
+            "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis",
+        )
+        notes = [*rest, *notes]
+    if rates.weakest is not None:
+        kept = f"σ{explanation.rank.rank}"
+        notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "
+                     f"{short(rates.length_scale)} m/s")  # fmt: skip
+    per_joint = tuple(f"{number}" for number in range(1, n + 1)) if full else ()
+    texts = (0, columns.index(held), columns.index("at most"))
+    yield Section("What motion costs", _axes_of(explanation), (), (*columns, *per_joint), tuple(rows), texts,
+                  notes=tuple(notes))  # fmt: skip
+
+
+def _axes_of(explanation: Explanation) -> str:
+    """Along whose axes."""
+    axes = turned_task(explanation.task, explanation.settings.frame, explanation.lost).frame.axes
+    return {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
+
+
+def _percent(share: float) -> str:
+    """A share in percent: never rounded to all or nothing."""
+    if share in (0.0, 1.0):
+        return f"{share:.0%}".replace("%", " %")
+    return "< 0.1 %" if share < 1e-3 else "> 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
+
+
+def _costs(rates: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[str, ...]:
+    """Joint rates (not where it is `brief`), the joint that holds back, the largest speed [`unit` or mixed]."""
+    each = tuple(short(round(rate, 6)) for rate in rates.joint_rates) if full else ()
+    most = _largest(rates) if not unit or isinf(rates.speed) else f"{short(rates.speed, 3)} {unit}"
+    held = "" if rates.worst is None else f"{rates.worst} {rates.worst_joint}"
+    return (held, most) if brief and not full else (short(rates.norm), held, most, *each)
+
+
+def _limits_in_words(unlimited: list[int], explanation: Explanation) -> str:
+    if len(unlimited) == explanation.robot.n:
+        return "no velocity limits are known"
+    none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+    return f"at most: the largest speed within the velocity limits{none}"
+
+
+def _largest(rates: DirectionRates) -> str:
+    """The largest speed with its unit; of a direction that mixes both, its two parts."""
+    if isinf(rates.speed):
+        return "no limit"
+    if rates.unit != "1":
+        return f"{short(rates.speed, 3)} {rates.unit}"
+    parts = [(float(np.linalg.norm(part)) * rates.speed, unit)
+             for part, unit in ((rates.direction[:3], "m/s"), (rates.direction[3:], "rad/s"))]  # fmt: skip
+    return ", ".join(f"{short(value, 3)} {unit}" for value, unit in parts if value > 1e-9)
+
+
+def _failures(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """What each joint's failure leaves."""
+    yield failures_table(explanation.failures, "If one joint fails")
+
+
 def _closing(explanation: Explanation, full: bool) -> Iterator[Section]:
     if explanation.disagreements:
         yield Section("Disagreement", "two methods differ; please report it", explanation.disagreements)
@@ -249,24 +677,10 @@ def _closing(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 def _more(explanation: Explanation, full: bool) -> Iterator[Section]:
     if not full:
-        yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
+        yield Section("", "", notes=("more with --full: joint rates, failures, σ and angles, circuits, redundancy, …",))
 
 
-def _fuller(explanation: Explanation, full: bool) -> Iterator[Section]:
-    yield Section(
-        "", "", notes=("more with --full: every joint, joints to blame, tables of Hunt and of GR",)
-    )
-
-
-def _last(explanation: Explanation, full: bool) -> Iterator[Section]:
-    yield Section(sentence_of(explanation), tone=TONE[explanation.verdict])
-
-
-def _deg(value: float, unit: str) -> str:
-    return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
-
-
-def ellipsoids_part(explanation: Explanation, full: bool) -> Iterator[Section]:
+def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Velocity and force ellipsoids with their indices, for unit joint rates and for the velocity limits."""
     shapes = explanation.ellipsoids
     for group in (shapes.unit_rates, shapes.rate_limits):
@@ -287,7 +701,7 @@ def ellipsoids_part(explanation: Explanation, full: bool) -> Iterator[Section]:
         )  # fmt: skip
 
 
-def redundancy_part(explanation: Explanation, full: bool) -> Iterator[Section]:
+def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Null space, rank–nullity, both forms of the projector."""
     spare = explanation.redundancy
     lines = [
@@ -303,7 +717,7 @@ def redundancy_part(explanation: Explanation, full: bool) -> Iterator[Section]:
                   notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
 
 
-def representation_part(explanation: Explanation, full: bool) -> Iterator[Section]:
+def _representation(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Coordinates of the orientation and their own singularities."""
     every = explanation.representations
     rows = tuple(
@@ -320,32 +734,25 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
-DETAIL_PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
-    "proofs": proofs_part,
-    "ellipsoids": ellipsoids_part,
-    "redundancy": redundancy_part,
-    "representation": representation_part,
-}
-"""They by their names, in order."""
-
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
-    "verdict": _verdict,
+    "summary": _summary,
     "which": _which,
     "lost": _lost,
+    "escape": _escape,
+    "far": _far,
     "blame": _blame,
-    "escape": escape_part,
-    "far": far_part,
-    "rates": rates_part,
-    "failures": failures_part,
-    **DETAIL_PARTS,
+    "proofs": _proofs,
+    "rates": _rates,
+    "failures": _failures,
+    "ellipsoids": _ellipsoids,
+    "redundancy": _redundancy,
+    "representation": _representation,
+    "numbers": _numbers,
     "closing": _closing,
     "more": _more,
-    "last": _last,
 }
 """Every part by its name, in order."""
-ANSWERS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
-"""Parts that are shown by name only: the verdict with the way out in sentences, and what more there is to see."""
-DETAILS = frozenset(DETAIL_PARTS)
+DETAILS = frozenset(("blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers"))
 """Parts that are shown only on demand."""
 
 

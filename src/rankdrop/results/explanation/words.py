@@ -77,10 +77,11 @@ def angle(distance: float) -> str:
 
 def angle_below(distance: float) -> str:
     """A proven distance, rounded down: what is printed is proven as well."""
-    return f"{short(_down(distance, 4))} rad ({short(_down(degrees(distance), 3), 3)}°)"
+    return f"{short(below(distance, 4))} rad ({short(below(degrees(distance), 3), 3)}°)"
 
 
-def _down(value: float, digits: int) -> float:
+def below(value: float, digits: int) -> float:
+    """A number rounded down to so many digits: what is printed is proven as well."""
     if value <= 0.0:
         return 0.0
     unit = 10.0 ** (floor(log10(value)) + 1 - digits)

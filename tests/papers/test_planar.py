@@ -7,9 +7,9 @@ from math import inf, pi
 import numpy as np
 import pytest
 
+from papers.planar import FORMULAS, LATEX, planar_two_link, rate_table
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
-from rankdrop.local.planar import FORMULAS, LATEX, planar_two_link, rate_table
 from rankdrop.local.rates import joint_rates
 from rankdrop.robot.open import open_robot
 from rankdrop.task import TIP, Frame, resolve_task

@@ -1,0 +1,64 @@
+"""The answer in five lines: over every arm of the catalogue, at singular, near and regular configurations."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from rankdrop.cli import terminal
+from rankdrop.local.block import sample
+from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.task import resolve_task
+from rankdrop.verbs.explain import explain
+
+CONFIGURATIONS = 4  # of each arm: twice regular or near, twice singular; 40 by hand
+
+
+def printed(found: Explanation) -> list[str]:
+    """The lines at 80 columns."""
+    out = io.StringIO()
+    console = Console(file=out, width=80)
+    for number, section in enumerate(found.sections()):
+        for part in terminal._parts(section, 80, first=number == 0):
+            console.print(part)
+    return out.getvalue().rstrip("\n").split("\n")
+
+
+def explained(name: str, count: int) -> Iterator[Explanation]:
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    for q in sample(arm, task, count // 2, seed=7):
+        found = explain(arm, q, evaluations=0)
+        yield found
+        if found.far.nearest is not None:
+            yield explain(arm, found.far.nearest.q, evaluations=0)
+
+
+FEW = robot_names()[::20]
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in robot_names()]
+)
+def test_the_answer_is_in_the_first_lines_and_the_whole_on_one_screen(name: str) -> None:
+    for found in explained(name, CONFIGURATIONS):
+        lines, summary = printed(found), found.summary
+        first = " ".join(line.strip() for line in lines[:6])
+        assert found.robot.name in first
+        assert len(lines) <= 40, "\n".join(lines)
+        if summary.cause == "lost":
+            assert summary.family.split(":")[0] in first
+            assert "Lost: " in first
+        if summary.way_out:
+            number, _ = summary.way_out[0]
+            assert f"joint {number} by" in first
+        else:
+            assert "no small motion" in first or summary.verdict == "always-singular"
+        if summary.next_distance is not None:
+            assert f"{np.degrees(summary.next_distance):.3g}° of joint" in first
+        assert not any(len(line) > 80 for line in lines)

@@ -1,0 +1,134 @@
+"""The slowest straight motion: against a linear programme, and what `explain` makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.rates import rate_limits, slowest_motions
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.robot.screws import from_screws, revolute
+from rankdrop.task import resolve_task
+from rankdrop.units import scaled
+from rankdrop.verbs.explain import explain
+
+SLOW = {"gen3": 0.04, "panda": 0.02, "rizon4": 0.005, "ur5e": 0.04}
+"""Arm -> least share of its joint space in which some straight motion is slower than 25 mm/s, as drawn here."""
+
+
+def drawn(arm: Robot, count: int, seed: int) -> Array:
+    low, high = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    return np.random.default_rng(seed).uniform(low, high, (count, arm.n))
+
+
+def speed_along(arm: Robot, q: Array, direction: Array) -> float:
+    """The largest speed of a straight translation, by a linear programme."""
+    optimize = pytest.importorskip("scipy.optimize")
+    task = resolve_task("pose", arm, length_scale=1.0)
+    columns, twist = task_jacobian(arm, q, task), np.concatenate([direction, np.zeros(3)])
+    limits = rate_limits(arm)
+    found = optimize.linprog(
+        np.r_[np.zeros(arm.n), -1.0], A_eq=np.c_[columns, -twist], b_eq=np.zeros(6),
+        bounds=[*((-x, x) for x in limits), (0, None)],
+    )  # fmt: skip
+    return float(-found.fun)
+
+
+@pytest.mark.parametrize("name", ["gen3", "ur5e", "fetch8"])
+def test_the_slowest_motion_is_the_minimum_of_a_linear_programme(name: str, rng: np.random.Generator) -> None:
+    arm = open_robot(name)
+    q = drawn(arm, 3, seed=1)
+    slow = slowest_motions(arm, q, resolve_task("pose", arm))[0]
+    for i in range(3):
+        best = slow.direction[i]
+        assert np.linalg.norm(best) == pytest.approx(1.0)
+        assert speed_along(arm, q[i], best) == pytest.approx(slow.speed[i], rel=1e-6)
+        others = rng.normal(size=(20, 3))
+        others = np.concatenate([others, best + 0.03 * others])
+        others /= np.linalg.norm(others, axis=1, keepdims=True)
+        assert min(speed_along(arm, q[i], one) for one in others) >= slow.speed[i] * (1 - 1e-6)
+
+
+def test_a_planar_arm_in_closed_form() -> None:
+    """Two joints, position alone: s = min over joints of limit / |row of J⁻¹|."""
+    arm = open_robot("planar2r")
+    arm = replace(arm, joints=tuple(replace(j, velocity=v) for j, v in zip(arm.joints, (1.0, 0.5), strict=True)))
+    task = resolve_task("planar-position", arm, length_scale=1.0)
+    q = np.array([0.3, 0.2])
+    inverse = np.linalg.inv(task_jacobian(arm, q, task))
+    speeds = np.array([1.0, 0.5]) / np.linalg.norm(inverse, axis=1)
+    (slow,) = slowest_motions(arm, q, task)
+    assert slow.speed[0] == pytest.approx(speeds.min())
+    assert slow.joint[0] == 1 + int(speeds.argmin())
+
+
+def test_limits_that_are_missing_or_zero() -> None:
+    arm = open_robot("ur5e")
+    q = drawn(arm, 1, seed=2)
+    task = resolve_task(None, arm)
+    free = replace(arm, joints=tuple(replace(joint, velocity=np.inf) for joint in arm.joints))
+    assert slowest_motions(free, q, task) == ()
+    assert explain(free, q[0]).straight == ()
+    stuck = replace(arm, joints=(replace(arm.joints[0], velocity=0.0), *arm.joints[1:]))
+    assert slowest_motions(stuck, q, task)[0].speed[0] == pytest.approx(0.0, abs=1e-12)
+    some = replace(arm, joints=(replace(arm.joints[0], velocity=np.inf), *arm.joints[1:]))
+    assert slowest_motions(some, q, task)[0].joint[0] != 1
+    few = from_screws([revolute([0, 0, 1], [x, 0, 0]) for x in (0.0, 0.4)], order="linear-first")
+    assert slowest_motions(few, [0.1, 0.2], resolve_task("pose", few)) == ()
+
+
+def test_speed_does_not_depend_on_the_unit_of_length() -> None:
+    arm = open_robot("ur5e")
+    q = drawn(arm, 5, seed=3)
+    ours = slowest_motions(arm, q, resolve_task(None, arm))
+    mm = scaled(arm, 3)
+    theirs = slowest_motions(mm, q, resolve_task(None, mm))
+    for one, other in zip(ours, theirs, strict=True):
+        assert one.speed == pytest.approx(other.speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", SLOW)
+def test_nothing_slow_is_called_regular(name: str) -> None:
+    """60 random configurations per arm at which some straight motion is limited to 25 mm/s by the maker's rates."""
+    arm = open_robot(name)
+    q = drawn(arm, 6000, seed=4)
+    slow = slowest_motions(arm, q, resolve_task(None, arm))[0].speed < 0.025
+    assert slow.mean() > SLOW[name]
+    for one in q[slow][: 60 if name == "gen3" else 25]:
+        found = explain(arm, one, evaluations=0)
+        assert found.verdict != "regular"
+        assert not found.sections()[0].title.endswith("is lost.")
+        if found.cause == "slow":
+            assert found.slow_family is not None
+            assert any(line.startswith("Slow: at most") for line in found.sections()[0].lines)
+
+
+def test_gen3_near_the_elbow_that_its_offsets_keep_from_being_exact() -> None:
+    arm = open_robot("gen3")
+    found = explain(arm, [0.3, 0.5, 0.2, 0.02, 0.4, 0.8, 0.1])
+    assert (found.verdict, found.cause) == ("near", "slow")
+    summary = found.summary
+    assert (summary.ideal, summary.family.startswith("elbow")) == (True, True)
+    assert summary.length == pytest.approx(0.01275, abs=1e-6)
+    assert summary.distance == pytest.approx(0.02, abs=1e-9)
+    translation = found.straight[0]
+    assert (translation.number, translation.unit) == (4, "m/s")
+    assert translation.speed == pytest.approx(0.00220, abs=5e-5)
+    assert "offsets of 13 mm keep it from being exact" in str(found)
+    assert found.to_dict()["slow_family"]["ideal"] is True
+    assert explain(arm, found.q, speed=0.001, turn_speed=0.001).verdict == "regular"
+    assert explain(arm, found.q, speed=0.0, turn_speed=0.0).verdict == "regular"
+
+
+def test_a_slow_motion_near_a_family_of_the_arm_itself() -> None:
+    """3.8° from a wrist singularity: regular by distance and σ, slow by the rates of the joints."""
+    arm = open_robot("ur5e")
+    found = explain(arm, [2.448, 1.364, 2.693, 0.802, -0.0668, 0.381])
+    assert (found.verdict, found.cause) == ("near", "slow")
+    assert not found.summary.ideal
+    assert found.summary.family.startswith("wrist")
+    assert found.summary.family_id

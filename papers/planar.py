@@ -23,7 +23,7 @@ from math import cos, inf, isfinite, sin
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 from rankdrop.tolerances import DEFAULT
 
 FORMULAS = {

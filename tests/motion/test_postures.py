@@ -93,7 +93,18 @@ def test_each_solution_has_signs_of_its_own_where_that_is_the_proof(name: str, c
 def searched(robot: Robot, monkeypatch: pytest.MonkeyPatch, poses: int) -> Postures:
     """By search alone: nothing is known beforehand."""
     monkeypatch.setattr(search, "_decided", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
-    return aspects_of(robot, poses=poses, starts=200)
+    return aspects_of(robot, poses=poses, most=poses, starts=200)
+
+
+def test_more_poses_are_solved_until_a_path_is_proven_or_the_budget_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three random poses of Wenger's arm decide nothing with seed 1; the eighth does."""
+    monkeypatch.setattr(search, "_decided", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
+    few = aspects_of(arm(WENGER), poses=3, most=3, starts=60, seed=1)
+    more = aspects_of(arm(WENGER), poses=3, most=50, starts=60, seed=1)
+    assert (few.verdict, len(few.solved)) == (NOT_FOUND, 3)
+    holds(more)
+    assert more.change is not None
+    assert 3 < len(more.solved) < 50
 
 
 STRUCTURES = {

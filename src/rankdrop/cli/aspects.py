@@ -19,6 +19,7 @@ def aspects(
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     poses: Whole = 10,
+    most: Whole = 100,
     starts: Whole = 600,
     seed: Whole = 0,
     path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -46,6 +47,7 @@ def aspects(
         deg: Angles without a unit are in degrees, and so are those printed.
         limits: Solutions and paths within the joint limits only.
         poses: How many random poses, where no configuration is given.
+        most: And at most how many, while no path is found and nothing is proven.
         starts: Of Newton's method for the inverse of each pose.
         seed: Of every random choice; the same seed gives the same result.
         path: Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout.
@@ -61,7 +63,7 @@ def aspects(
     start = None if q is None else parse_configuration(q, model, deg=deg)
     with reporter(quiet=quiet) as report:
         found = aspects_of(
-            model, task, q=start, poses=poses, starts=starts, seed=seed, limits=limits,
+            model, task, q=start, poses=poses, most=most, starts=starts, seed=seed, limits=limits,
             progress=lambda done, total: report("poses solved", done, total),
         )  # fmt: skip
     csv = found.path_csv()

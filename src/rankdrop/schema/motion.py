@@ -14,6 +14,7 @@ VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits"
 ASPECTS_SETTINGS = table(
     "aspects_settings",
     poses=Positive,
+    most=optional(Positive),
     starts=Positive,
     seed=Count,
     limits=bool,

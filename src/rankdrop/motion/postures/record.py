@@ -25,7 +25,7 @@ class PosturesSettings:
     """How postures were looked for.
 
     Attributes:
-        poses: how many were to be solved.
+        poses, most: how many were to be solved, and at most while none decided.
         starts, seed: of Newton's method for each.
         limits: within the joint limits.
         length_scale: translation is divided by it [m].
@@ -33,6 +33,7 @@ class PosturesSettings:
     """
 
     poses: int
+    most: int
     starts: int
     seed: int
     limits: bool

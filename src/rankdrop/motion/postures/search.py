@@ -37,6 +37,7 @@ def aspects_of(
     *,
     q: ArrayLike | None = None,
     poses: int = 10,
+    most: int = 100,
     starts: int = 600,
     seed: int = 0,
     limits: bool = False,
@@ -48,11 +49,12 @@ def aspects_of(
         robot: the arm, with as many joints as the task has rows.
         task: name, rows or Task; None is the task the arm is made for.
         q: (n,) configuration whose pose is solved [rad, m]; None: the poses of random configurations.
-        poses: how many random ones.
+        poses: how many random ones are solved in any case.
+        most: and how many at most, while none of them decides.
         starts: of Newton's method, for each pose.
         seed: of every random choice; the same seed gives the same result.
         limits: solutions and paths within the joint limits only.
-        progress: told (poses solved, poses).
+        progress: called as progress(poses solved, poses to solve).
 
     Returns:
         The verdict with its proof, each pose with its solutions and aspects, and a path where there is one.
@@ -72,7 +74,7 @@ def aspects_of(
         ('not cuspidal', (1, 1, 1, 1, 1, 1, 1, 1))
     """
     check_robot(robot)
-    _check_numbers(poses, starts, seed)
+    _check_numbers(poses=poses, most=most, starts=starts, seed=seed)
     resolved = resolve_task(task, robot)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
@@ -83,7 +85,7 @@ def aspects_of(
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = _decided(robot, resolved)
-    settings = PosturesSettings(1 if start is not None else poses, starts, seed, limits,
+    settings = PosturesSettings(*((1, 1) if start is not None else (poses, max(poses, most))), starts, seed, limits,
                                 float(resolved.scale(robot)), VERSION)  # fmt: skip
     search = _Search(there, there_task, settings, decision)
     solved, complete = search.all(start, progress)
@@ -102,18 +104,25 @@ class _Search:
         self.change: Change | None = None
         self._map: Roadmap | None = None
 
+    @property
+    def decided(self) -> bool:
+        """Whether more random poses would change nothing: a path is known, or it is proven that there is none."""
+        return self.change is not None or self.decision.impossible or self.decision.kind == CUSPS
+
     def all(self, start: Array | None, progress: Callable[[int, int], None] | None) -> tuple[tuple[Solved, ...], bool]:
         """Every pose, and whether the work was not interrupted."""
         robot, task, settings = self.robot, self.task, self.settings
-        random = sample(robot, task, settings.poses, settings.seed, limits=settings.limits)
+        random = sample(robot, task, settings.most, settings.seed, limits=settings.limits)
         places = random if start is None else start[None]
         found: list[Solved] = []
         try:
             for number, place in enumerate(places, start=1):
+                if number > settings.poses and self.decided:
+                    break
                 if regular(robot, task, place):
                     found.append(self._solve(place, near_cusp=False))
                 if progress is not None:
-                    progress(number, len(places))
+                    progress(number, settings.poses if self.decided else len(places))
             if self.decision.kind == CUSPS and self.change is None:
                 for place in self._near_cusps():
                     one = self._solve(place, near_cusp=True)
@@ -202,8 +211,8 @@ def _inside(robot: Robot, q: Array) -> Array:
     return q[((q >= low - 1e-12) & (q <= high + 1e-12)).all(axis=1)]
 
 
-def _check_numbers(poses: int, starts: int, seed: int) -> None:
-    for name, value, low, high in (("poses", poses, 1, 100_000), ("starts", starts, 1, 1_000_000),
-                                   ("seed", seed, 0, 2**63 - 1)):  # fmt: skip
+def _check_numbers(**numbers: int) -> None:
+    for name, value in numbers.items():
+        low, high = {"starts": (1, 1_000_000), "seed": (0, 2**63 - 1)}.get(name, (1, 100_000))
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise OptionError(f"{name} is outside the range", got=repr(value), allowed=f"{low} … {high}")

@@ -7,12 +7,14 @@ meanings from its docstring.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from math import isfinite
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -20,6 +22,7 @@ import msgspec
 import numpy as np
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+from rankdrop.disk import replace_file
 from rankdrop.errors import ResultFileError
 
 _SHOWN = 60  # characters of a value in an error
@@ -233,6 +236,30 @@ def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
     if is_dataclass(kind) and not hasattr(kind, "__json__"):
         return tuple(one.name for one in fields(kind) if one.name[0] != "_")
     return None
+
+
+_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
+
+
+def json_text(record: Any) -> str:
+    """JSON for people too: indented, a row of numbers on one line; NaN and infinities are refused."""
+    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    text = _STEERING.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)  # the same text to a reader of JSON
+    # strings hold no raw line break, so only arrays of numbers match
+    return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"
+
+
+def save_record(record: Any, path: str | Path) -> None:
+    """Write a record to a JSON file.
+
+    Raises:
+        ResultFileError: the file cannot be written; an old one of this name is as it was.
+    """
+    try:
+        replace_file(path, json_text(record).encode())
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
 
 def decode(kind: type[Struct], data: Any) -> Any:

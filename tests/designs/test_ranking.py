@@ -98,6 +98,9 @@ def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
     assert found.to_dict()["pareto_differ"] is False
 
 
+NOTHING = {key: one for key, one in OFFSETS.items() if key != "near"} | {"families": {"starts": 50}}
+
+
 def test_precision_spends_more_samples() -> None:
     found = rankdrop.sweep(OFFSETS, workers=1, precision=0.003)
     assert all(one["near"]["any"]["error"] < 0.0034 for one in found.records)
@@ -106,4 +109,4 @@ def test_precision_spends_more_samples() -> None:
         with pytest.raises(OptionError, match="precision"):
             rankdrop.sweep(OFFSETS, workers=1, precision=wrong)
     with pytest.raises(OptionError, match="nothing is sampled"):
-        rankdrop.sweep({key: one for key, one in OFFSETS.items() if key != "near"}, workers=1, precision=0.01)
+        rankdrop.sweep(NOTHING, workers=1, precision=0.01)

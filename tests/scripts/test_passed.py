@@ -47,7 +47,7 @@ WHOLE = {
     "report": (18, 4),
     "results": (20, 19),
     "robot": (19, 29),
-    "schema": (7, 0),
+    "schema": (7, 1),
     "sections": (1, 1),
     "solve": (1, 0),
     "text": (3, 1),

@@ -5,24 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from rankdrop.designs.chunk import task_to_dict
-from rankdrop.designs.outcome import APART, MEANINGS, UNITS, measure_text
+from rankdrop.codec import plain
+from rankdrop.designs.outcome import APART, measure_text
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import GOALS, Asks
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.results.codec import save_record
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.numbers import reach
-from rankdrop.sections import Section, html, text
+from rankdrop.schema import Result
+from rankdrop.schema.design import MEANINGS, UNITS
+from rankdrop.sections import Section
 from rankdrop.task import resolve_task
-from rankdrop.units import heading
-from rankdrop.version import VERSION
 
-SCHEMA = "rankdrop/side-by-side/1"
 FEWEST, MOST = 2, 10
 _BEST = {
     "near": "smallest share of the joint space near singularities",
@@ -38,7 +35,7 @@ Report = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
-class SideBySide:
+class SideBySide(Result):
     """Arms measured for the same task.
 
     Attributes:
@@ -62,6 +59,7 @@ class SideBySide:
     limits: bool
     seed: int
     records: Sequence[Mapping[str, Any]]
+    FILE: ClassVar[str] = "side-by-side"
 
     @property
     def measures(self) -> list[str]:
@@ -97,35 +95,6 @@ class SideBySide:
                 told.append(f"{_BEST[name]}: {', '.join(self.names[i] for i in best)}")
         count = f"{len(self.names)} arms, task {self.task}"
         return f"{count}; {'; '.join(told)}." if told else f"{count}: no measure tells them apart."
-
-    def to_dict(self) -> dict[str, Any]:
-        """The record of a JSON file: docs/json.md."""
-        return {
-            **heading(SCHEMA),
-            "version": VERSION,
-            "task": self.task,
-            "length_scale": self.length_scale,
-            "limits": self.limits,
-            "seed": self.seed,
-            "sentence": self.sentence,
-            "holds": self.holds,
-            "measures": [{"name": name, "unit": UNITS[name], "meaning": MEANINGS[name]} for name in self.measures],
-            "arms": [
-                {"name": name, "about": about, "joints": n, "reach": far,
-                 **{key: value for key, value in record.items() if key not in ("number", "values")}}
-                for name, about, n, far, record in zip(
-                    self.names, self.about, self.joints, self.reaches, self.records, strict=True
-                )
-            ],
-        }  # fmt: skip
-
-    def save(self, path: str | Path) -> None:
-        """Write the comparison to a JSON file.
-
-        Raises:
-            ResultFileError: the file cannot be written.
-        """
-        save_record(self.to_dict(), path)
 
     def sections(self) -> Iterator[Section]:
         """As sections of text: a column for each arm."""
@@ -174,12 +143,6 @@ class SideBySide:
             lines.append(f"{path['name']}: {path['verdict']}{told}")
         columns = ("corank", "family", "dim", "near") if rows else ()
         return Section(name, about, lines=tuple(lines), columns=columns, rows=rows, texts=(1,))
-
-    def __str__(self) -> str:
-        return text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
 
 
 def side_by_side(
@@ -233,10 +196,10 @@ def side_by_side(
             resolved = resolve_task(first, robot, length_scale=longest if length_scale is None else length_scale)
         except RankdropError as error:
             raise OptionError(error.what, where=drawing.name, got=error.got, allowed=error.allowed) from error
-        entries.append({"drawing": asdict(drawing), "task": task_to_dict(resolved)})
-    plan = {"arms": entries, "asks": asks.to_dict(), "limits": limits, "seed": seed}
+        entries.append({"drawing": asdict(drawing), "task": plain(resolved)})
+    plan = {"arms": entries, "asks": plain(asks), "limits": limits, "seed": seed}
     tell = report or (lambda label, done, total: None)
-    job = Job("comparison", "rankdrop.designs.chunk:arms", plan, len(arms), len(arms))
+    job = Job("comparison", "rankdrop.designs.measure:arms", plan, len(arms), len(arms))
     made = finish(job, Engine(workers, scheduler), report=lambda done, total: tell("arms", done, total))
     records = [json.loads(content) for _, content in made]
     return SideBySide(

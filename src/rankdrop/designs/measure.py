@@ -21,8 +21,10 @@ nothing between them. Solutions come from Newton's method with damping from rand
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import degrees
 from typing import Any
 
@@ -45,8 +47,10 @@ from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import FREE
 from rankdrop.motion.text import why_ended
 from rankdrop.results.analysis import Analysis, Settings
+from rankdrop.results.codec import restored
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_conditions
+from rankdrop.results.known import known_analysis, known_conditions
+from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import Task
@@ -182,7 +186,7 @@ def measured(
 
     Args:
         robot, task: the arm.
-        asks: `Asks.to_dict`.
+        asks: `Asks` as plain data.
         nominal: the derivation of the nominal arm, from `nominal_conditions`.
         limits: inside the joint limits.
         seed: of every random choice.
@@ -293,20 +297,21 @@ def _share(share: NearShare) -> Record:
 def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
     rpy = None if asked["rpy"] is None else np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
-    met = reached(robot, task, generic_rank(robot, task), targets, oriented=rpy is not None, starts=asked["starts"],
-                  seed=seed, limits=limits)  # fmt: skip
-    worst = met.worst
+    sigma, q, lowest = reached(robot, task, generic_rank(robot, task), targets, oriented=rpy is not None,
+                               starts=asked["starts"], seed=seed, limits=limits)  # fmt: skip
+    there = np.isfinite(sigma)
+    worst = int(np.nanargmin(sigma)) if there.any() else None
     record["region"] = {
         "poses": len(targets),
-        "reached": int(met.found.sum()),
-        "each": [finite(value) for value in met.sigma],
-        "lowest": finite(met.lowest),
-        "sigma": None if worst is None else float(met.sigma[worst]),
+        "reached": int(there.sum()),
+        "each": [finite(value) for value in sigma],
+        "lowest": finite(lowest),
+        "sigma": None if worst is None else float(sigma[worst]),
         "at": None if worst is None else targets[worst, :3, 3].tolist(),
-        "q": None if worst is None else met.q[worst].tolist(),
+        "q": None if worst is None else q[worst].tolist(),
     }
     record["measures"]["sigma"] = record["region"]["sigma"]
-    record["measures"]["reached"] = float(met.found.mean())
+    record["measures"]["reached"] = float(there.mean())
 
 
 def _paths(analysis: Analysis, asked: Mapping[str, Any], limits: bool, record: Record) -> None:
@@ -349,33 +354,6 @@ _CLOSE = 1e-9  # |e| at a solution: lengths divided by the length scale, angles 
 _ROWS_OF_POSITION = 3
 
 
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """What was found at the poses of a region.
-
-    Attributes:
-        targets: (P, 4, 4) poses [m]; without an orientation only their places are meant.
-        sigma: (P,) largest σ_r of a solution, NaN where none was found.
-        q: (P, n) that solution.
-        lowest: smallest σ_r of any solution; NaN where there is none.
-    """
-
-    targets: Array
-    sigma: Array
-    q: Array
-    lowest: float
-
-    @property
-    def found(self) -> NDArray[np.bool_]:
-        """(P,) poses with a solution."""
-        return np.isfinite(self.sigma)
-
-    @property
-    def worst(self) -> int | None:
-        """The pose at which the best posture is worst; None where no pose is reached."""
-        return int(np.nanargmin(self.sigma)) if self.found.any() else None
-
-
 def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: int) -> Array:
     """(count, 4, 4) poses in a box of the base frame [m]: the same for every arm that is asked."""
     places = np.random.default_rng([seed, 5]).uniform(lower, upper, (count, 3))
@@ -387,7 +365,7 @@ def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: 
 
 def reached(
     robot: Robot, task: Task, rank: int, targets: Array, *, oriented: bool, starts: int, seed: int, limits: bool
-) -> Reached:
+) -> tuple[Array, Array, float]:
     """The best posture found at every pose.
 
     Args:
@@ -399,6 +377,10 @@ def reached(
         starts: random starts for each pose.
         seed: of the starts.
         limits: solutions within the joint limits only.
+
+    Returns:
+        (P,) the largest σ_r of a solution, NaN where none was found; (P, n) that solution; the smallest σ_r of any
+        solution, NaN where there is none.
     """
     rows = tuple(row for row in task.rows if oriented or row < _ROWS_OF_POSITION)
     inner = Task(",".join(map(str, rows)), rows, task.frame, task.scale(robot))
@@ -413,10 +395,8 @@ def reached(
     best = sigma.argmax(axis=1)
     top = sigma[np.arange(count), best]
     lowest = sigma[np.isfinite(sigma)]
-    return Reached(
-        targets, np.where(np.isfinite(top), top, np.nan), q.reshape(count, starts, -1)[np.arange(count), best],
-        float(lowest.min()) if len(lowest) else float("nan"),
-    )  # fmt: skip
+    found = q.reshape(count, starts, -1)[np.arange(count), best]
+    return np.where(np.isfinite(top), top, np.nan), found, float(lowest.min()) if len(lowest) else float("nan")
 
 
 def _solve(robot: Robot, task: Task, targets: Array, q: Array) -> NDArray[np.bool_]:
@@ -450,3 +430,46 @@ def _inside(robot: Robot, q: Array) -> tuple[Array, NDArray[np.bool_]]:
                 moved[:, j] += 2 * np.pi * np.maximum(0, np.ceil((low - 1e-9 - moved[:, j]) / (2 * np.pi)))
         inside &= (moved[:, j] >= low - 1e-9) & (moved[:, j] <= high + 1e-9)
     return moved, inside
+
+
+def variants(plan: Record, chunk: int) -> bytes:
+    """The records of the variants of one chunk of a sweep.
+
+    The families of the nominal arm are derived once in each process.
+    """
+    drawing, task = Drawing(**plan["drawing"]), restored(Task, plan["task"])
+    places = [[Place(*one) for one in parameter] for parameter in plan["places"]]
+    searched = any(plan["asks"][ask] is not None for ask in ("families", "near", "paths"))
+    nominal = _nominal(json.dumps([plan["drawing"], plan["task"]])) if searched else None
+    size = plan["size"]
+    lines = []
+    for number, values in plan["variants"][chunk * size : (chunk + 1) * size]:
+        given = {place: x for group, x in zip(places, values, strict=True) for place in group}
+        try:
+            robot = drawing.robot(given, f"{drawing.nominal.name} {number + 1}")
+            record = measured(robot, task, plan["asks"], nominal, limits=plan["limits"], seed=plan["seed"])
+        except RankdropError as error:  # the numbers make no arm
+            record = {"measures": {}, "error": str(error)}
+        lines.append(line_of({"number": number, "values": values, **record}))
+    return b"".join(lines)
+
+
+def arms(plan: Record, chunk: int) -> bytes:
+    """The record of one arm of a comparison; an arm of the catalogue has the families that it has there."""
+    entry = plan["arms"][chunk]
+    robot, task = Drawing(**entry["drawing"]).nominal, restored(Task, entry["task"])
+    known = None if plan["limits"] else known_analysis(robot, task)  # what `analyze` says of it
+    record = measured(robot, task, plan["asks"], None, limits=plan["limits"], seed=plan["seed"], known=known)
+    return line_of({"number": chunk, "values": [], **record})
+
+
+def line_of(record: Record) -> bytes:
+    """One line of JSON."""
+    return json.dumps(record, ensure_ascii=False, allow_nan=False, sort_keys=True).encode() + b"\n"
+
+
+@lru_cache(maxsize=1)
+def _nominal(key: str) -> Conditions | None:
+    """The derivation of the nominal arm: the same in every worker."""
+    drawing, task = json.loads(key)
+    return nominal_conditions(Drawing(**drawing).nominal, restored(Task, task))

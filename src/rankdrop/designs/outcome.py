@@ -11,40 +11,24 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from rankdrop.designs.changes import Change, Structure, changes, structures
 from rankdrop.designs.ranking import Ranking, rank
 from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
-from rankdrop.results.codec import save_record
-from rankdrop.sections import Section, html, text
-from rankdrop.units import heading
-from rankdrop.version import VERSION
+from rankdrop.schema import Result
+from rankdrop.schema.design import MEANINGS as MEANINGS
+from rankdrop.schema.design import UNITS as UNITS
+from rankdrop.sections import Section
 
-SCHEMA = "rankdrop/sweep/1"
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
 _BETWEEN = "a change lies somewhere between two variants that were searched; one that comes and goes is not seen"
 APART = 2.0  # standard errors by which shares of samples have to differ
 _ALMOST_ALL = "for almost all lengths; where two lengths are equal or one is zero more may hold"
-UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
-         "paths_free": "share", "free": "share"}  # fmt: skip
-MEANINGS = {
-    "families": "number of families of every corank",
-    "near": "share of the joint space near any family",
-    "sigma": "over the region: smallest, over its poses, of the σ of the best posture found",
-    "reached": "share of the region's poses for which a posture was found",
-    "path_sigma": "smallest σ on the paths",
-    "path_distance": "smallest distance from a singular configuration on the paths",
-    "paths_free": "share of the paths proven free as a whole",
-    "free": "share of the joint space proven free",
-}
-"""What every measure means."""
-
-
 @dataclass(frozen=True, eq=False)
-class Designs:
+class Designs(Result):
     """A finished sweep.
 
     Attributes:
@@ -74,6 +58,7 @@ class Designs:
     pairs: Sequence[tuple[int, int]]
     exact: tuple[Mapping[str, Any], ...] = ()
     folder: Path | None = None
+    FILE: ClassVar[str] = "sweep"
 
     @property
     def measures(self) -> list[str]:
@@ -154,51 +139,6 @@ class Designs:
         if self.ranking.differ:
             return f"{best:,} Pareto-optimal variants"
         return f"{best:,} of {len(self.records):,} cannot be distinguished by their measures"
-
-    def to_dict(self) -> dict[str, Any]:
-        """The record of a JSON file: docs/json.md."""
-        return {
-            **heading(SCHEMA),
-            "version": VERSION,
-            "robot": self.robot,
-            "task": self.task,
-            "length_scale": self.length_scale,
-            "limits": self.limits,
-            "seed": self.seed,
-            "sample": self.kind,
-            "sentence": self.sentence,
-            "holds": self.holds,
-            "parameters": [
-                {"name": one.name, "unit": one.unit, "sets": [str(place) for place in one.places], "lower": one.lower,
-                 "upper": one.upper}
-                for one in self.parameters
-            ],
-            "measures": [{"name": name, "unit": UNITS[name], "meaning": MEANINGS[name]} for name in self.measures],
-            "goals": dict(self.goals),
-            "pareto": [number + 1 for number in self.pareto],
-            "pareto_differ": self.ranking.differ,
-            "structures": [
-                {"families": list(one.keys), "variants": [i + 1 for i in one.variants],
-                 "ranges": [list(pair) for pair in one.ranges]}
-                for one in self.structures
-            ],
-            "changes": [
-                {"kind": one.kind, "before": list(one.before), "after": list(one.after),
-                 "variants": [one.first + 1, one.second + 1], "parameter": one.parameter or None,
-                 "between": [one.low, one.high] if one.parameter else None}
-                for one in self.changes
-            ],
-            "exact": [dict(one) for one in self.exact],
-            "variants": [{**one, "number": one["number"] + 1} for one in self.records],
-        }  # fmt: skip
-
-    def save(self, path: str | Path) -> None:
-        """Write the sweep to a JSON file.
-
-        Raises:
-            ResultFileError: the file cannot be written.
-        """
-        save_record(self.to_dict(), path)
 
     def sections(self, *, every: bool = False) -> Iterator[Section]:
         """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
@@ -317,12 +257,6 @@ class Designs:
         lines = [f"variant {i + 1}: {self.records[i]['error']}" for i in self.failed[:SHOWN]]
         lines += [f"variant {i + 1}: {self.records[i]['sentence']}" for i in self.unverified[:SHOWN]]
         return Section("What does not hold", lines=tuple(lines))
-
-    def __str__(self) -> str:
-        return text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
 
 
 def shown(value: float, parameter: Parameter) -> str:

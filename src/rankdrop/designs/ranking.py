@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rankdrop.robot.model import Array
 
 Record = Mapping[str, Any]
+Rows = NDArray[np.intp]
 BLOCK = 500
 LEVEL = 0.05
 """Chance that any two equal variants of a sweep are called different."""
@@ -86,47 +87,36 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
     ranked = [records[number] for number in numbers]
     spreads = {name: _stacked([deviations(one, name) for one in ranked]) for name in goals}
     beyond = threshold(len(ranked), sum(bool(spread.shape[1]) for spread in spreads.values()))
-    measures = [
-        _Measure(np.array([one["measures"][name] for one in ranked]) * (1.0 if want == "less" else -1.0),
-                 spreads[name], beyond)
-        for name, want in goals.items()
-    ]  # fmt: skip
+
+    def better(name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
+        """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
+        cost = np.array([one["measures"][name] for one in ranked]) * (1.0 if goals[name] == "less" else -1.0)
+        return _smaller(cost, spreads[name], beyond, rows, columns)
+
+    def dominated(rows: Rows) -> NDArray[np.bool_]:
+        """(R,) whether some variant dominates each of `rows`."""
+        worse = np.any([better(name, every, rows).T for name in goals], axis=0)
+        return np.asarray((worse & ~np.any([better(name, rows, every) for name in goals], axis=0)).any(axis=1))
+
     every = np.arange(len(ranked))
-    kept = np.array([i for rows in _blocks(every) for i in rows[~_dominated(measures, rows, every)]], dtype=np.intp)
-    differ = any(one.better(rows, kept).any() for one in measures for rows in _blocks(kept))
+    kept = np.array([i for rows in _blocks(every) for i in rows[~dominated(rows)]], dtype=np.intp)
+    differ = any(better(name, rows, kept).any() for name in goals for rows in _blocks(kept))
     return Ranking([numbers[i] for i in kept], differ)
 
 
-def _blocks(rows: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+def _blocks(rows: Rows) -> Iterator[Rows]:
     return (rows[first : first + BLOCK] for first in range(0, len(rows), BLOCK))
 
 
-def _dominated(measures: Sequence[_Measure], rows: NDArray[np.intp], every: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """(R,) whether some variant dominates each of `rows`."""
-    worse = np.zeros((len(rows), len(every)), dtype=np.bool_)
-    better = np.zeros_like(worse)
-    for one in measures:
-        worse |= one.better(every, rows).T
-        better |= one.better(rows, every)
-    return np.asarray((worse & ~better).any(axis=1))
-
-
-class _Measure(NamedTuple):
-    """One measure of all variants: costs (V,), deviations (V, K), standard errors beyond which a difference counts."""
-
-    cost: Array
-    spread: Array
-    beyond: float
-
-    def better(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
-        gain = self.cost[None, columns] - self.cost[rows, None]
-        if not self.spread.shape[1]:
-            return np.asarray(gain > 0.0)
-        first, second = self.spread[rows], self.spread[columns]
-        square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1)[None, :] - 2.0 * first @ second.T
-        rounding = 1e-9 * np.maximum(np.abs(self.cost[rows, None]), np.abs(self.cost[None, columns]))
-        return np.asarray(gain > np.maximum(self.beyond * np.sqrt(np.maximum(square, 0.0)), rounding))
+def _smaller(cost: Array, spread: Array, beyond: float, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
+    """(R, C) whether each cost of `rows` is below each of `columns` by more than so many errors |z − z'|."""
+    gap = cost[None, columns] - cost[rows, None]
+    if not spread.shape[1]:
+        return np.asarray(gap > 0.0)
+    first, second = spread[rows], spread[columns]
+    square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1)[None, :] - 2.0 * first @ second.T
+    rounding = 1e-9 * np.maximum(np.abs(cost[rows, None]), np.abs(cost[None, columns]))
+    return np.asarray(gap > np.maximum(beyond * np.sqrt(np.maximum(square, 0.0)), rounding))
 
 
 def _stacked(rows: Sequence[Array]) -> Array:

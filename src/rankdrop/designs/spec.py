@@ -76,16 +76,6 @@ class Asks:
     paths: Mapping[str, Any] | None = None
     certified: float | None = None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "families": None if self.families is None else dict(self.families),
-            "near": None if self.near is None else dict(self.near),
-            "region": None if self.region is None else dict(self.region),
-            "paths": None if self.paths is None else dict(self.paths),
-            "certified": self.certified,
-        }
-
 
 @dataclass(frozen=True)
 class Spec:

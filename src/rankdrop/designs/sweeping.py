@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.codec import plain
 from rankdrop.designs.changes import neighbours, structures
-from rankdrop.designs.chunk import task_to_dict
 from rankdrop.designs.measure import measured
 from rankdrop.designs.outcome import Designs
 from rankdrop.designs.spec import Asks, Parameter, Spec, goals, read_spec, spec_of
@@ -119,9 +119,9 @@ def refined(spec: Spec, precision: float) -> Spec:
     given = {name: table for name in sampled if (table := getattr(spec.asks, name)) is not None}
     if not given:
         raise OptionError("nothing is sampled", where="precision", allowed="with [near] or [region]")
-    trial = measured(spec.drawing.nominal, spec.task, Asks(**given).to_dict(), None, limits=spec.limits,
+    trial = measured(spec.drawing.nominal, spec.task, plain(Asks(**given)), None, limits=spec.limits,
                      seed=spec.seed)  # fmt: skip
-    asks = {}
+    asks: dict[str, Any] = {}
     for name, table in given.items():
         key, measure, most = sampled[name]
         share, count = trial["measures"].get(measure) or 0.0, table[key]
@@ -135,15 +135,15 @@ def job_of(spec: Spec, values: np.ndarray[Any, np.dtype[np.float64]]) -> Job:
     order = order_of(spec, values)
     plan = {
         "drawing": asdict(spec.drawing),
-        "task": task_to_dict(spec.task),
+        "task": plain(spec.task),
         "limits": spec.limits,
         "seed": spec.seed,
         "places": [[[place.part, place.key, place.sign] for place in one.places] for one in spec.parameters],
-        "asks": spec.asks.to_dict(),
+        "asks": plain(spec.asks),
         "size": SIZE,
         "variants": [[number, values[number].tolist()] for number in order],
     }
-    return Job("sweep", "rankdrop.designs.chunk:variants", plan, -(-len(order) // SIZE), len(order))
+    return Job("sweep", "rankdrop.designs.measure:variants", plan, -(-len(order) // SIZE), len(order))
 
 
 def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tuple[Mapping[str, Any], ...]:

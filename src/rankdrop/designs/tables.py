@@ -14,9 +14,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rankdrop.designs.outcome import MEANINGS, UNITS, Designs
+from rankdrop.designs.outcome import Designs
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, ResultFileError
+from rankdrop.schema.design import MEANINGS, UNITS
 
 ROWS = 1000
 """Variants of a partition."""

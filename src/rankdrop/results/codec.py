@@ -8,8 +8,6 @@ Infinities (limits that the source does not give) are written as null; joints ar
 
 from __future__ import annotations
 
-import json
-import re
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -22,8 +20,9 @@ from typing import Any, get_args, get_origin, get_type_hints
 import msgspec
 import numpy as np
 
+from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
-from rankdrop.disk import replace_file
+from rankdrop.codec import save_record as save_record
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
@@ -34,28 +33,6 @@ from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
 Record = dict[str, Any]
-_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
-
-
-def json_text(record: Any) -> str:
-    """JSON for people too: indented, a row of numbers on one line; NaN and infinities are refused."""
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    text = _STEERING.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)  # the same text to a reader of JSON
-    # strings hold no raw line break, so only arrays of numbers match
-    return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"
-
-
-def save_record(record: Record, path: str | Path) -> None:
-    """Write a record to a JSON file.
-
-    Raises:
-        ResultFileError: the file cannot be written; an old one of this name is as it was.
-    """
-    try:
-        replace_file(path, json_text(record).encode())
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
 
 def read_record(path: str | Path) -> Any:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar
 
 from msgspec import Struct
 
-from rankdrop.codec import decode, json_schema
+from rankdrop.codec import decode, encode, json_schema, save_record
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.sections import Section, html, text
 
 _ROOM = {
     "analysis": "families", "find": "families", "explanation": "explanation", "escape": "explanation",
@@ -68,3 +71,37 @@ def check_record(kind: str, record: Any) -> None:
     except ResultFileError as error:
         what = f"the {kind} is damaged: {error.what}"
         raise ResultFileError(what, where=error.where, got=error.got, mend="make the file again") from None
+
+
+def record_of(kind: str, result: Any) -> dict[str, Any]:
+    """A result as the plain data of its file."""
+    return encode(table_of(kind), result)
+
+
+class Result:
+    """What a verb returns: plain data, a JSON file, text, a table in a notebook. `FILE` is its kind of file."""
+
+    FILE: ClassVar[str]
+
+    def sections(self) -> Iterable[Section]:
+        """As sections of text."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record of its JSON file: docs/json.md."""
+        return record_of(self.FILE, self)
+
+    def save(self, path: str | Path) -> None:
+        """Write it to a JSON file.
+
+        Raises:
+            ResultFileError: the file cannot be written; an old one of this name is as it was.
+        """
+        save_record(self.to_dict(), path)
+
+    def __str__(self) -> str:
+        return text(self.sections())
+
+    def _repr_html_(self) -> str:
+        """For notebooks."""
+        return html(self.sections())

@@ -10,6 +10,7 @@ from rankdrop.family.record import Pin
 from rankdrop.robot.model import Joint, Mimic, Source
 from rankdrop.task import Frame
 from rankdrop.tolerances import Tolerances
+from rankdrop.units import WRITTEN
 
 UNITS = table("units", angle=str, length=str, time=str, joint=str, distance=str)
 
@@ -17,7 +18,11 @@ UNITS = table("units", angle=str, length=str, time=str, joint=str, distance=str)
 def file(kind: str, about: str, /, **entries: Any) -> Any:
     """The table of a kind of file: `schema` and `units` first, then its entries."""
     told = "units of the numbers of this file; the unit of each entry: `unit` of this schema"
-    return table(f"{kind}_file", about, schema=Literal[f"rankdrop/{kind}/1"], units=(optional(UNITS), told), **entries)
+    schema = f"rankdrop/{kind}/1"
+    return table(
+        f"{kind}_file", about, schema=(Literal[schema], "", lambda _: schema),
+        units=(optional(UNITS), told, lambda _: WRITTEN), **entries,
+    )  # fmt: skip
 
 
 JOINTS = table(

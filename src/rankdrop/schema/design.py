@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
+from rankdrop.version import VERSION
 
 SHORTEST = table("shortest", terms=int, frame=int, at=int | None)
 ENTRIES = table("entries", text=str, latex=str, python=str)
@@ -43,7 +44,25 @@ JACOBIAN_FILE = file(
     checks=many(CHECKS),
     holds=(bool, "whether every check does"),
 )
-MEASURES = table("measures", name=str, unit=str, meaning=str)
+UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
+         "paths_free": "share", "free": "share"}  # fmt: skip
+MEANINGS = {
+    "families": "number of families of every corank",
+    "near": "share of the joint space near any family",
+    "sigma": "over the region: smallest, over its poses, of the σ of the best posture found",
+    "reached": "share of the region's poses for which a posture was found",
+    "path_sigma": "smallest σ on the paths",
+    "path_distance": "smallest distance from a singular configuration on the paths",
+    "paths_free": "share of the paths proven free as a whole",
+    "free": "share of the joint space proven free",
+}
+"""What every measure means."""
+MEASURES = table(
+    "measures",
+    name=(str, "", str),
+    unit=(str, "", UNITS.__getitem__),
+    meaning=(str, "", MEANINGS.__getitem__),
+)
 ARMS_FAMILY = table(
     "arms_family",
     id=str,
@@ -72,6 +91,7 @@ REGION = table(
     "region",
     poses=int,
     reached=int,
+    each=(optional(many(num("1") | None)), "σ of the best posture at each pose; null where none was found"),
     lowest=num("1") | None,
     sigma=num("1") | None,
     at=many(num("m")) | None,
@@ -107,10 +127,23 @@ ARMS = table(
     reach=num("m"),
     **_MEASURED,
 )
+
+
+def _version(_: Any) -> str:
+    return VERSION
+
+
+def _arms(compared: Any) -> list[dict[str, Any]]:
+    """What each arm is, and what was measured of it."""
+    columns = zip(compared.names, compared.about, compared.joints, compared.reaches, compared.records, strict=True)
+    return [{**record, "name": name, "about": about, "joints": n, "reach": far}
+            for name, about, n, far, record in columns]  # fmt: skip
+
+
 SIDE_BY_SIDE_FILE = file(
     "side-by-side",
     "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
-    version=str,
+    version=(str, "of rankdrop", _version),
     task=str,
     length_scale=num("m", gt=0),
     limits=bool,
@@ -118,25 +151,30 @@ SIDE_BY_SIDE_FILE = file(
     sentence=str,
     holds=bool,
     measures=many(MEASURES),
-    arms=many(ARMS),
+    arms=(many(ARMS), "", _arms),
 )
 SWEEP_PARAMETERS = table(
     "sweep_parameters",
     name=str,
     unit=Literal["m", "rad"],
-    sets=many(str),
+    sets=(many(str), "places in the arm", lambda one: [str(place) for place in one.places]),
     lower=num("entry"),
     upper=num("entry"),
 )
-STRUCTURES = table("structures", families=many(str), variants=many(int), ranges=many(many(num("entry"))))
+STRUCTURES = table(
+    "structures",
+    families=(many(str), "", lambda one: one.keys),
+    variants=(many(int), "counted from 1", lambda one: [i + 1 for i in one.variants]),
+    ranges=many(many(num("entry"))),
+)
 CHANGES = table(
     "changes",
     kind=Literal["appears", "vanishes", "splits", "join"],
     before=many(str),
     after=many(str),
-    variants=row(int, 2),
-    parameter=str | None,
-    between=many(num("entry")) | None,
+    variants=(row(int, 2), "counted from 1", lambda one: [one.first + 1, one.second + 1]),
+    parameter=(str | None, "the one that differs; null where several do", lambda one: one.parameter or None),
+    between=(many(num("entry")) | None, "its values", lambda one: [one.low, one.high] if one.parameter else None),
 )
 EXACT_FAMILIES = table("exact_families", id=str, name=str, corank=int, conditions=many(str), real=str)
 SWEEP_EXACT = table(
@@ -148,7 +186,7 @@ SWEEP_EXACT = table(
 )
 VARIANTS = table(
     "variants",
-    number=Positive,
+    number=(Positive, "", lambda one: one["number"] + 1),
     values=many(num("entry")),
     **_MEASURED,
 )
@@ -157,8 +195,8 @@ SWEEP_FILE = file(
     "Written by `rankdrop sweep --json`: variants of an arm, measured for the same task. Variants and joints are "
     "numbered from 1; angles in rad, lengths in m.",
     robot=str,
-    sample=Literal["grid", "latin-hypercube", "sobol", "list"],
-    version=str,
+    sample=(Literal["grid", "latin-hypercube", "sobol", "list"], "how variants were chosen", lambda one: one.kind),
+    version=(str, "of rankdrop", _version),
     task=str,
     length_scale=num("m", gt=0),
     limits=bool,
@@ -168,10 +206,12 @@ SWEEP_FILE = file(
     measures=many(MEASURES),
     parameters=many(SWEEP_PARAMETERS),
     goals=mapping(Literal["less", "more"]),
-    pareto=(many(Positive), "variants that no other one dominates beyond the error"),
-    pareto_differ=(optional(bool), "some of them differ from one another beyond the error"),
+    pareto=(many(Positive), "variants that no other one dominates beyond the error",
+        lambda one: [number + 1 for number in one.pareto]),
+    pareto_differ=(optional(bool), "some of them differ from one another beyond the error",
+        lambda one: one.ranking.differ),
     structures=many(STRUCTURES),
     changes=many(CHANGES),
     exact=many(SWEEP_EXACT),
-    variants=many(VARIANTS),
+    variants=(many(VARIANTS), "", lambda one: one.records),
 )

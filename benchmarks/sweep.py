@@ -6,8 +6,7 @@ import time
 
 import measure  # before NumPy: sets the number of threads
 
-from rankdrop.designs.chunk import variants
-from rankdrop.designs.measure import Effort, families_of
+from rankdrop.designs.measure import Effort, families_of, variants
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import job_of, variants_of
 from rankdrop.robot.drawing import Drawing, Place

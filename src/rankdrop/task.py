@@ -57,14 +57,17 @@ def link_index(link: int, joints: int, what: str) -> int:
 WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
-_NAMED: dict[str, tuple[int, ...]] = {
-    "pose": (0, 1, 2, 3, 4, 5),
-    "position": (0, 1, 2),
-    "orientation": (3, 4, 5),
-    "planar": (0, 1, 5),
-    "planar-position": (0, 1),
-    "scara": (0, 1, 2, 5),
+_NAMED: dict[str, tuple[tuple[int, ...], Frame]] = {
+    "pose": ((0, 1, 2, 3, 4, 5), WORLD_ALIGNED),
+    "position": ((0, 1, 2), WORLD_ALIGNED),
+    "orientation": ((3, 4, 5), WORLD_ALIGNED),
+    "planar": ((0, 1, 5), WORLD_ALIGNED),
+    "planar-position": ((0, 1), WORLD_ALIGNED),
+    "scara": ((0, 1, 2, 5), WORLD_ALIGNED),
+    "tool-axis-free": ((0, 1, 2, 3, 4), BODY),
+    "across-tool-axis": ((0, 1), BODY),
 }
+"""Name -> its rows, and the frame they are taken in. A line here is all that a new task takes (and docs/choose.md)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +76,9 @@ class Task:
 
     Attributes:
         name: `pose`, `position`, `orientation`, `planar` (vx, vy, wz), `planar-position` (vx, vy), `scara`
-            (vx, vy, vz, wz), or the rows joined by commas.
+            (vx, vy, vz, wz); in tool axes `tool-axis-free` (all but the turning about the tool's z axis: welding,
+            milling, gluing) and `across-tool-axis` (vx, vy: a beam whose distance does not matter); or the rows joined
+            by commas.
         rows: indices of the rows, increasing.
         frame: axes and reference point in which the rows are taken.
         length_scale: translation rows are divided by it [m]; None means the arm's reach.
@@ -145,7 +150,7 @@ def resolve_task(
 
 def _from_rows(task: str | Sequence[str]) -> Task:
     if isinstance(task, str) and task in _NAMED:
-        return Task(task, _NAMED[task])
+        return Task(task, *_NAMED[task])
     words = [word.strip() for word in (task.split(",") if isinstance(task, str) else task)]
     unknown = [word for word in words if word not in ROWS]
     if not unknown and len(set(words)) != len(words):
@@ -156,6 +161,6 @@ def _from_rows(task: str | Sequence[str]) -> Task:
         )
     rows = tuple(sorted(ROWS.index(word) for word in words))
     for name, named in _NAMED.items():
-        if rows == named:
+        if (rows, WORLD_ALIGNED) == named:
             return Task(name, rows)
     return Task(",".join(ROWS[row] for row in rows), rows)

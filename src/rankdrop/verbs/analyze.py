@@ -18,7 +18,7 @@ from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
-from rankdrop.task import Task, resolve_task, task_names
+from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
@@ -275,5 +275,6 @@ def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:
 
 
 def _serves(robot: Robot, name: str, task: Task, rank: int) -> bool:
-    other = resolve_task(name, robot, frame=task.frame, length_scale=task.length_scale)
-    return other.m <= rank and generic_rank(robot, other) == other.m
+    plain = resolve_task(name, robot)
+    other = replace(plain, frame=task.frame, length_scale=task.length_scale)
+    return plain.frame == WORLD_ALIGNED and other.m <= rank and generic_rank(robot, other) == other.m

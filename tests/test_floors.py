@@ -20,7 +20,7 @@ SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
     "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
-    "options": 0, "codec": 0, "proof": 0,
+    "options": 0, "questions": 0, "codec": 0, "proof": 0,
     "robot": 1,
     "kinematics": 2, "task": 2, "units": 2,
     "local": 3, "problem": 3, "solve": 2,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cyclopts import App
 
-from rankdrop.cli.derived import command
+from rankdrop.cli.arm import command
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.options import Options, allowed, hints, option, takes
 
@@ -32,7 +32,7 @@ class Search(Options):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"starts": 0}, "not allowed; got 0; allowed: a whole number, at least 1, at most 1000"),
+        ({"starts": 0}, "not allowed; got 0; allowed: a whole number, 1 … 1000"),
         ({"starts": 1001}, "not allowed"),
         ({"starts": True}, "this value is not allowed"),
         ({"starts": 1.5}, "a whole number"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any
 
 _MARKS = (0x200E, 0x200F, *range(0x2028, 0x202F), *range(0x2066, 0x206A), 0xFEFF)  # they turn the direction of writing
@@ -53,14 +54,15 @@ class RankdropError(Exception):
         typed: str | None = None,
     ) -> None:
         self.what, self.where, self.got, self.allowed, self.mend, self.typed = what, where, got, allowed, mend, typed
-        super().__init__(self._line(mend))
+        super().__init__(self._line(mend, where))
 
-    def on_command_line(self) -> str:
-        """The one line as a command shows it: the mend names the option to type, not the Python keyword."""
-        return str(self) if self.typed is None else self._line(self.typed)
+    def on_command_line(self, options: Container[str] = ()) -> str:
+        """The one line as a command shows it: with the names of its options, not the Python keywords."""
+        option = f"--{self.where}".replace("_", "-")
+        return self._line(self.mend if self.typed is None else self.typed, option if option in options else self.where)
 
-    def _line(self, mend: str | None) -> str:
-        parts = [f"{_shown(self.where)}: {_shown(self.what)}" if self.where else _shown(self.what)]
+    def _line(self, mend: str | None, where: str | None) -> str:
+        parts = [f"{_shown(where)}: {_shown(self.what)}" if where else _shown(self.what)]
         if self.got is not None:
             parts.append(f"got {_shown(self.got, _LONGEST_ECHO)}")
         if self.allowed is not None:

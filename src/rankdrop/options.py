@@ -1,7 +1,7 @@
 """Options as records: type, default, bounds, unit and one line of help of each, written once and checked once.
 
 A question is a frozen dataclass of the base `Options`. The verb takes it, the command line derives its options from it
-(`rankdrop.cli.derived`), and msgspec reads and writes it and generates its schema.
+(`rankdrop.cli.arm`), and msgspec reads and writes it and generates its schema.
 
     >>> from dataclasses import dataclass
     >>> from typing import Annotated
@@ -122,7 +122,9 @@ def allowed(hint: Any) -> str:
         return ", ".join(map(str, get_args(kind)))
     words = {int: "a whole number", float: "a number", bool: "True or False", str: "a text"}.get(kind, str(kind))
     signs = (("ge", ", at least"), ("gt", " above"), ("le", ", at most"), ("lt", " below"))
-    limits = [f"{sign} {limit:.12g}" for name, sign in signs if (limit := getattr(meta, name, None)) is not None]
+    limits = [f"{sign} {limit}" for name, sign in signs if (limit := getattr(meta, name, None)) is not None]
+    if meta is not None and meta.ge is not None and meta.le is not None:
+        limits = [f", {meta.ge} … {meta.le}"]
     return "".join([words, *limits, f" [{unit}]" if unit else ""])
 
 

@@ -99,3 +99,5 @@ SLOW_TURN = 0.08726646259971647
 """… or some rotation about the tool point is: 5°/s [rad/s]."""
 EVALUATIONS = 5_000
 """Enclosures spent on the certified radius: some 8 ms."""
+MOST_EVALUATIONS = 100_000_000
+"""Enclosures that may be spent on it; more is a slip of the hand."""

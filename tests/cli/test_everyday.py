@@ -231,10 +231,10 @@ WITHOUT = {
     "--json": {"view", "completion", "monitor"},  # a page, a script, code in C
     "--seed": {"robots", "jacobian", "path", "through", "monitor", "cover", "sweep", "verify", "view",
                "completion"},  # nothing random, or it stands in a file
-    "--threads": {"robots", "conditions", "jacobian", "explain", "escape", "nearest", "tolerant", "path", "aspects",
+    "--threads": {"robots", "conditions", "jacobian", "explain", "tolerant", "path", "aspects",
                   "through", "monitor", "sweep", "compare", "verify", "view",
                   "completion"},  # one thread
-    "--limits": {"robots", "conditions", "jacobian", "escape", "through", "monitor", "sweep", "verify",
+    "--limits": {"robots", "conditions", "jacobian", "through", "monitor", "sweep", "verify",
                  "completion"},  # algebra; ways out are always inside; a path or a file says it
     "--tip": {"robots", "sweep", "completion", "compare"},  # no arm, several, or one of a file
 }

@@ -11,10 +11,10 @@ import pytest
 from rankdrop.cli import exits
 from rankdrop.cli.arm import ArmOptions
 from rankdrop.cli.main import app
+from rankdrop.options import hints
 
 OPENING = {
-    "analyze": (), "conditions": (), "find": ("--corank", "1"), "explain": ("--q", "0,0"), "escape": ("--q", "0,0"),
-    "nearest": ("--q", "0,0"), "report": (), "view": (),
+    "analyze": (), "conditions": (), "find": ("--corank", "1"), "explain": ("--q", "0,0"), "report": (), "view": (),
 }  # fmt: skip
 """Commands that open an arm, with what else they need."""
 JOINT = """<joint name="j{0}" type="$(arg kind)"><parent link="l{0}"/><child link="l{1}"/><axis xyz="0 0 1"/>
@@ -38,7 +38,8 @@ def test_every_command_that_opens_an_arm_is_here() -> None:
     opening = set()
     for name in ("robots", *OPENING):
         function = app[name].default_command
-        if any("ArmOptions" in str(p.annotation) for p in inspect.signature(function).parameters.values()):
+        kinds = [p.annotation for p in inspect.signature(function).parameters.values()]
+        if any(isinstance(kind, type) and issubclass(kind, ArmOptions) for kind in kinds):
             opening.add(name)
     assert opening == set(OPENING)
 
@@ -76,9 +77,9 @@ def test_a_urdf_with_xacro_elements_is_expanded_with_the_option_alone(run, arm: 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("kind=fixed",), "--arg: this is not an argument; got 'kind=fixed'; allowed: NAME:=VALUE"),
-        ((":=x",), "--arg: this is not an argument"),
-        (("a:=1", "a:=2"), "--arg: the argument is given twice; got a"),
+        (("kind=fixed",), "--arg: this is not of the form; got 'kind=fixed'; allowed: NAME:=VALUE"),
+        ((":=x",), "--arg: this is not of the form"),
+        (("a:=1", "a:=2"), "--arg: the name is given twice; got a"),
     ],
 )
 def test_arguments_that_are_none_are_refused(run, arm: Path, words: tuple[str, ...], said: str) -> None:
@@ -88,16 +89,14 @@ def test_arguments_that_are_none_are_refused(run, arm: Path, words: tuple[str, .
 
 
 def test_the_value_of_an_argument_may_be_empty_or_hold_the_sign_itself() -> None:
-    from rankdrop.cli.arm import _arguments
-
-    assert _arguments(("a:=", "b:=x:=y", "c:=-1")) == {"a": "", "b": "x:=y", "c": "-1"}
+    assert ArmOptions(arg=("a:=", "b:=x:=y", "c:=-1")).arguments == {"a": "", "b": "x:=y", "c": "-1"}
 
 
 def test_python_and_the_command_line_have_the_same_options() -> None:
     from rankdrop.robot.open import open_robot
 
     renamed = {"package": "packages", "arg": "args"}
-    options = {renamed.get(name, name) for name in ArmOptions.__dataclass_fields__} - {"task", "length_scale", "ideal"}
+    options = {renamed.get(name, name) for name in hints(ArmOptions)} - {"task", "length_scale", "ideal"}
     assert options <= set(inspect.signature(open_robot).parameters)
 
 

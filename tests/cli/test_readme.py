@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rankdrop.cli import exits
+from rankdrop.cli import exits, main
 from rankdrop.cli.main import app
 from rankdrop.robot.open import robot_names
 
@@ -42,7 +42,7 @@ def test_there_is_something_to_check() -> None:
 
 @pytest.mark.parametrize("line", LINES)
 def test_commands_and_options_exist(line: str) -> None:
-    words = shlex.split(re.split(r"\s[|>#]", line)[0])[1:]
+    words = main._expand(shlex.split(re.split(r"\s[|>#]", line)[0])[1:])
     if words[0].startswith("--"):
         assert words[0] in ("--version", "--help")
         return

@@ -150,7 +150,7 @@ def test_a_tool_is_three_numbers(wrong):
 
 
 def test_other_axes_are_refused():
-    with pytest.raises(OptionError, match="these are no axes; got 'world'; allowed: base, tool, link"):
+    with pytest.raises(OptionError, match="frame: this value is not allowed; got 'world'; allowed: base, tool, link"):
         explain(open_robot("ur5e"), np.zeros(6), frame="world")
 
 

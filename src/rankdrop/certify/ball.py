@@ -20,12 +20,12 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, one_configuration
 from rankdrop.robot.model import Array, Robot, fingerprint
 from rankdrop.task import WORLD_ALIGNED, Frame, Task, resolve_task
+from rankdrop.tolerances import MOST_EVALUATIONS
 from rankdrop.version import VERSION
 
 LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
 _SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
 _MARGIN = 1e-9  # off the radius of one enclosure, so that a checker that rounds otherwise comes to the same
-_MOST = 100_000_000  # evaluations; more is a slip of the hand
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +98,10 @@ def check_budget(evaluations: int) -> None:
     Raises:
         OptionError: no whole number, or outside what is allowed.
     """
-    if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
+    whole = isinstance(evaluations, int | np.integer) and not isinstance(evaluations, bool)
+    if not whole or not 0 <= evaluations <= MOST_EVALUATIONS:
         raise OptionError(
-            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
+            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {MOST_EVALUATIONS}"
         )
 
 

@@ -3,101 +3,75 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from math import radians
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_IDEAL, OUTPUT, ROBOT, IdealOptions, Output
+from rankdrop.questions import AnalyzeOptions
 
 if TYPE_CHECKING:
-    from rankdrop.results import Analysis, Record
+    from rankdrop.results import Analysis
     from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
 
-_WITHIN = "5deg"
-
 
 def analyze(
-    robot: str,
+    robot: ROBOT,
     /,
     *,
-    arm: ArmOptions = NO_OPTIONS,
-    ideal: IDEAL = None,
-    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    within: str | None = None,
-    exact: Literal["auto", "on", "off"] = "auto",
-    fresh: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    starts: Whole = 10_000,
-    seed: Whole = 0,
-    threads: Whole = 0,
-    all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    latex: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    options: AnalyzeOptions = AnalyzeOptions(),
+    all: Annotated[bool, Parameter(help="Show every row of calibrated arms, not a few of each kind.")] = False,
+    latex: Annotated[str | None, Parameter(help="Write the tables as LaTeX to this file; - for stdout.")] = None,
+    arm: IdealOptions = NO_IDEAL,
+    output: Output = OUTPUT,
 ) -> int:
-    """Find the families of singular configurations of an arm, of every corank.
+    """Find every family of singularities of an arm.
 
-    Per family: the values of its pinned joints, × for a free joint, c for a
-    coupled one (the condition follows the table), its dimension, the
-    directions lost, the share of points solved from its conditions that are
-    singular, and the share of fresh singular points that it explains.
+    Per family: the values of its pinned joints, × for a free joint, c for a coupled one (the condition follows the
+    table), its dimension, the directions lost, the share of points solved from its conditions that are singular, and
+    the share of fresh singular points that it explains.
 
     For example:
         rankdrop analyze pa10
         rankdrop analyze arm.urdf --tip flange --json arm.json
         rankdrop analyze pa10 --latex pa10.tex
 
-    Exit code 3: something found is not explained or not sound, or exact
-    conditions say otherwise; all codes are in `rankdrop --help`.
-
-    Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
-            What the arm itself does on the families of the ideal one is told.
-        limits: Look within the joint limits only; otherwise in the whole joint space.
-        within: Tell the share of the joint space within this distance of each family, such as 5deg or 0.1 (rad); 5deg
-            with --limits; 0 for none.
-        exact: Derive the conditions exactly as well, and compare: auto within 30 s, on within 120 s, off.
-        fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).
-        starts: Random starts for each corank.
-        seed: Of every random choice; the same seed gives the same result.
-        threads: Processors to use; 0 means all. The result does not depend on it.
-        all: Show every row. Otherwise of more than 24 of one corank, those of calibrated arms, a few stand for all.
-        json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
-        latex: Write the tables as LaTeX to this file as well (needs amsmath); - writes them to stdout in place of the
-            tables.
-        quiet: No progress.
+    Exit code 3: a singular point is not explained, a family is not sound, or the exact conditions differ.
     """
     from rankdrop import analyze as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
     from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json, write_text
 
-    check_targets({"--json": json, "--latex": latex})
+    check_targets({"--json": output.json, "--latex": latex})
     begun = monotonic()
-    model, task, made = open_ideal(robot, arm, ideal)
-    with reporter(quiet=quiet) as report:
-        analysis = run(
-            model, task, starts=starts, seed=seed, limits=limits, exact=exact, fresh=fresh, threads=threads,
-            within=_within(within, limits), progress=report,
-        )
-    there, moved, beside = ideal_sections(made, analysis.task, analysis.families, seed)
+    model, task, made = open_ideal(robot, arm, arm.ideal)
+    if options.within is None and options.limits:
+        options = replace(options, within=radians(5.0))
+    with reporter(quiet=output.quiet) as report:
+        analysis = run(model, task, **{**vars(options), "within": options.within or None}, progress=report)
+    nearby, moved, beside = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
-    def record() -> Record:
+    def record() -> dict[str, Any]:
         if made is None:
             return analysis.to_dict()
         verdict = of_ideal(analysis.verdict, made).to_dict()
-        return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, there)}
+        return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
 
     hand_over(
         lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all),
-        (json, lambda target: write_json(record(), target)),
+        (output.json, lambda target: write_json(record(), target)),
         (latex, lambda target: write_text(analysis.latex(), target)),
     )
-    return _exit_code(analysis)
+    if not analysis.complete or (analysis.exact is not None and analysis.exact.interrupted):
+        return exits.INTERRUPTED
+    return exits.FINE if analysis.verdict.holds else exits.UNEXPLAINED
 
 
 def _print(
@@ -126,22 +100,8 @@ def _print(
     print_sections(beside, first=False)
     key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
     compared = agreement(analysis.exact, analysis.robot, analysis.families)
-    told = [Text(line, style=BAD if differs else "") for line, differs in compared]
+    lines = [Text(line, style=BAD if differs else "") for line, differs in compared]
     if analysis.near is not None and analysis.families:
         print_sections([near_overview(analysis.near, analysis.families)], first=False)
     checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))
-    show(console, [*key, *([""] if told else []), *told, "", checked, "", verdict])
-
-
-def _within(text: str | None, limits: bool) -> float | None:
-    """The distance asked for [rad]; None for none."""
-    from rankdrop.robot import quantity
-
-    distance = quantity(text or (_WITHIN if limits else "0"), "angle", where="--within")
-    return distance or None
-
-
-def _exit_code(analysis: Analysis) -> int:
-    if not analysis.complete or (analysis.exact is not None and analysis.exact.interrupted):
-        return exits.INTERRUPTED
-    return exits.FINE if analysis.verdict.holds else exits.UNEXPLAINED
+    show(console, [*key, *([""] if lines else []), *lines, "", checked, "", verdict])

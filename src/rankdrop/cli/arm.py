@@ -7,18 +7,22 @@ and m) or with --deg.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from inspect import cleandoc
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_type_hints
 
-from cyclopts import Parameter, Token
+from cyclopts import Group, Parameter, Token
 
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
+from rankdrop.options import Options, hints, meta_of, option, plain_type, unit_of
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from cyclopts.help import HelpEntry, HelpPanel
+    from rich.console import Console, ConsoleOptions, RenderableType
 
     from rankdrop.results import Verdict
     from rankdrop.robot import Robot
@@ -27,6 +31,11 @@ if TYPE_CHECKING:
     from rankdrop.verbs import Idealised, Nearby, Side
 
 
+Command = TypeVar("Command", bound=Callable[..., Any])
+_WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
+_LONGEST_NUMBER = 100
+_LAST = ("The arm", "Output")
+_MEASURES = {"rad": "angle", "m": "length"}
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
 
@@ -91,65 +100,123 @@ def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
         value = quantity(word, "length" if unit == "m" else "angle", where=where)
     except RobotError as error:
         raise ConfigurationError(
-            error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend,
+            error.what,
+            where=error.where,
+            got=error.got,
+            allowed=error.allowed,
+            mend=error.mend,
             typed=error.typed,
         ) from error
     plain = not re.search(r"(deg|rad|°)$", word)
     return radians(value) if deg and unit == "rad" and plain else value
 
 
-def parse_speeds(text: str | None, option: str = "--speed") -> dict[str, float]:
-    """Speeds of the tool below which a motion is slow, by the names that `explain` has for them [m/s, rad/s].
+@dataclass(frozen=True)
+class ArmOptions(Options):
+    """Which part of the arm, for which task."""
 
-    Raises:
-        OptionError: not one speed, or a translation and a rotation, each with its unit.
-    """
-    from rankdrop.robot import quantity
+    TITLE: ClassVar[str] = "The arm"
+    task: Annotated[
+        str | None,
+        option("pose, position, orientation, planar, planar-position, scara, or rows: vx,vy,wz; else its own"),
+    ] = None
+    base: Annotated[str | None, option("First link of the chain (robot files)")] = None
+    tip: Annotated[str | None, option("Last link of the chain (robot files)")] = None
+    length_scale: (
+        Annotated[
+            float, option("Translation rows are divided by it; else by the reach. No family depends on it", unit="m")
+        ]
+        | None
+    ) = None
+    as_written: Annotated[
+        bool, option("Keep the file's numbers: 1.5708 is no right angle then, noise of 2e-5 rad and 2 µm is kept")
+    ] = False
+    package: Annotated[
+        tuple[str, ...], option("NAME=PATH: where package://NAME and $(find NAME) are. May be given again")
+    ] = ()
+    arg: Annotated[tuple[str, ...], option("NAME:=VALUE: an argument of a xacro file. May be given again")] = ()
+    xacro: Annotated[
+        bool, option("Expand a file that does not end in .xacro. Expanding can run any command: trust the file")
+    ] = False
 
-    if text is None:
-        return {}
-    if text.strip() == "0":
-        return {"speed": 0.0, "turn_speed": 0.0}
-    found: dict[str, float] = {}
-    for part in text.split(","):
-        turns = re.search(r"(deg|rad|°)\s*/s\s*$", part) is not None
-        name, measure = ("turn_speed", "angle") if turns else ("speed", "length")
-        allowed = "a translation, a rotation or both, such as 250mm/s,20deg/s; 0 for none"
-        if name in found or not part.strip().endswith("/s"):
-            raise OptionError("this is not a speed of the tool", where=option, got=repr(text), allowed=allowed)
-        found[name] = quantity(part.strip().removesuffix("/s").strip(), measure, where=option)
+    @property
+    def packages(self) -> dict[str, Path]:
+        """Package name -> folder, as given.
+
+        Raises:
+            OptionError: a package is not NAME=PATH, or there is no such folder.
+        """
+        found = _pairs(self.package, "=", "--package", "NAME=PATH")
+        for name, path in found.items():
+            if not Path(path).is_dir():
+                raise OptionError("there is no such folder", where=f"--package {name}", got=path)
+        return {name: Path(path) for name, path in found.items()}
+
+    @property
+    def arguments(self) -> dict[str, str]:
+        """Arguments of a xacro file, name -> value, as given.
+
+        Raises:
+            OptionError: an argument is not NAME:=VALUE, or given twice.
+        """
+        return _pairs(self.arg, ":=", "--arg", "NAME:=VALUE")
+
+
+def _pairs(words: tuple[str, ...], sign: str, option: str, form: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for word in words:
+        name, given, value = word.partition(sign)
+        if not (name and given and (value or sign == ":=")):
+            raise OptionError("this is not of the form", where=option, got=repr(word), allowed=form)
+        if name in found:
+            raise OptionError("the name is given twice", where=option, got=name, mend="give it once")
+        found[name] = value
     return found
 
 
-@Parameter(name="*")
-@dataclass(frozen=True, slots=True)
-class ArmOptions:
-    """Which part of the arm, for which task.
+@dataclass(frozen=True)
+class IdealOptions(ArmOptions):
+    """Which part of the arm, for which task; and how near the ideal arm is that is taken in its place."""
 
-    Attributes:
-        task: pose, position, orientation, planar, planar-position, scara, or rows (vx,vy,wz). Default: the arm's own.
-        base: First link of the chain (robot files).
-        tip: Last link of the chain (robot files).
-        length_scale: Translation rows are divided by this length [m], else by the reach. No family, exact or not,
-            depends on it.
-        as_written: Keep the file's numbers: 1.5708 is not a right angle then, nor noise of 2e-5 rad and 2 µm none.
-        package: NAME=PATH: where package://NAME and $(find NAME) are, if not near the file. May be given again.
-        arg: NAME:=VALUE: an argument of a xacro file. May be given again.
-        xacro: Expand the file though it does not end in .xacro. Expanding can run any command: trust the file.
-    """
-
-    task: str | None = None
-    base: str | None = None
-    tip: str | None = None
-    length_scale: float | None = None
-    as_written: Annotated[bool, Parameter(negative=())] = False
-    package: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
-    arg: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
-    xacro: Annotated[bool, Parameter(negative=(), show_default=False)] = False
+    ideal: Annotated[
+        str | None,
+        option("The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance: 1mm,0.5deg"),
+    ] = None
 
 
-NO_OPTIONS = ArmOptions()
-IDEAL = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
+@dataclass(frozen=True)
+class ToolOptions(Options):
+    """How angles are typed, where the tool point is, and in which axes motions are reported."""
+
+    deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
+    tcp: Annotated[
+        str | None, option("Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg")
+    ] = None
+
+
+@dataclass(frozen=True)
+class Output(Options):
+    """Where a result goes."""
+
+    TITLE: ClassVar[str] = "Output"
+    json: Annotated[
+        str | None, option("Write the result to this file as well; - writes it to stdout instead of the text")
+    ] = None
+    quiet: Annotated[bool, option("No progress; results and errors only")] = False
+
+
+NO_OPTIONS, NO_IDEAL, NO_TOOL, OUTPUT = ArmOptions(), IdealOptions(), ToolOptions(), Output()
+ROBOT = Annotated[str, Parameter(
+    help="Name in the catalogue (`rankdrop robots`) or a file (.urdf, .xacro, .xml, .toml)."
+)]  # fmt: skip
+Q = Annotated[str, Parameter(
+    help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
+    allow_leading_hyphen=True,
+)]  # fmt: skip
+IDEAL = Annotated[str | None, Parameter(
+    help="The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.",
+    allow_leading_hyphen=True, show_default=False,
+)]  # fmt: skip
 FRAME = Literal["base", "tool", "link"] | None
 TCP = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
@@ -171,7 +238,7 @@ def open_arm(name: str, options: ArmOptions, tcp: str | None = None, *, deg: boo
     from rankdrop.task import resolve_task
 
     robot = open_robot(
-        name, tip=options.tip, base=options.base, packages=_packages(options.package), args=_arguments(options.arg),
+        name, tip=options.tip, base=options.base, packages=options.packages or None, args=options.arguments,
         xacro=options.xacro, as_written=options.as_written,
     )  # fmt: skip
     if tcp is not None:
@@ -181,8 +248,6 @@ def open_arm(name: str, options: ArmOptions, tcp: str | None = None, *, deg: boo
 
 def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
     """x, y, z [m] and roll, pitch, yaw [rad] of a tool point."""
-    from rankdrop.cli.arm import split_values, value_of
-
     words = split_values(text)
     if len(words) not in (3, 6):
         raise OptionError("a tool point is three lengths, then three angles if the tool is turned", where="--tcp",
@@ -194,46 +259,16 @@ def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
     )
 
 
-def packages_of(options: ArmOptions) -> dict[str, Path]:
-    """Package name -> folder, as given.
+def numbers_of(text: str, option: str) -> list[float]:
+    """Numbers separated by commas or blanks.
 
     Raises:
-        OptionError: a package is not NAME=PATH, or there is no such folder.
+        OptionError: a word is no number.
     """
-    return _packages(options.package) or {}
-
-
-def arguments_of(options: ArmOptions) -> dict[str, str]:
-    """Arguments of a xacro file, name -> value, as given.
-
-    Raises:
-        OptionError: an argument is not NAME:=VALUE, or given twice.
-    """
-    return _arguments(options.arg)
-
-
-def _packages(words: tuple[str, ...]) -> dict[str, Path] | None:
-    packages = {}
-    for word in words:
-        name, equals, path = word.partition("=")
-        if not (name and equals and path):
-            raise OptionError("this is not a package", where="--package", got=repr(word), allowed="NAME=PATH")
-        if not Path(path).is_dir():
-            raise OptionError("there is no such folder", where=f"--package {name}", got=path)
-        packages[name] = Path(path)
-    return packages or None
-
-
-def _arguments(words: tuple[str, ...]) -> dict[str, str]:
-    arguments = {}
-    for word in words:
-        name, sign, value = word.partition(":=")
-        if not (name and sign):
-            raise OptionError("this is not an argument", where="--arg", got=repr(word), allowed="NAME:=VALUE")
-        if name in arguments:
-            raise OptionError("the argument is given twice", where="--arg", got=name, mend="give it once")
-        arguments[name] = value
-    return arguments
+    try:
+        return [float(word) for word in text.replace("−", "-").replace(",", " ").split()]
+    except ValueError as error:
+        raise OptionError("these are not numbers", where=option, got=repr(text), allowed="1,0,0,…") from error
 
 
 def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, str]) -> Iterator[RenderableType]:
@@ -329,10 +364,6 @@ def of_ideal(verdict: Verdict, asked: Idealised | None) -> Verdict:
     return replace(verdict, sentence=f"{verdict.sentence} {about}")
 
 
-_WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
-_LONGEST_NUMBER = 100
-
-
 def whole(_type: Any, tokens: Sequence[Token]) -> int:
     """The number that the words of one option write: 10000, 10_000, -5.
 
@@ -346,3 +377,98 @@ def whole(_type: Any, tokens: Sequence[Token]) -> int:
 
 
 Whole = Annotated[int, Parameter(converter=whole)]
+
+
+def command(function: Command) -> Command:
+    """Replace the records among a command's parameters by those that cyclopts reads."""
+    for name, hint in get_type_hints(function, include_extras=True).items():
+        if isinstance(hint, type) and issubclass(hint, Options) and is_dataclass(hint):
+            function.__annotations__[name] = derived(hint)
+    return function
+
+
+@cache
+def derived(record: type[Options]) -> type[Options]:
+    """A subclass of a record whose fields carry what cyclopts needs; `TITLE` of the record groups them in the help."""
+    own = {
+        field.name: Annotated[hint, _parameter(hint, field.default)]
+        for field, hint in zip(fields(record), hints(record).values(), strict=True)  # type: ignore[arg-type]
+    }
+    defaults = {field.name: field.default for field in fields(record)}  # type: ignore[arg-type]
+    made = type(record.__name__, (record,), {"__annotations__": own, "__doc__": "", "__module__": __name__, **defaults})
+    found: type[Options] = dataclass(frozen=True)(made)
+    flat = Parameter(name="*", group=_group(record.TITLE)) if hasattr(record, "TITLE") else Parameter(name="*")
+    return flat(found)
+
+
+@cache
+def _group(title: str) -> Group:
+    """One group for each title; those of the command come first, the arm and the output last."""
+    return Group(title, sort_key=_LAST.index(title) + 1 if title in _LAST else 0)
+
+
+def _parameter(hint: Any, default: object) -> Parameter:
+    """The option of one field."""
+    kind, meta = plain_type(hint), meta_of(hint)
+    unit, name = unit_of(hint), ((meta.extra if meta else None) or {}).get("name")
+    convert = {int: whole, float: _quantity(unit)}.get(kind)
+    return Parameter(
+        name=name, help=_help(meta.description or "" if meta else "", unit, kind), converter=convert, negative=(),
+        show_default=None if default not in (None, False, (), "") else False, allow_leading_hyphen=kind is str,
+    )  # fmt: skip
+
+
+def _help(words: str, unit: str, kind: Any) -> str:
+    return f"{words} [{unit}]." if unit and kind is not str else f"{words}."
+
+
+def _quantity(unit: str) -> Callable[[Any, Sequence[Token]], float]:
+    """The reader of a number with its unit: 5deg, 3mm, pi/2, 250mm/s."""
+    measure = _MEASURES.get(unit.removesuffix("/s"), "number")
+
+    def read(_type: Any, tokens: Sequence[Token]) -> float:
+        from rankdrop.robot import quantity
+
+        return quantity(tokens[0].value, measure, where=tokens[0].keyword or "", rate=unit.endswith("/s"))
+
+    return read
+
+
+def prose(docstring: str) -> str:
+    """The text of a docstring without its arguments; paragraphs are as long as they are, indented lines stay."""
+    text = cleandoc(docstring).split("\nArgs:")[0].strip()
+    parts = text.split("\n\n")
+    return "\n\n".join(part if "\n  " in part else " ".join(part.split()) for part in parts)
+
+
+class Help:
+    """Prints a panel of commands or options in two columns, the second one wrapped to the terminal's width."""
+
+    def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table.grid(padding=(0, 2, 0, 0))
+        table.add_column(overflow="fold", max_width=max(12, console.width // 3))
+        table.add_column()
+        for entry in panel.entries:
+            table.add_row(Text(f"  {_labels(entry)}"), Text(_description(console, entry)))
+        if table.row_count:
+            console.print(Text(f"{panel.title}:", style="bold"), table, sep="\n")
+
+    def render_usage(self, console: Console, options: ConsoleOptions, usage: object) -> None:
+        """The line of how the command is typed."""
+        console.print(f"Usage: {usage}", markup=False, highlight=False)
+
+
+def _labels(entry: HelpEntry) -> str:
+    names = sorted((*entry.positive_names, *entry.positive_shorts), key=lambda name: name[:2] != "--")
+    return ", ".join(names or entry.display_labels)
+
+
+def _description(console: Console, entry: HelpEntry) -> str:
+    endless = console.options.update(max_width=10_000)
+    words = "".join(segment.text for segment in console.render(entry.description or "", endless))
+    choices = f" One of {', '.join(entry.choices)}." if entry.choices else ""
+    default = f" Default: {entry.default}." if entry.default not in (None, "False", "None", "") else ""
+    return f"{' '.join(words.split())}{choices}{default}"

@@ -26,7 +26,7 @@ def aspects(
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Tell whether the arm can change its posture without a singularity (cuspidal).
+    """Find changes of posture without a singularity.
 
     An aspect is a connected set of regular configurations. The inverse of a pose
     is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one,

@@ -57,7 +57,7 @@ def conditions(
     json: _FILE = None,
     quiet: Annotated[bool, _SWITCH] = False,
 ) -> int:
-    """Derive the singularity conditions of an arm exactly, for every corank, and check them.
+    """Derive the singularity conditions of an arm exactly.
 
     Lengths are letters (a2, d4) where that is possible: the conditions hold
     for every arm of this kind, and what is assumed of the lengths is told.

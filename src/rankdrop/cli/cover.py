@@ -32,7 +32,7 @@ def cover(
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Cover the joint space: boxes that hold every singular configuration.
+    """Enclose all singular configurations in boxes.
 
     Every box that is left out is proven free. What is left is held against the
     families that are known: a box that none of them explains is a place to look

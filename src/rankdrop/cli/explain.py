@@ -2,118 +2,165 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import FRAME, IDEAL, NO_OPTIONS, TCP, ArmOptions, Whole
-from rankdrop.tolerances import EVALUATIONS, NEAR
+from rankdrop.cli.arm import NO_IDEAL, NO_TOOL, ROBOT, IdealOptions, Output, Q, ToolOptions
+from rankdrop.options import Options, option
+from rankdrop.questions import ExplainOptions
+from rankdrop.tolerances import EVALUATIONS
 
 if TYPE_CHECKING:
-    from rankdrop.results import Explanation, Record
+    from rankdrop.results import Explanation
+    from rankdrop.sections import Section
     from rankdrop.verbs import Here, Idealised
 
 
+@dataclass(frozen=True)
+class Parts(Output):
+    """Which parts of an explanation are printed or written."""
+
+    only: Annotated[
+        Literal["escape", "nearest"] | None, option("One part: the joints that lead out, or distances and their proof")
+    ] = None
+    full: Annotated[bool, option("Print all sections and all tables")] = False
+    lie: Annotated[
+        bool, option("With --only escape: Gallardo-Alvarado and Rico-Martinez's procedure, and where it goes wrong")
+    ] = False
+    certificate: Annotated[
+        str | None, option("File for `rankdrop verify`: the ball proven to be free, or the proof that q is singular")
+    ] = None
+    model_tolerance: Annotated[
+        str | None, option("The ball holds for every arm so near to this one, joint by joint: 0.3mm,1mrad")
+    ] = None
+
+
+@dataclass(frozen=True)
+class Known(Options):
+    """Where families come from."""
+
+    analysis: Annotated[
+        str | None,
+        option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found on the spot"),
+    ] = None
+    tolerance: Annotated[float, option("Singular values at or below it count as zero; else 1e-9")] | None = None
+
+
+EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
+BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
+
+
 def explain(
-    robot: str,
+    robot: ROBOT,
     /,
     *,
-    q: Annotated[str, Parameter(allow_leading_hyphen=True)],
-    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    arm: ArmOptions = NO_OPTIONS,
-    frame: FRAME = None,
-    tcp: TCP = None,
-    ideal: IDEAL = None,
-    analysis: str | None = None,
-    near: float = NEAR,
-    speed: str | None = None,
-    tolerance: float | None = None,
-    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    evaluations: Whole = EVALUATIONS,
-    seed: Whole = 0,
-    certificate: str | None = None,
-    full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    q: Q,
+    tool: ToolOptions = NO_TOOL,
+    options: ExplainOptions = ExplainOptions(),
+    arm: IdealOptions = NO_IDEAL,
+    known: Known = Known(),
+    output: Parts = Parts(),
 ) -> int:
-    """Explain one configuration: is it singular, which one, what is lost, which joints, how to get out, how far.
+    """Explain a configuration: what is lost, how to get out.
+
+    With --only escape: the joints that lead out, which way and how far, and those that cannot. With --only nearest:
+    the nearest singular configuration, found from many starts, and a radius proven to be free of any.
 
     For example:
         rankdrop explain pa10 --q 0,0,0,0,0,0,0
         rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0 --frame base --tcp 0,0,120mm
-        rankdrop explain arm.urdf --tip flange --q "0.1 0.5 -1.2 0 pi/2 0" --json here.json
+        rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0 --only nearest --certificate here.json
+        rankdrop explain rcrrrr --q 0,0,0,0,0,0,0 --length-scale 1 --only escape --lie
 
-    Exit code 0: regular; 3: near a singularity; 4: singular, or the arm is
-    deficient for the task at every configuration; 2: bad input.
-
-    Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
-        deg: Angles without a unit are in degrees.
-        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
-        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
-        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
-            What the arm itself does where the ideal one is singular is told.
-        analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found on the spot.
-        near: Near a singularity: within this distance in joint space [rad].
-        speed: … or where a straight motion of the tool is slower than this within the rate limits of the joints, such
-            as 250mm/s or 250mm/s,20deg/s; else 25mm/s,5deg/s; 0 for none.
-        tolerance: Singular values at or below it count as zero; else 1e-9.
-        limits: The nearest singularity within the joint limits.
-        evaluations: Budget of the certified radius; 0 for the quick one.
-        seed: Of every random choice.
-        certificate: Write what is proven to this file, for `rankdrop verify`: at a singular configuration that one
-            exists there, else a ball without any.
-        full: Print all sections: every circuit, ellipsoids, joint rates, redundancy, representation.
-        json: Write the explanation to this file as well; - writes it to stdout in place of the text.
-        quiet: No progress; results and errors only.
+    Exit code 0: regular; 3: near a singularity; 4: singular, or the arm is deficient for the task at every
+    configuration. With --only escape 0: not singular, or a way out was found; 3: none. With --only nearest 0: one was
+    found; 3: none. 2: bad input.
     """
-    from dataclasses import replace
-
     from rankdrop import explain as run
-    from rankdrop.cli.arm import open_ideal, parse_configuration, parse_speeds
-    from rankdrop.cli.certificates import of_place, save_certificate
-    from rankdrop.cli.terminal import check_targets, hand_over, interrupted, write_json
-    from rankdrop.results import Analysis, plain
+    from rankdrop.cli.arm import open_ideal, parse_configuration
+    from rankdrop.cli.certificates import in_words, model_tolerance, of_place, save_certificate
+    from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, write_json
+    from rankdrop.results import Analysis
+    from rankdrop.sections import Section
     from rankdrop.tolerances import DEFAULT
     from rankdrop.verbs import here
 
-    check_targets({"--json": json, "--certificate": certificate})
-    model, task, made = open_ideal(robot, arm, ideal, tcp, deg=deg)
-    given = parse_configuration(q, model, deg=deg)
+    check_targets({"--json": output.json, "--certificate": output.certificate})
+    near = model_tolerance(output.model_tolerance)
+    model, task, made = open_ideal(robot, arm, arm.ideal, tool.tcp, deg=tool.deg)
+    budget = BUDGET[output.only] if options.evaluations == EVALUATIONS else options.evaluations
+    coranks = 6 if output.only == "nearest" else options.coranks
     found = run(
-        model, given, task, analysis=None if analysis is None else Analysis.load(analysis), near=near, limits=limits,
-        evaluations=evaluations, seed=seed, frame=frame, **parse_speeds(speed),
-        tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
+        model, parse_configuration(q, model, deg=tool.deg), task, replace(options, evaluations=budget, coranks=coranks),
+        analysis=None if known.analysis is None else Analysis.load(known.analysis),
+        tolerances=DEFAULT if known.tolerance is None else replace(DEFAULT, singular=known.tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
-    proven = None if certificate is None else of_place(found, None, evaluations)
+    proven = None if output.certificate is None and near is None else of_place(found, near, budget)
+    procedure = _procedure(found, options.seed) if output.lie else None
 
-    def record() -> Record:
-        if made is None or beside is None:
-            return found.to_dict()
-        return found.to_dict() | {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
+    def show() -> None:
+        certified = [] if proven is None or output.only != "nearest" else [Section("certificate", in_words(proven))]
+        print_sections([*_sections(found, made, beside, output), *certified])
+        _print_procedure(procedure)
 
     hand_over(
-        lambda: _print(found, made, beside, full=full),
-        (json, lambda target: write_json(record(), target)),
-        (certificate, lambda target: save_certificate(proven, target)),
+        show,
+        (output.json, lambda target: write_json(_record(found, made, beside, procedure, output.only), target)),
+        (output.certificate, lambda target: save_certificate(proven, target)),
     )
-    return interrupted(found) or EXIT[found.verdict]
+    return interrupted(found) or _code(found, output.only)
 
 
-EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
-
-
-def _print(explanation: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
+def _sections(
+    found: Explanation, made: Idealised | None, beside: Here | None, output: Parts
+) -> tuple[Section, ...] | list[Section]:
     from rankdrop.cli.arm import near_line
-    from rankdrop.cli.terminal import print_sections
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 
-    first, *sections = explanation.sections(full=full)
+    if output.only == "nearest":
+        return found.sections(parts=("summary", "far", "numbers"), full=True)
+    if output.only == "escape":
+        parts = (
+            ("summary", "escape", "lost", "blame", "numbers") if output.full else ("summary", "escape", "lost", "more")
+        )
+        return found.sections(parts=parts, full=output.full)
+    first, *sections = found.sections(full=output.full)
     if made is not None and beside is not None:
-        sections[:0] = [here_section(made, beside), *([moved_section(made)] if full else [])]
-    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
-    print_sections([first, *sections])
+        sections[:0] = [here_section(made, beside), *([moved_section(made)] if output.full else [])]
+    sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
+    return [first, *sections]
+
+
+def _record(
+    found: Explanation, made: Idealised | None, beside: Here | None, procedure: Any, only: str | None
+) -> dict[str, Any]:
+    from rankdrop.results import far_to_dict, plain, way_out_to_dict
+
+    if only is not None:
+        return far_to_dict(found) if only == "nearest" else way_out_to_dict(found, procedure)
+    nearby = {} if made is None or beside is None else {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
+    return found.to_dict() | nearby
+
+
+def _procedure(found: Explanation, seed: int) -> Any:
+    from rankdrop.local import OrderedScrewSet, report
+
+    return report(OrderedScrewSet.of(found.robot, found.q), seed)
+
+
+def _print_procedure(procedure: Any) -> None:
+    from rankdrop.cli.terminal import results, show
+    from rankdrop.local import render
+
+    show(results(), [] if procedure is None else ["", render(procedure)])
+
+
+def _code(found: Explanation, only: str | None) -> int:
+    if only is None:
+        return EXIT[found.verdict]
+    out = any(one.order is not None for one in found.escape.single) or found.escape.best_direction.restores
+    fine = not found.rank.corank or out if only == "escape" else found.far.nearest is not None or found.rank.corank
+    return exits.FINE if fine else exits.UNEXPLAINED

@@ -2,40 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
-from cyclopts import Parameter
-
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output
+from rankdrop.options import Options, option
 
-_FILE = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
-_SWITCH = Parameter(negative=(), show_default=False)
+
+@dataclass(frozen=True)
+class JacobianOptions(Options):
+    """Which Jacobian, and in which form."""
+
+    frame: Annotated[
+        int, option("Link whose axes are taken, from 1: z along its joint's axis, x along the common normal after it; "
+                    "else the one that makes the matrix shortest")
+    ] | None = None  # fmt: skip
+    at: Annotated[str, option("Reference point: tip, or a link from 1: the origin of its frame")] = "tip"
+    q: Annotated[str | None, option("A configuration [rad, m]; pi/2, 30deg, 120mm are understood")] = None
+    deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
+    symbolic: Annotated[bool, option("The closed form beside the numbers of --q")] = False
+    inverse: Annotated[bool, option("The inverse as well, for as many rows as joints")] = False
+    lengths: Annotated[str, option('auto, letters, numbers, or letters with their values: "a=0.635,d=120mm"')] = "auto"
+    time_limit: Annotated[float, option("Limit for the closed inverse", unit="s", gt=0)] = 60.0
+    latex: Annotated[str | None, option("Write the closed forms as LaTeX to this file; - for stdout")] = None
 
 
 def jacobian(
-    robot: str,
+    robot: ROBOT,
     /,
     *,
-    frame: Whole | None = None,
-    at: str = "tip",
-    q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    deg: Annotated[bool, _SWITCH] = False,
-    symbolic: Annotated[bool, _SWITCH] = False,
-    inverse: Annotated[bool, _SWITCH] = False,
+    options: JacobianOptions = JacobianOptions(),
     arm: ArmOptions = NO_OPTIONS,
-    lengths: str = "auto",
-    time_limit: float = 60.0,
-    latex: _FILE = None,
-    json: _FILE = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    output: Output = OUTPUT,
 ) -> int:
-    """Write the Jacobian as it is seen from a link, its closed inverse, and which frame makes it shortest.
+    """Write the Jacobian of a link's frame, and its inverse.
 
-    In closed form, with letters for the lengths where that is possible; with
-    --q in numbers, with --q and --symbolic both. The linear part is the
-    velocity of the tip, or with --at of the point of the end effector that is
-    at the origin of a link's frame.
+    In closed form, with letters for the lengths where that is possible; with --q in numbers, with --q and --symbolic
+    both. The linear part is the velocity of the tip, or with --at of the point of the end effector that is at the
+    origin of a link's frame.
 
     For example:
         rankdrop jacobian planar2r --frame 1 --inverse
@@ -43,23 +48,8 @@ def jacobian(
         rankdrop jacobian puma560 --frame 3 --at 5 --inverse --latex puma.tex
         rankdrop jacobian ur5 --frame 4 --deg --q 0,-90,60,0,80,0 --inverse
 
-    Exit code 0: all checks hold; 3: one fails, or there is no inverse because
-    the configuration is singular; 2: bad input.
-
-    Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        frame: Link whose axes are taken, from 1: z along its joint's axis, x along the common normal after it. Else the
-            one that makes the matrix shortest.
-        at: Reference point: tip, or a link from 1: the origin of its frame.
-        q: A configuration [rad, m]; pi/2, 30deg, 120mm are understood.
-        deg: Angles without a unit are in degrees.
-        symbolic: The closed form beside the numbers of --q.
-        inverse: The inverse as well, for as many rows as joints.
-        lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
-        time_limit: Seconds for the closed inverse.
-        latex: Write the closed forms as LaTeX to this file; - for stdout in place of the text.
-        json: Write everything as JSON.
-        quiet: No progress.
+    Exit code 0: all checks hold; 3: one fails, or there is no inverse because the configuration is singular; 2: bad
+    input.
     """
     from rankdrop.cli.arm import open_arm, parse_configuration
     from rankdrop.cli.conditions import lengths_of
@@ -67,34 +57,23 @@ def jacobian(
     from rankdrop.errors import OptionError
     from rankdrop.verbs import link_jacobian
 
-    check_targets({"--latex": latex, "--json": json})
-    if latex is not None and q is not None and not symbolic:
+    check_targets({"--latex": options.latex, "--json": output.json})
+    if options.latex is not None and options.q is not None and not options.symbolic:
         raise OptionError("numbers are not written as LaTeX", where="--latex", mend="give --symbolic as well")
+    point = options.at.strip()
+    if point != "tip" and not point.isdecimal():
+        raise OptionError("this is no reference point", where="--at", got=repr(point), allowed="tip, or a link from 1")
     model, task = open_arm(robot, arm)
-    given = None if q is None else parse_configuration(q, model, deg=deg)
     found = link_jacobian(
-        model, frame, task, at=_point(at), q=given, symbolic=symbolic or given is None, inverse=inverse,
-        lengths=lengths_of(lengths), seconds=time_limit / 3.0,
+        model, options.frame, task, at=None if point == "tip" else int(point),
+        q=None if options.q is None else parse_configuration(options.q, model, deg=options.deg),
+        symbolic=options.symbolic or options.q is None, inverse=options.inverse, lengths=lengths_of(options.lengths),
+        seconds=options.time_limit / 3.0,
     )  # fmt: skip
     hand_over(
         lambda: print_sections(found.sections()),
-        (latex, lambda target: write_text(found.latex(), target)),
-        (json, lambda target: write_json(found.to_dict(), target)),
+        (options.latex, lambda target: write_text(found.latex(), target)),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
     )
-    missing = inverse and found.numbers is not None and found.numbers.inverse is None
+    missing = options.inverse and found.numbers is not None and found.numbers.inverse is None
     return exits.FINE if found.holds and not missing else exits.UNEXPLAINED
-
-
-def _point(text: str) -> int | None:
-    """What --at says: None for the tip.
-
-    Raises:
-        OptionError: neither "tip" nor a number.
-    """
-    from rankdrop.errors import OptionError
-
-    if text.strip() == "tip":
-        return None
-    if not text.strip().isdecimal():
-        raise OptionError("this is no reference point", where="--at", got=repr(text), allowed="tip, or a link from 1")
-    return int(text)

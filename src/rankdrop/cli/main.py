@@ -30,20 +30,27 @@ try:
     from types import FrameType
     from typing import Literal
 
-    from cyclopts import App, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
+    from cyclopts import (
+        App,
+        CycloptsError,
+        Group,
+        MissingArgumentError,
+        Parameter,
+        UnknownOptionError,
+        UnusedCliTokensError,
+    )
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.arm import Help, command, prose
     from rankdrop.cli.aspects import aspects
     from rankdrop.cli.compare import compare
     from rankdrop.cli.conditions import conditions
     from rankdrop.cli.cover import cover
-    from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.jacobian import jacobian
     from rankdrop.cli.monitor import monitor
-    from rankdrop.cli.nearest import nearest
     from rankdrop.cli.path import path
     from rankdrop.cli.report import report
     from rankdrop.cli.robots import robots
@@ -58,19 +65,22 @@ try:
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
 
-_HELP = f"""Kinematic singularities of robot arms: the families, of every corank, with their conditions.
+GROUPS = {
+    "Main": (analyze, explain, path, report, view, robots),
+    "Design": (sweep, compare),
+    "Exact and proof": (conditions, cover, verify),
+    "Export": (monitor, jacobian),
+    "Research": (find, aspects, through, tolerant),
+}
+ALIASES = {"escape": ("explain", "--only", "escape"), "nearest": ("explain", "--only", "nearest")}
+"""First word -> the words that it stands for."""
+
+_HELP = f"""Kinematic singularities of robot arms: families, conditions, proofs.
 
 For example:
-    rankdrop analyze pa10
-    rankdrop analyze arm.urdf --tip flange --json arm.json
-    rankdrop conditions puma560
-    rankdrop find ur5 --corank 2 --out corank2.csv
-    rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
-    rankdrop path ur5e pick.csv
-    rankdrop cover ur5
-    rankdrop compare ur5e gp7
-    rankdrop report pa10 --out pa10.html
-    rankdrop view pa10
+  rankdrop analyze pa10
+  rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+  rankdrop path ur5e pick.csv
 
 {exits.HELP}"""
 
@@ -80,29 +90,18 @@ app = App(
     name="rankdrop",
     help=_HELP,
     help_format="plaintext",
+    help_formatter=Help(),
     version=VERSION,
     version_flags=["--version"],
+    group_commands=Group("Other", sort_key=len(GROUPS)),
+    group_parameters=Group("Options", sort_key=0),
+    default_parameter=Parameter(negative=()),
     suppress_keyboard_interrupt=False,
 )
-app.command(robots)
-app.command(analyze)
-app.command(conditions)
-app.command(jacobian)
-app.command(find)
-app.command(explain)
-app.command(escape)
-app.command(nearest)
-app.command(tolerant)
-app.command(path)
-app.command(aspects)
-app.command(through)
-app.command(monitor)
-app.command(cover)
-app.command(sweep)
-app.command(compare)
-app.command(verify)
-app.command(view)
-app.command(report)
+for _place, _title in enumerate(GROUPS):
+    _group = Group(_title, sort_key=_place)
+    for _rank, _command in enumerate(GROUPS[_title]):
+        app.command(command(_command), group=_group, help=prose(_command.__doc__ or ""), sort_key=_rank)
 
 
 _ZSH = """
@@ -117,7 +116,7 @@ fi
 
 @app.command
 def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
-    """Print a script with which a shell completes commands and options at the Tab key.
+    """Print a script that completes commands and options at the Tab key.
 
     For example:
         rankdrop completion bash > ~/.local/share/bash-completion/completions/rankdrop
@@ -168,6 +167,7 @@ def run(argv: Sequence[str]) -> int:
         interrupted = True
         signal.default_int_handler(number, frame)
 
+    argv = _expand(argv)
     ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler and current_thread() is main_thread()
     if ours:
         signal.signal(signal.SIGINT, remember)
@@ -187,6 +187,19 @@ def run(argv: Sequence[str]) -> int:
     return exits.INTERRUPTED if stopped and code != exits.BROKEN_PIPE else code
 
 
+def _expand(argv: Sequence[str]) -> list[str]:
+    """The words with aliases in full: `rankdrop nearest …` is `rankdrop explain … --only nearest`."""
+    words = list(argv)
+    if words[:1] == ["help"]:
+        return [*words[1:], "--help"]
+    if words in (["-v"], ["-V"]):
+        return ["--version"]
+    first, *rest = ALIASES.get(words[0], (words[0],)) if words else ("--help",)
+    full = ["--full"] if {"-v", "--verbose"} & set(words) and "--full" in _options(first) else []
+    plain = {"--degrees": ["--deg"], "-v": full, "--verbose": full}
+    return [first, *(one for word in words[1:] for one in plain.get(word, [word])), *rest]
+
+
 def _run(argv: Sequence[str]) -> int:
     try:
         code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
@@ -195,7 +208,7 @@ def _run(argv: Sequence[str]) -> int:
         say(f"error: {_in_our_words(error)}")
         return exits.BAD_INPUT
     except RankdropError as error:
-        say(f"error: {error.on_command_line()}")
+        say(f"error: {error.on_command_line(_options(argv[0]))}")
         return exits.BAD_INPUT
     except KeyboardInterrupt:
         say("interrupted")
@@ -217,7 +230,7 @@ def _run(argv: Sequence[str]) -> int:
 def _in_our_words(error: CycloptsError) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, UnusedCliTokensError):
-        text = f"there is no place for {', '.join(error.unused_tokens or [])} on the command line."
+        text = f"unexpected argument {', '.join(error.unused_tokens or [])}."
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         text = _missing(error)
     command = error.command_chain[0] if error.command_chain else ""
@@ -227,16 +240,18 @@ def _in_our_words(error: CycloptsError) -> str:
 
 
 def _missing(error: MissingArgumentError) -> str:
-    """Which option or argument is not there, or has no value, and what it is for."""
+    """Which option or argument is missing, or has no value, and what it is for."""
     argument = error.argument
     assert argument is not None
     what = f"{argument.name} is missing" if error.keyword is None else f"{error.keyword} needs a value"
-    told = getattr(app[error.command_chain[0]].default_command, "__doc__", None) if error.command_chain else None
-    about = re.search(rf"^ +{argument.field_info.name}: (.+?)(?:\. |;|\.?$)", told or "", re.MULTILINE)
-    return f"{what}: {about[1][0].lower()}{about[1][1:]}." if about else f"{what}."
+    about = re.split(r"\. |;|\.$", argument.parameter.help or "")[0]
+    return f"{what}: {about[0].lower()}{about[1:]}." if about else f"{what}."
 
 
 def _options(command: str) -> list[str]:
+    """The options of a command; none where no command has this name."""
+    if command.startswith("-") or command not in app:
+        return []
     arguments = app[command].assemble_argument_collection()
     return sorted({name for argument in arguments for name in argument.names if name.startswith("--")})
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions
-from rankdrop.cli.derived import command
 from rankdrop.motion import PathOptions, RemedyOptions
 from rankdrop.options import Options, option
 
@@ -110,7 +109,6 @@ OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 """Outputs of a single path."""
 
 
-@command
 def path(
     robot: str | None = None,
     /,
@@ -123,7 +121,9 @@ def path(
     many: ManyFiles = ONE_FILE,
     output: Output = TEXT_ONLY,
 ) -> int:
-    """Check a path for singularities: free, crossing one, touching one, too fast, outside joint limits, or undecided.
+    """Check a path for singularities, between its samples too.
+
+    Free, crossing one, touching one, too fast, outside joint limits, or undecided.
 
     Nothing is sampled: every stretch between two samples is enclosed and halved
     until it is proven free or its crossing is bracketed. Poses of the tip are
@@ -175,8 +175,10 @@ def path(
     if several:
         _check_several(output, mend)
     model, task = open_arm(name, arm, tcp, deg=source.deg)
-    start = None if source.start is None else tuple(
-        parse_configuration(source.start, model, deg=source.deg, option="--start")
+    start = (
+        None
+        if source.start is None
+        else tuple(parse_configuration(source.start, model, deg=source.deg, option="--start"))
     )
     reading = FileReading(source.deg, source.topic, start)
     families = None if source.analysis is None else Analysis.load(source.analysis)

@@ -2,104 +2,130 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output
+from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
     from rankdrop.cli.terminal import Report
-    from rankdrop.results import Analysis, Verdict
+    from rankdrop.report.content import Content
+    from rankdrop.results import Analysis
     from rankdrop.robot import Mesh
     from rankdrop.verbs import Idealised
 
-Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
 
 
+@dataclass(frozen=True)
+class ReportOptions(Options):
+    """What is written, and how an arm is analysed whose families are not known."""
+
+    out: Annotated[
+        str | None,
+        option("File of the page; for figures a folder, or a file for one. Default: ROBOT.html, ROBOT-figures"),
+    ] = None
+    format: Annotated[
+        Literal["html", "pdf", "png", "svg"], option("html is the page; pdf, png and svg are figures for a paper")
+    ] = "html"
+    figure: Annotated[
+        tuple[str, ...], option("arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be "
+                                "given again. Default: all of them")
+    ] = ()  # fmt: skip
+    exact_seconds: Annotated[float, option("Limit for the exact conditions; 0 leaves them out", unit="s", ge=0)] = 8.0
+    no_meshes: Annotated[bool, option("Draw links as rods though the robot's file has shapes of them")] = False
+    limits: Annotated[bool, option("Families within the joint limits only; the arm is then analysed first")] = False
+    starts: Annotated[int, option("Random starts for each corank, where the arm has to be analysed first")] = 10_000
+    seed: Annotated[int, option("Seed of every random choice of the analysis and of the figures")] = 0
+    threads: Annotated[int, option("Processors to use for the analysis; 0 means all")] = 0
+
+    def target(self, default: str) -> Path:
+        """Where to write.
+
+        Raises:
+            OptionError: nothing can be written there; found before the work.
+        """
+        from rankdrop.cli.terminal import check_target
+        from rankdrop.errors import OptionError
+
+        paper = self.format != "html"
+        out = self.out or f"{default}-figures" if paper else self.out or f"{default}.html"
+        path = Path(out)
+        if not paper or path.suffix.lower() == f".{self.format}":
+            check_target(out, "--out", () if paper else (".html", ".htm"))
+        elif path.exists() and not path.is_dir():
+            allowed = f"a folder, or a name ending in .{self.format}"
+            raise OptionError("it is a file", where="--out", got=out, allowed=allowed)
+        elif not path.exists() and not path.parent.is_dir():
+            raise OptionError("there is no such folder", where="--out", got=str(path.parent), mend="make it first")
+        return path
+
+
 def report(
-    robot: str,
+    robot: Annotated[str, Parameter(
+        help="Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`)."
+    )],
     /,
     *,
-    arm: ArmOptions = NO_OPTIONS,
-    ideal: IDEAL = None,
-    out: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    format: Format = "html",
-    figure: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = (),
-    exact_seconds: float = 8.0,
-    no_meshes: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    starts: Whole = 10_000,
-    seed: Whole = 0,
-    threads: Whole = 0,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-) -> int:
-    """Write a report of an arm: one page that stands alone, or figures for papers.
+    options: ReportOptions = ReportOptions(),
+    arm: IdealOptions = NO_IDEAL,
+    output: Output = OUTPUT,
+) -> int:  # fmt: skip
+    """Write a page about an arm, or figures for papers.
 
-    The page has the arm in 3-D with sliders, at every family's witness the
-    directions lost and the axes to blame, the tables of conditions, the exact
-    conditions, slices of joint space, the workspace, σ along lines, and how
-    everything was verified. It loads nothing from anywhere.
+    The page has the arm in 3-D with sliders, at every family's witness the directions lost and the axes to blame, the
+    tables of conditions, the exact conditions, slices of joint space, the workspace, σ along lines, and how everything
+    was verified. It loads nothing from anywhere.
 
     For example:
         rankdrop report pa10 --out pa10.html
         rankdrop report pa10.json --format pdf --figure workspace --out figures
 
-    Exit code 3: something in the analysis is not explained, not sound or
-    contradicted; the page says which in its first line.
-
-    Args:
-        robot: Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`).
-        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
-            What the arm itself does on the families of the ideal one is told.
-        out: File of the page; for figures a folder, or a file for a single one. Default: ROBOT.html, ROBOT-figures.
-        format: html is the page; pdf, png and svg are figures, to be put into a paper.
-        figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:
-            all of them.
-        exact_seconds: Time limit of the exact conditions; 0 leaves them out.
-        no_meshes: Draw links as rods though the robot's file has shapes of them (URDF, xacro).
-        limits: Families within the joint limits only; the arm is then analysed first.
-        starts: Random starts for each corank, where the arm has to be analysed first.
-        seed: Of every random choice of the analysis and of the figures.
-        threads: Processors to use for the analysis; 0 means all. The result does not depend on it.
-        json: Write the analysis to this file as well; - writes it to stdout.
-        quiet: No progress; errors only.
+    Exit code 3: a part of the analysis is not explained, not sound or contradicted; the page says which in its first
+    line.
     """
     from rankdrop.cli.terminal import check_different, check_target, reporter, say, write_json
     from rankdrop.errors import OptionError
+    from rankdrop.report.content import content
+    from rankdrop.report.figures import check_figures
 
-    if figure and format == "html":
-        raise OptionError("figures are files", where="--figure", got=figure[0], mend="add --format pdf, png or svg")
-    if not 0 <= exact_seconds < float("inf"):
-        raise OptionError("a time limit is a number from 0 up", where="--exact-seconds", got=exact_seconds)
-    given = None if out is None else _checked(out, format)
-    check_target(json, "--json")
-    check_different({"--out": out, "--json": json})
-    search = {"starts": starts, "seed": seed, "threads": threads, "limits": limits}
-    with reporter(quiet=quiet) as progress:
-        analysis, made = _analysis(robot, arm, ideal, search, progress)
-        target = given or _checked(_default(analysis, format), format)
-        plain = no_meshes or format != "html" or robot.lower().endswith(_ANALYSIS)
-        drawn = () if plain else _drawn(analysis, arm, quiet=quiet)
-        written, verdict, stopped = _written(
-            analysis, made, target, format, figure, exact_seconds, seed, progress, drawn
+    paper = options.format != "html"
+    if options.figure and not paper:
+        raise OptionError("figures are files", where="--figure", got=options.figure[0],
+                          mend="add --format pdf, png or svg")  # fmt: skip
+    if options.out is not None:
+        options.target("")
+    check_target(output.json, "--json")
+    check_different({"--out": options.out, "--json": output.json})
+    with reporter(quiet=output.quiet) as progress:
+        analysis, made = _analysis(robot, arm, options, progress)
+        target = options.target(analysis.robot.name.replace("/", "-"))
+        if paper:
+            check_figures(analysis, options.figure)
+        plain = options.no_meshes or paper or robot.lower().endswith(_ANALYSIS)
+        shown = content(
+            analysis, exact=not paper and options.exact_seconds > 0, exact_seconds=options.exact_seconds,
+            seed=options.seed, made=made, progress=progress,
+            meshes=() if plain else _meshes(analysis, arm, quiet=output.quiet),
         )  # fmt: skip
-    for path in () if quiet else written:
+        written = _write(shown, options, target)
+    for path in () if output.quiet else written:
         say(f"wrote {path}")
-    if json is not None:
-        write_json(analysis.to_dict(), json)
-    if stopped or not analysis.complete:
-        say("interrupted: the page tells what was done")
+    if output.json is not None:
+        write_json(analysis.to_dict(), output.json)
+    if shown.interrupted or not analysis.complete:
+        say("interrupted: the page says what was done")
         return exits.INTERRUPTED
-    return exits.FINE if verdict.holds else exits.UNEXPLAINED
+    return exits.FINE if shown.verdict.holds else exits.UNEXPLAINED
 
 
 def _analysis(
-    robot: str, arm: ArmOptions, ideal: str | None, search: dict[str, Any], progress: Report
+    robot: str, arm: IdealOptions, options: ReportOptions, progress: Report
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop import analyze
@@ -108,67 +134,47 @@ def _analysis(
     from rankdrop.results import Analysis, known_analysis
 
     if robot.lower().endswith(_ANALYSIS):
-        if arm != NO_OPTIONS or ideal is not None or search["limits"]:
+        if arm != NO_IDEAL or options.limits:
             raise OptionError("an analysis has its arm, task and limits already", where=robot,
                               mend="leave the options out")  # fmt: skip
         return Analysis.load(robot), None
-    model, task, made = open_ideal(robot, arm, ideal)
-    found = known_analysis(model, task) if arm.length_scale is None and not search["limits"] else None
-    return found or analyze(model, task, progress=progress, **search), made
+    model, task, made = open_ideal(robot, arm, arm.ideal)
+    known = known_analysis(model, task) if arm.length_scale is None and not options.limits else None
+    search = {name: getattr(options, name) for name in ("starts", "seed", "threads", "limits")}
+    return known or analyze(model, task, progress=progress, **search), made
 
 
-def _written(
-    analysis: Analysis,
-    made: Idealised | None,
-    target: Path,
-    format: Format,
-    figure: tuple[str, ...],
-    exact_seconds: float,
-    seed: int,
-    progress: Report,
-    drawn: tuple[Mesh, ...],
-) -> tuple[list[Path], Verdict, bool]:
-    """The files, the verdict of the first line, and whether exact conditions were interrupted."""
+def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
+    """The files that were written."""
     from rankdrop.cli.terminal import write_bytes
-    from rankdrop.report.content import content
-    from rankdrop.report.figures import check_figures, figure_names, figures
+    from rankdrop.errors import OptionError
+    from rankdrop.report.figures import figure_names, figures
     from rankdrop.report.page import page
 
-    paper = format != "html"
-    if paper:
-        check_figures(analysis, figure)
-    shown = content(
-        analysis, exact=not paper and exact_seconds > 0, exact_seconds=exact_seconds, seed=seed, made=made,
-        progress=progress, meshes=drawn,
-    )  # fmt: skip
-    if not paper:
+    if options.format == "html":
         write_bytes(page(shown).encode(), str(target))
-        return [target], shown.verdict, shown.interrupted
-    names = figure_names(shown, figure)
-    single = target.suffix.lower() == f".{format}"
+        return [target]
+    names = figure_names(shown, options.figure)
+    single = target.suffix.lower() == f".{options.format}"
     if single and len(names) > 1:
-        from rankdrop.errors import OptionError
-
         raise OptionError("one file holds one figure", where="--out", got=f"{len(names)} figures", mend="give a folder")
     if not single:
         target.mkdir(exist_ok=True)
     paths = []
-    for name, content_of in figures(shown, names, format):
-        path = target if single else target / f"{name}.{format}"
-        write_bytes(content_of, str(path))
-        paths.append(path)
-    return paths, shown.verdict, shown.interrupted
+    for name, drawn in figures(shown, names, options.format):
+        paths.append(target if single else target / f"{name}.{options.format}")
+        write_bytes(drawn, str(paths[-1]))
+    return paths
 
 
-def _drawn(analysis: Analysis, arm: ArmOptions, *, quiet: bool) -> tuple[Mesh, ...]:
-    """The shapes of the links that the arm's file has; what cannot be drawn is told unless it is to be `quiet`."""
-    from rankdrop.cli.arm import arguments_of, packages_of
+def _meshes(analysis: Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[Mesh, ...]:
+    """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
     from rankdrop.report.meshes import simplified
     from rankdrop.robot import meshes_of, visuals_of
 
-    visuals, left_out = visuals_of(analysis.robot, packages_of(arm), arguments_of(arm))
+    visuals, left_out = visuals_of(analysis.robot, arm.packages, arm.arguments)
     try:
         meshes, unread = meshes_of(visuals)
     except MissingExtraError as error:
@@ -176,25 +182,3 @@ def _drawn(analysis: Analysis, arm: ArmOptions, *, quiet: bool) -> tuple[Mesh, .
     for note in () if quiet else (*left_out, *unread):
         say(f"not drawn: {note}")
     return simplified(meshes)
-
-
-def _default(analysis: Analysis, format: Format) -> str:
-    name = analysis.robot.name.replace("/", "-")
-    return f"{name}.html" if format == "html" else f"{name}-figures"
-
-
-def _checked(out: str, format: Format) -> Path:
-    """Where to write, refused before the work where that cannot be."""
-    from rankdrop.cli.terminal import check_target
-    from rankdrop.errors import OptionError
-
-    path = Path(out)
-    if format == "html":
-        check_target(out, "--out", (".html", ".htm"))
-    elif path.suffix.lower() == f".{format}":
-        check_target(out, "--out")
-    elif path.exists() and not path.is_dir():
-        raise OptionError("it is a file", where="--out", got=out, allowed=f"a folder, or a name ending in .{format}")
-    elif not path.exists() and not path.parent.is_dir():
-        raise OptionError("there is no such folder", where="--out", got=str(path.parent), mend="make it first")
-    return path

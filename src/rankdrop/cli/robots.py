@@ -16,13 +16,15 @@ _NO_MAKER = "Documents"
 
 
 def robots(
-    text: str = "",
+    text: Annotated[str, Parameter(help="Only arms whose name, maker or description hold these words.")] = "",
     /,
     *,
-    json: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    json: Annotated[bool, Parameter(help="Print the list as JSON, with the source of each arm's numbers.")] = False,
+    quiet: Annotated[bool, Parameter(help="No progress.")] = False,
 ) -> int:
-    """List the arms that can be named in place of a file, by their makers.
+    """List the arms of the catalogue.
+
+    Their names stand in place of a file; the list is sorted by maker.
 
     For example:
         rankdrop robots
@@ -30,10 +32,7 @@ def robots(
         rankdrop robots "7R spherical shoulder"
         rankdrop robots --json
 
-    Args:
-        text: Only arms whose name, maker or description hold these words.
-        json: Print the list as JSON: name, maker, about, n, task, source and aliases of every arm.
-        quiet: No progress.
+    Exit code 0: some arm fits; 3: none does, and similar names are listed.
     """
     from dataclasses import asdict
 
@@ -45,7 +44,7 @@ def robots(
         write_json([asdict(entry) for entry in entries], STDOUT)
     else:
         _print(entries, text)
-    return exits.FINE
+    return exits.FINE if entries else exits.UNEXPLAINED
 
 
 def _print(entries: Sequence[CatalogEntry], text: str) -> None:
@@ -60,12 +59,21 @@ def _print(entries: Sequence[CatalogEntry], text: str) -> None:
     table.add_column("joints", justify="right")
     table.add_column("task", no_wrap=True)
     table.add_column("what it is")
-    makers = sorted({entry.maker for entry in entries}, key=lambda maker: (not maker, maker.casefold()))
-    for maker in makers:
+    for maker in sorted({entry.maker for entry in entries}, key=lambda maker: (not maker, maker.casefold())):
         table.add_row(Text(maker or _NO_MAKER, style="bold"))
         for entry in entries:
             if entry.maker == maker:
                 table.add_row(f"  {entry.name}", str(entry.n), entry.task, entry.about)
     hint = "Or give a file: URDF, xacro, MJCF, or a DH or screw table in TOML. Where the numbers come from: --json."
-    none = [f"No arm of the catalogue fits {text!r}; a file does as well as a name."]
-    show(results(), [table, "", hint] if entries else none)
+    show(results(), [table, "", hint] if entries else [f"No arm of the catalogue fits {text!r}{_similar(text)}."])
+
+
+def _similar(text: str) -> str:
+    """Names and makers that are written much like the text, else what else can be given."""
+    from difflib import get_close_matches
+
+    from rankdrop.robot import search_catalog
+
+    words = {word for entry in search_catalog("") for word in (entry.name, entry.maker.lower()) if word}
+    similar = get_close_matches(text.lower(), sorted(words), n=5, cutoff=0.5)
+    return f"; similar: {', '.join(similar)}" if similar else "; a file does as well as a name"

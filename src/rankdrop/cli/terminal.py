@@ -335,6 +335,11 @@ def check_different(targets: Mapping[str, str | None]) -> None:
         first.setdefault(path, option)
 
 
+def kept(folder: str | None) -> str:
+    """What becomes of finished work after an interruption."""
+    return f"finished work is kept in {folder}; run the same command to continue" if folder else "--out keeps the work"
+
+
 def hand_over(show: Callable[[], object], *results: tuple[str | None, Callable[[str], object]]) -> None:
     """Show finished work, and write every result that has a target; each is tried, even where one before has failed.
 

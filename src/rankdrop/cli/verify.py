@@ -26,7 +26,7 @@ def verify(
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Check a certificate: its claim is proven again, by other code than made it.
+    """Check a certificate: prove its claim again.
 
     Interval arithmetic, rounding included, on the arm's numbers in the file.
     What nearest, explain, path and cover prove, they write with --certificate.

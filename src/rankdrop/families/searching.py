@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,10 +39,12 @@ from rankdrop.families.search_record import (
 from rankdrop.kinematics import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import stays_up
+from rankdrop.options import takes
 from rankdrop.problem import Problem
+from rankdrop.questions import SearchOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, TIE, Tolerances
+from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, into_units, out_of_units, task_in_units
 
 Progress = Callable[[int, int], None]
@@ -65,26 +67,21 @@ _ITERATIONS = {"lm": MOST, "gradient": 3000, "almarkhi": 3000}
 SHARE = 0.5
 """Default share of the step to linearised zero. Of 2,000 starts on PA-10, at most 3,000 iterations, it reaches corank 2
 from 1,843 and corank 3 from 2,000; an exact line search from 1,679 and 431 (docs/mathematics/driving.md)."""
-MOST_ITERATIONS = 1_000_000
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
 
 
+@takes(SearchOptions)
 def search(
     robot: Robot,
     corank: int,
+    options: SearchOptions | None = None,
     *,
     task: Task | str | None = None,
-    starts: int = 10_000,
-    seed: int = 0,
-    limits: bool = False,
-    method: str = "lm",
-    iterations: int | None = None,
     step: float | None = None,
-    tie: float = TIE,
     history: bool = False,
-    threads: int = 0,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
+    **given: Any,
 ) -> Search:
     """Search for singularities of one corank from uniform random starts.
 
@@ -92,17 +89,12 @@ def search(
         robot: the arm.
         corank: k ≥ 1, at most the generic rank.
         task: what the tip has to do; None for the arm's own task.
-        starts: number of random starts.
-        seed: of the starts and of every random choice; same seed, same result, on any number of threads.
-        limits: start and stay inside the joint limits.
-        method: "lm", "gradient" or "almarkhi"; or "reciprocal": exact to rounding, drawn stratum by stratum.
-        iterations: most iterations per start; None for the method's own (200, of descents 3000).
+        options: method, starts, limits and seed; or its fields as keywords. Same seed, same result, on any threads.
         step: of descents: share f of the step to linearised zero, up to 2; 0: exact line search; None: `SHARE`.
-        tie: of "almarkhi": relative gap below which singular values count as equal; 0 for no treatment of ties.
         history: keep singular values per iteration.
-        threads: 0 for all cores.
         progress: called now and then with (done, total).
         tolerances: thresholds; σ ≤ `singular` is zero ("gradient" and "almarkhi" stop at AM's 1e-6).
+        given: fields of the options.
 
     Returns:
         A `Search`. On Ctrl-C the starts already done are kept, the rest are `Outcome.NOT_RUN`.
@@ -119,39 +111,35 @@ def search(
         True
     """
     check_robot(robot)
-    starts, seed, threads = check_numbers(starts, seed, threads)
+    how = SearchOptions.of(options, given)
     resolved = resolve_task(task, robot)
-    if method == RECIPROCAL:
-        if (iterations, step, history) != (None, None, False):
-            raise OptionError("nothing is iterated with reciprocal wrenches", where="method", got=method,
+    if how.method == RECIPROCAL:
+        if (how.iterations, step, history) != (None, None, False):
+            raise OptionError("nothing is iterated with reciprocal wrenches", where="method", got=how.method,
                               allowed="no iterations, step or history")  # fmt: skip
-        return _drawn(robot, resolved, corank, starts, seed, limits, progress, tolerances)
-    q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
+        return _drawn(robot, resolved, corank, how, progress, tolerances)
+    q0 = sample(in_units(robot), task_in_units(resolved, robot), how.starts, how.seed, limits=how.limits)
     found = _refined(
-        in_units(robot), q0, corank, task_in_units(resolved, robot), seed, limits=limits, method=method,
-        iterations=iterations, step=step, tie=tie, history=history, threads=threads, progress=progress,
-        tolerances=tolerances, first=0, sparing=True,
+        in_units(robot), q0, corank, task_in_units(resolved, robot), how, step=step, history=history,
+        progress=progress, tolerances=tolerances, first=0, sparing=True,
     )  # fmt: skip
     return _out_of_units(found, robot, resolved)
 
 
+@takes(SearchOptions)
 def refine(
     robot: Robot,
     q0: ArrayLike,
     corank: int,
+    options: SearchOptions | None = None,
     *,
     task: Task | str | None = None,
-    seed: int = 0,
-    limits: bool = False,
-    method: str = "lm",
-    iterations: int | None = None,
     step: float | None = None,
-    tie: float = TIE,
     first: int = 0,
     history: bool = False,
-    threads: int = 0,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
+    **given: Any,
 ) -> Search:
     """`search` from starts of your own.
 
@@ -164,31 +152,30 @@ def refine(
         ConfigurationError: q0 has the wrong shape or is not finite.
     """
     check_robot(robot)
-    _, seed, threads = check_numbers(1, seed, threads)
+    how = SearchOptions.of(options, given)
     resolved = resolve_task(task, robot)
     rows, _ = configurations(robot, q0)
     here = robot.exponent is not None
     found = _refined(
-        in_units(robot), rows if here else into_units(robot, rows), corank, task_in_units(resolved, robot), seed,
-        limits=limits, method=method, iterations=iterations, step=step, tie=tie, history=history, threads=threads,
-        progress=progress, tolerances=tolerances, first=first, sparing=False,
+        in_units(robot), rows if here else into_units(robot, rows), corank, task_in_units(resolved, robot), how,
+        step=step, history=history, progress=progress, tolerances=tolerances, first=first, sparing=False,
     )  # fmt: skip
     return found if here else _out_of_units(found, robot, resolved)
 
 
 def _refined(
-    robot: Robot, q0: Array, corank: int, task: Task, seed: int, *, limits: bool, method: str, iterations: int | None,
-    step: float | None, tie: float, history: bool, threads: int, progress: Progress | None, tolerances: Tolerances,
-    first: int, sparing: bool,
+    robot: Robot, q0: Array, corank: int, task: Task, how: SearchOptions, *, step: float | None, history: bool,
+    progress: Progress | None, tolerances: Tolerances, first: int, sparing: bool,
 ) -> Search:  # fmt: skip
     """`refine` of an arm in its own unit of length.
 
     With `sparing`, where none of the first starts converges, those after them end at the first local minimum they meet;
     as soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
     """
+    method = how.method
     _check(method, corank, generic_rank(robot, task))
-    most, step, tie = _check_steps(method, iterations, step, tie)
-    problem = Problem(robot, task, corank, tolerances, limits)
+    most, step = _check_steps(how, step)
+    problem = Problem(robot, task, corank, tolerances, how.limits)
     box = None if problem.walls is None else np.stack(problem.walls)
     rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
@@ -196,14 +183,14 @@ def _refined(
     def run(begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
         settings = _core.SearchSettings(
             method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular,
-            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=seed, scale=problem.scale,
-            limits=box, tie=tie, share=step or 0.0, kicks=kicks,
+            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=how.seed, scale=problem.scale,
+            limits=box, tie=how.tie, share=step or 0.0, kicks=kicks,
         )  # fmt: skip
 
         def one(part: Array, done: int) -> _Part:
             return _core.search(
                 chain_of(robot), task_view(robot, task), part, settings, first=first + begin + done, history=history,
-                threads=threads,
+                threads=how.threads,
             )  # fmt: skip
 
         report = None if progress is None else lambda done, total: progress(begin + done, len(rows))
@@ -220,8 +207,8 @@ def _refined(
         parts += rest
         if whole and not _any_converged(parts):
             _followed(problem, parts)
-    found = _assemble(problem, method, seed, rows, parts)
-    return replace(_creases_told(found), step=step, tie=tie, most=most)
+    found = _assemble(problem, method, how.seed, rows, parts)
+    return replace(_creases_told(found), step=step, tie=how.tie, most=most)
 
 
 def _any_converged(parts: list[_Part]) -> bool:
@@ -241,19 +228,21 @@ def _followed(problem: Problem, parts: list[_Part]) -> None:
 
 
 def _drawn(
-    robot: Robot, task: Task, corank: int, count: int, seed: int, limits: bool, progress: Progress | None,
-    tolerances: Tolerances,
-) -> Search:  # fmt: skip
+    robot: Robot, task: Task, corank: int, how: SearchOptions, progress: Progress | None, tolerances: Tolerances
+) -> Search:
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
     there, there_task = in_units(robot), task_in_units(task, robot)
     full = generic_rank(there, there_task)
     corank = whole_number("corank", corank, 1, max(full, 1))
     rank = full - corank
-    found = drawn(there, there_task, count, seed, corank=corank, limits=limits, progress=progress)
+    found = drawn(
+        there, there_task, how.starts, how.seed, corank=corank, limits=how.limits, progress=progress
+    )
     size = len(found.q)
     return Search(
-        robot, task, corank, rank, RECIPROCAL, seed, limits, tolerances, q=_frozen(out_of_units(robot, found.q)),
-        sigma=_frozen(found.sigma), outcome=_frozen(np.full(size, Outcome.CONVERGED, dtype=np.int8)),
+        robot, task, corank, rank, RECIPROCAL, how.seed, how.limits, tolerances,
+        q=_frozen(out_of_units(robot, found.q)), sigma=_frozen(found.sigma),
+        outcome=_frozen(np.full(size, Outcome.CONVERGED, dtype=np.int8)),
         iterations=_frozen(np.zeros(size, dtype=np.int32)), most=0, stratum=_frozen(found.stratum),
         strata=found.strata, interrupted=not found.complete,
     )  # fmt: skip
@@ -312,18 +301,15 @@ def _check(method: str, corank: int, full: int) -> None:
         raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
 
 
-def _check_steps(
-    method: str, iterations: int | None, step: float | None, tie: float
-) -> tuple[int, float | None, float]:
-    most = _ITERATIONS[method] if iterations is None else whole_number("iterations", iterations, 1, MOST_ITERATIONS)
-    if method != "lm":
+def _check_steps(how: SearchOptions, step: float | None) -> tuple[int, float | None]:
+    if how.method != "lm":
         step = SHARE if step is None else _real("step", step, 0.0, MOST_SHARE)
     elif step is not None:
         raise OptionError(
             "block Levenberg-Marquardt chooses its own steps", where="step", got=step,
             allowed="a rule of the steps with the methods gradient and almarkhi",
         )  # fmt: skip
-    return most, step, _real("tie", tie, 0.0, 1.0)
+    return _ITERATIONS[how.method] if how.iterations is None else how.iterations, step
 
 
 def _real(name: str, value: object, least: float, most: float) -> float:

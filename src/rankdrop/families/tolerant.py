@@ -11,24 +11,25 @@ starts with all of them in view. What is found are local maxima; of the relative
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.errors import OptionError
-from rankdrop.families.searching import Progress, check_numbers
+from rankdrop.families.searching import Progress
 from rankdrop.kinematics import check_robot, task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box, structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
 from rankdrop.local.minimax import descend
+from rankdrop.options import takes
+from rankdrop.questions import TolerantOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, out_of_units, task_in_units
 
 Mask = NDArray[np.bool_]
-STARTS = 300
 _PART = 50  # starts climbed from at once: progress moves, Ctrl-C is heard
 _FIRST, _QUICK = 30, 2  # steps from every start, and the effort spent on each
 _LAST = 400  # steps from the best of them
@@ -102,30 +103,25 @@ class Tolerant:
         return bool(self.done == self.starts or self.crucial)
 
 
+@takes(TolerantOptions)
 def most_tolerant(
     robot: Robot,
     task: Task | str | None = None,
+    options: TolerantOptions | None = None,
     *,
-    relative: bool = False,
-    limits: bool = False,
-    starts: int = STARTS,
-    seed: int = 0,
-    show: int = 5,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
+    **given: Any,
 ) -> Tolerant:
     """Find the configurations whose worst single joint failure leaves most.
 
     Args:
         robot: the arm.
         task: name, `Task`, or None for the task the arm is made for.
-        relative: measure σ_r(J₋j) by σ_1(J): how even the arm is, whatever its size; else σ_r(J₋j) itself.
-        limits: only configurations within the joint limits.
-        starts: random starts.
-        seed: of the starts; the same seed gives the same result.
-        show: how many local maxima to keep, at most.
+        options: the measure, the starts and how many maxima to keep; or its fields as keywords.
         progress: called now and then with (done, total).
         tolerances: σ ≤ `singular` is zero.
+        given: fields of the options.
 
     Raises:
         OptionError: starts, seed or show outside what is allowed.
@@ -140,9 +136,8 @@ def most_tolerant(
         (0.5, 0.5, True, (1,))
     """
     check_robot(robot)
-    starts, seed, _ = check_numbers(starts, seed, 0)
-    if not isinstance(show, int) or not 1 <= show <= 1000:
-        raise OptionError("show is outside the range", got=repr(show), allowed="1 … 1000")
+    how = TolerantOptions.of(options, given)
+    relative, limits, starts, seed = how.relative, how.limits, how.starts, how.seed
     resolved = resolve_task(task, robot)
     own, inside, full = in_units(robot), task_in_units(resolved, robot), generic_rank(robot, resolved)
     crucial, free = _crucial(own, inside, full, tolerances), _free(own, inside)
@@ -152,7 +147,7 @@ def most_tolerant(
         q0 = sample(own, inside, starts, seed, limits=limits)
         scale, box = joint_scale(own, inside), _box(own, inside, limits)
         done, climbed = _climbed(own, inside, q0 / scale, box, relative, progress)
-        q = _polished(own, inside, climbed, box, relative, show, free)
+        q = _polished(own, inside, climbed, box, relative, how.show, free)
         places = tuple(
             Place(out_of_units(robot, at), value, slope, failures_at(robot, out_of_units(robot, at), resolved,
                   tolerances=tolerances))

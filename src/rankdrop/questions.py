@@ -1,0 +1,99 @@
+"""Every question that a verb is asked, as a record: the verb and the command line take the same one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from rankdrop.options import Options, option
+from rankdrop.tolerances import EVALUATIONS, MOST_EVALUATIONS, NEAR, SLOW, SLOW_TURN, SMALL, TIE
+
+
+@dataclass(frozen=True)
+class ExplainOptions(Options):
+    """What `explain` is asked."""
+
+    near: Annotated[float, option("Near a singularity: within this distance in joint space", unit="rad", ge=0)] = NEAR
+    small: Annotated[float, option("Near a singularity as well: σ_r at or below this", ge=0)] = SMALL
+    speed: Annotated[
+        float, option("Near as well: some straight motion of the tool is slower, a joint at its rate limit; 0: none",
+                      unit="m/s", ge=0)
+    ] = SLOW  # fmt: skip
+    turn_speed: Annotated[float, option("The same of rotations about the tool point", unit="rad/s", ge=0)] = SLOW_TURN
+    limits: Annotated[bool, option("The nearest singularity within the joint limits")] = False
+    evaluations: Annotated[
+        int, option("Budget of the certified radius, about 2 µs each; 0 for a quick one", ge=0, le=MOST_EVALUATIONS)
+    ] = EVALUATIONS
+    step: Annotated[
+        float, option("Length of the motions out that are tried; slides in length scales", unit="rad", ge=1e-3, le=1)
+    ] = 0.1
+    coranks: Annotated[int, option("Distances to families up to this corank", ge=0)] = 1
+    seed: Annotated[int, option("Seed of every random choice", ge=0, le=2**63 - 1)] = 0
+    frame: Annotated[
+        Literal["base", "tool", "link"] | None,
+        option("Axes in which motions are reported; link: where they are simplest"),
+    ] = None
+
+
+_SEED = option("Seed of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
+_STARTS = option("Random starts for each corank", ge=1, le=10_000_000)
+_THREADS = option("Processors to use; 0 means all. The result does not depend on it", ge=0, le=1024)
+_LIMITS = option("Within the joint limits only; otherwise in the whole joint space")
+
+
+@dataclass(frozen=True)
+class AnalyzeOptions(Options):
+    """What `analyze` is asked."""
+
+    limits: Annotated[bool, _LIMITS] = False
+    within: (
+        Annotated[
+            float,
+            option("Report the share of the joint space within this distance of each family: 5deg", unit="rad", ge=0),
+        ]
+        | None
+    ) = None
+    exact: Annotated[
+        Literal["auto", "on", "off"], option("Derive the conditions exactly: auto within 30 s, on within 120 s")
+    ] = "auto"
+    fresh: Annotated[bool, option("Derive exact conditions anew where they are shipped (the catalogue's arms)")] = False
+    starts: Annotated[int, _STARTS] = 10_000
+    seed: Annotated[int, _SEED] = 0
+    threads: Annotated[int, _THREADS] = 0
+
+
+@dataclass(frozen=True)
+class SearchOptions(Options):
+    """What `search` and `refine` are asked."""
+
+    method: Annotated[
+        Literal["lm", "gradient", "almarkhi", "reciprocal"],
+        option("Levenberg-Marquardt; steepest descent; Almarkhi and Maciejewski's method; or reciprocal wrenches, for "
+               "exact singular configurations of this corank or more"),
+    ] = "lm"  # fmt: skip
+    limits: Annotated[bool, _LIMITS] = False
+    starts: Annotated[int, option("Random starts", ge=1, le=10_000_000)] = 10_000
+    seed: Annotated[int, _SEED] = 0
+    tie: Annotated[
+        float, option("With almarkhi: relative gap below which singular values are equal; 0: none are", ge=0, le=1)
+    ] = TIE
+    iterations: (
+        Annotated[
+            int, option("Most iterations of a start; else 200, with gradient and almarkhi 3000", ge=1, le=1_000_000)
+        ]
+        | None
+    ) = None
+    threads: Annotated[int, _THREADS] = 0
+
+
+@dataclass(frozen=True)
+class TolerantOptions(Options):
+    """What `most_tolerant` is asked."""
+
+    relative: Annotated[
+        bool, option("Measure the remaining σ_r by σ1 of the whole arm: its bound depends on no configuration")
+    ] = False
+    limits: Annotated[bool, _LIMITS] = False
+    starts: Annotated[int, option("Random starts", ge=1, le=10_000_000)] = 300
+    seed: Annotated[int, _SEED] = 0
+    show: Annotated[int, option("Local maxima to show", ge=1, le=1000)] = 5

@@ -30,7 +30,7 @@ def write(name: str) -> tuple[str, bool, str]:
     """(name, whether a file was written, what to print) of one arm."""
     begun = process_time()
     path = FOLDER / f"{name}.json"
-    found = conditions(open_robot(name), fresh=True)
+    found = conditions(open_robot(name), special=True, fresh=True)
     spent = f"{process_time() - begun:.1f} s CPU"
     if not found.verified:
         path.unlink(missing_ok=True)

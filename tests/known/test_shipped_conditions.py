@@ -114,7 +114,7 @@ def test_the_plain_question_is_answered_from_the_shelf_and_no_other() -> None:
     assert conditions(robot, seconds=7.0).anew is not None
     others: list[dict[str, Any]] = [
         {"fresh": True}, {"seed": 1}, {"points": 50}, {"coranks": 1}, {"method": "tree"}, {"lengths": "numbers"},
-        {"special": False}, {"steps": True}, {"task": "position"},
+        {"steps": True}, {"task": "position"},
     ]  # fmt: skip
     for options in others:
         assert conditions(robot, **options).anew is None, options

@@ -45,6 +45,7 @@ def conditions(
     frame: Whole | None = None,
     steps: Annotated[bool, _SWITCH] = False,
     steps_out: _FILE = None,
+    special: Annotated[bool, _SWITCH] = False,
     fresh: Annotated[bool, _SWITCH] = False,
     test: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     flags: _ANGLES = None,
@@ -92,6 +93,7 @@ def conditions(
         steps: Print the derivation of corank 1 step by step, and the determinant of the Jacobian, or its minors, in
             factors; with it --latex, --python, --c and --json have the determinants, too.
         steps_out: Write these steps to this file, with everything that is folded on the screen written out.
+        special: Derive the arms of special lengths, too: which families they have besides.
         fresh: Derive anew what is shipped for the catalogue's arms.
         test: A condition: is it exactly the singular set, too small, or too large?
         flags: A configuration: the signs of the determinant's factors there (arms without redundancy).
@@ -118,7 +120,7 @@ def conditions(
     with reporter(quiet=quiet) as report:
         found = run(
             model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
-            coranks=1 if question and coranks is None else coranks, special=not question,
+            coranks=1 if question and coranks is None else coranks, special=special,
             steps=steps or steps_out is not None, basic=None if basic is None else joints_of(basic), frame=frame,
             fresh=fresh, progress=report,
         )  # fmt: skip

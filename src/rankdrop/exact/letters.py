@@ -8,6 +8,7 @@ where an assumption on the lengths fails (`assumptions`).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 
 from rankdrop.exact.algebra.field import residue
@@ -153,33 +154,35 @@ _Equal = tuple[str, int, str]
 """(letter, sign, other): letter = sign · other."""
 
 
-def assumptions(chain: Chain, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work) -> list[Assumption]:
+def assumptions(
+    chain: Chain, drops: Sequence[Drop], lowest: int, work: Work, *, derive: bool
+) -> list[Assumption]:
     """The factors in lengths alone that were divided by, and what happens where they vanish.
 
     Factors that no lengths of these signs can make zero are left out. Where a factor says that two lengths are equal
-    or opposite, the arm with such lengths is derived too, and the families that it has besides are told.
+    or opposite, the arm with such lengths can be derived too: then the families that it has besides are reported, and
+    an assumption without any is left out.
 
     Args:
         chain: the arm.
         drops: of its rank.
-        generic_rank: of the task Jacobian.
         lowest: rank down to which drops were looked for.
         work: the derivation: its deadline, and what it assumed.
+        derive: whether arms of special lengths are derived.
     """
     found = []
     for f in list(work.assumed.values()):
         if never_zero(chain, f):
             continue
         equal = _equal(chain, f)
-        words, derived = "", False
-        if equal is not None:
-            try:
-                words, derived = _words(chain, equal, drops, generic_rank, lowest, work), True
-            except OutOfTime:
-                words = ""
-        if derived and not words:
-            continue  # the special arm has no further families: nothing was assumed
-        found.append(Assumption(_unequal(chain, f, equal), sign_of(chain, f) != 0, words, derived))
+        words = None
+        if derive and equal is not None:
+            with suppress(OutOfTime):
+                words = _words(chain, equal, drops, lowest, work)
+        if words != "":
+            found.append(
+                Assumption(_unequal(chain, f, equal), sign_of(chain, f) != 0, words or "", words is not None)
+            )
     return found
 
 
@@ -201,9 +204,7 @@ def _equal(chain: Chain, f: Polynomial) -> _Equal | None:
     return one, 1 if first != second else -1, two
 
 
-def _words(
-    chain: Chain, equal: _Equal, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work
-) -> str:
+def _words(chain: Chain, equal: _Equal, drops: Sequence[Drop], lowest: int, work: Work) -> str:
     """The families that the special arm has besides, in one sentence; "" for none."""
     letter, sign, other = equal
     special = chain.with_letters({other: (sign, letter)})
@@ -213,9 +214,9 @@ def _words(
         raise OutOfTime  # what else there is for such lengths is not known
     fresh = [drop for drop in tree.drops if not _known(drop, drops, equal)]
     rows = []
-    for rank in range(generic_rank - 1, lowest - 1, -1):
+    for rank in sorted({drop.rank for drop in fresh}, reverse=True):
         pieces = [tidy(drop.piece, inner) for drop in fresh if drop.rank == rank]
-        rows += [(row.texts, generic_rank - rank) for row in merge(pieces)]
+        rows += [(row.texts, tree.generic_rank - rank) for row in merge(pieces)]
     if not rows:
         return ""
     said = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]

@@ -87,8 +87,9 @@ def _pivot(columns: list[list[Polynomial]]) -> tuple[int, int] | None:
     return None if best is None else best[1:]
 
 
+_EASY = 0.5  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
 _STAGE = 0.7  # share of the time left that one rank may take
-_TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
+_TRIED = 6  # minors factored before one is chosen: more cost more than the better choice saves
 _TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
 _FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds
 _SHORT = 4  # a minor with so short factors is taken at once
@@ -157,8 +158,6 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     for order in range(generic, lowest, -1):
         waiting = [whole]
         try:
-            if order < generic and barren(chain.ring, columns, order, {}, (), work):
-                break  # nowhere is the rank as low
             with work.share(1.0 if order == lowest + 1 else _STAGE):
                 _explore(columns, order, waiting, found, tree, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
@@ -206,15 +205,7 @@ def _explore(
     while waiting:
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
-        hard = piece.several and piece.codimension > 2
-        if hard and barren(piece.ring, columns, order, piece.pins, piece.equations, work):
-            waiting.remove(piece)  # nothing inside it is of a lower rank
-            continue
-        minors = _chosen(columns, piece, order, work)
-        last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
-        together = last and not piece.several  # else what one of them leaves is told apart by its points
-        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minors[0], work), work)
-        for part in with_points([same for one in cuts for same in _by_rank(columns, one, work)], work):
+        for part in _cut(columns, order, piece, bending, work):
             here = rank_on(columns, part)
             if here < order:
                 drop = Drop(part, here)
@@ -230,6 +221,35 @@ def _explore(
         work.without_points.clear()
         waiting.remove(piece)
         tree.visited += 1
+
+
+def _cut(
+    columns: list[list[Polynomial]], order: int, piece: ZeroSet, bending: int, work: Work
+) -> list[ZeroSet]:
+    """The parts of a set on which minors of an order vanish, on each of which the rank is one and the same.
+
+    A set that takes long, or leaves something open, may hold nothing of a lower rank: a proof of that comes second, for
+    it costs more than most sets.
+    """
+
+    def parts() -> list[ZeroSet]:
+        minors = _chosen(columns, piece, order, work)
+        last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
+        together = last and not piece.several  # else what one of them leaves is told apart by its points
+        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minors[0], work), work)
+        return with_points([same for one in cuts for same in _by_rank(columns, one, work)], work)
+
+    with work.attempt(_EASY) as undo:
+        open_before = len(work.unresolved)
+        try:
+            found = parts()
+            if len(work.unresolved) == open_before and not work.without_points:
+                return found
+        except OutOfTime:
+            pass
+        undo()
+    work.check()
+    return [] if barren(piece.ring, columns, order, piece.pins, piece.equations, work) else parts()
 
 
 def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:

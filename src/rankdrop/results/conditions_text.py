@@ -278,7 +278,8 @@ def _assumed(conditions: Conditions, width: int | None) -> Iterator[Section]:
             )
     others = [one.text for one in conditions.assumptions if one.holds and not one.words]
     if others:
-        lines += sentence("true here; what happens otherwise was not derived:", width)
+        more = "" if conditions.settings.special else " (--special derives arms with other lengths)"
+        lines += sentence(f"true here; what happens otherwise was not derived{more}:", width)
         short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
         lines += [piece for text in short for piece in formula(f"    {text}", width)]
         if count := len(others) - len(short):

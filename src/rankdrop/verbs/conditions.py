@@ -20,7 +20,7 @@ POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
 MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
-_PLAIN = ("auto", "auto", None, 0, POINTS, True, False)  # what the shipped conditions answer
+_PLAIN = ("auto", "auto", None, 0, POINTS, False)  # what the shipped conditions answer
 
 
 def conditions(
@@ -33,7 +33,7 @@ def conditions(
     seconds: float = 60.0,
     seed: int = 0,
     points: int = POINTS,
-    special: bool = True,
+    special: bool = False,
     steps: bool = False,
     basic: Sequence[int] | None = None,
     frame: int | None = None,
@@ -63,7 +63,8 @@ def conditions(
             the Jacobian, or the minors that take its place, in factors.
         basic, frame: with the methods "suppression" and "reciprocity": numbers of the six basic screws, and link in
             whose frame the screws are taken; None for the rules of the method, which steps give the reasons of.
-        special: also derive the arms whose lengths break an assumption.
+        special: also derive the arms whose lengths break an assumption, which takes as long as the derivation
+            itself; else the assumptions are listed alone. Shipped conditions have these arms.
         fresh: derive them even where the conditions of this arm are shipped with rankdrop. Those answer the question
             with all its defaults (but for the time limit), and are what a derivation gives.
         progress: called as progress(label, done, total).
@@ -89,7 +90,7 @@ def conditions(
         seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
         basic=None if basic is None else tuple(sorted(int(j) for j in basic)), frame=frame,
     )  # fmt: skip
-    plain = (method, lengths, coranks, seed, points, special, steps) == _PLAIN
+    plain = (method, lengths, coranks, seed, points, steps) == _PLAIN
     if plain and basic is None and frame is None and not fresh:
         anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
         shipped = known_conditions(robot, task, anew=anew)

@@ -65,7 +65,7 @@ def derived(
     hidden, unmet = _sets_without_points(chain, tree, found, asked.seed)
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
-    assumed = _assumptions(chain, tree, lowest, work, left) if asked.special else ()
+    assumed = _assumptions(chain, tree, lowest, work, left, derive=asked.special)
     check, over = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
     if left:  # what is left over belongs to what was not derived
         left += over
@@ -200,18 +200,22 @@ def _unresolved(tree: Tree) -> list[str]:
     ]
 
 
-def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
-    if not work.interrupted:
+def _assumptions(
+    chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str], *, derive: bool
+) -> Sequence[Assumption]:
+    """What is assumed of the lengths; arms of special lengths are derived where that is wanted and work is left."""
+    if derive and not work.interrupted:
         work.show("arms of special lengths", 0, 1)
         try:
             with work.share(_SHARE):
-                return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
+                return assumptions(chain, tree.drops, lowest, work, derive=True)
         except OutOfTime:
             pass
         except KeyboardInterrupt:
             work.interrupt()
-    left.append("arms of special lengths")
-    return ()
+    if derive:
+        left.append("arms of special lengths")
+    return assumptions(chain, tree.drops, lowest, work, derive=False)
 
 
 def _cloud(

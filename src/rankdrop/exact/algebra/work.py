@@ -114,6 +114,23 @@ class Work:
         finally:
             self._end = end
 
+    @contextmanager
+    def attempt(self, seconds: float) -> Iterator[Callable[[], None]]:
+        """Until the end of the block the limit is so much work; the function given undoes what was noted in it."""
+        noted = list(self.unresolved), dict(self.without_points), dict(self.assumed), self.special
+        end = self._end
+        self._end = min(end, spent() + seconds)
+
+        def undo() -> None:
+            self.unresolved, self.without_points, self.assumed, self.special = (
+                list(noted[0]), dict(noted[1]), dict(noted[2]), noted[3],
+            )  # fmt: skip
+
+        try:
+            yield undo
+        finally:
+            self._end = end
+
     def again(self) -> Work:
         """A derivation begun anew, with the same limits."""
         new = Work(self.left, self.seed, self._progress)

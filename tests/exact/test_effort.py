@@ -1,0 +1,21 @@
+"""The work of a derivation, counted in steps: the same on every machine, and not more than it was."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.exact.algebra.work import Work, spent
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.tree import rank_tree
+from rankdrop.robot.open import open_robot
+
+WORK = {"scara": 0.005, "puma560": 0.52, "ur5": 0.22, "pa10": 0.31, "canadarm2": 1.1}
+"""Work of the rank tree, all coranks [s of an idle machine]."""
+RISE = 1.5
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_the_work_of_a_derivation_does_not_rise(name: str) -> None:
+    before = spent()
+    rank_tree(exact_chain(open_robot(name)), Work(60.0, 0))
+    assert spent() - before < RISE * WORK[name]

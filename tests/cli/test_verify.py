@@ -35,6 +35,28 @@ def test_what_is_proven_holds(ball, tmp_path, capsys):
     assert "another arm" in capsys.readouterr().out
 
 
+def test_a_claim_is_compared_with_what_is_named(ball, tmp_path, capsys):
+    asked = ["verify", str(ball), "--quiet", "--robot", "planar3r"]
+    assert run([*asked, "--q", "0.3,1.2,0.4", "--task", "planar"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "q = (0.3, 1.2, 0.4)" in out
+    assert "task planar: vx, vy, wz" in out
+    for other in (["--q", "0.3,1.1,0.4"], ["--task", "planar-position"], ["--limits"]):
+        assert run([*asked, *other]) == 3
+        assert "another claim: the certificate is about" in " ".join(capsys.readouterr().out.split())
+    assert run(["verify", str(ball), "--q", "0.3,1.2,0.4"]) == 2
+    assert "--robot" in capsys.readouterr().err
+    rows, place = tmp_path / "p.csv", str(tmp_path / "p.json")
+    rows.write_text("0.1,0.9\n0.3,0.5\n")
+    assert run(["path", "planar2r", str(rows), "--certificate", place, "--quiet"]) == 0
+    about = ["verify", place, "--robot", "planar2r", "--quiet", "--path", str(rows)]
+    assert run(about) == 0
+    assert f"file {rows.name}, SHA-256" in " ".join(capsys.readouterr().out.split())
+    rows.write_text("0.1,0.9\n0.3,0.4\n")
+    assert run(about) == 3
+    assert "another content of p.csv" in " ".join(capsys.readouterr().out.split())
+
+
 def test_what_was_changed_does_not(ball, capsys):
     record = json.loads(ball.read_text())
     record["claim"]["radius"] *= 1.1

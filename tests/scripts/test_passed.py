@@ -43,7 +43,7 @@ WHOLE = {
     "motion": (34, 49),
     "options": (1, 1),
     "problem": (1, 2),
-    "proof": (10, 23),
+    "proof": (10, 22),
     "questions": (1, 4),
     "report": (18, 4),
     "results": (20, 19),

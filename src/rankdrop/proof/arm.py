@@ -56,17 +56,8 @@ class Region:
     along: list[Interval] | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """Screws over a box.
-
-    Attributes:
-        columns: (6, 1) each.
-        motions: (6, 6) what brought each of them there; None where nothing did.
-    """
-
-    columns: list[Matrix]
-    motions: list[Matrix | None]
+Seen = tuple[list[Matrix], list[Matrix | None]]
+"""Screws (6, 1) over a box, and the motions (6, 6) that brought each of them there; None where nothing did."""
 
 
 class Arm:
@@ -165,7 +156,7 @@ class Arm:
                 if place + 1 < len(side):
                     step = motion_of(i, sign)
                     motion = step if motion is None else motion * step
-        return Seen(found, motions)
+        return found, motions
 
     def jacobian(self, columns: list[Matrix]) -> Array:
         """(6, n) middles of the Jacobian, as doubles."""
@@ -192,7 +183,7 @@ class Arm:
         """U^T J V over a region, as intervals (r, r), with U (rows, r) and V (n, r); None where J has no such rank."""
         f = self._f
         zeros = [f.arb(0)] * self.variables
-        at = self.seen(region.centre, zeros).columns
+        at = self.seen(region.centre, zeros)[0]
         u, sigma, vt = np.linalg.svd(self.jacobian(at)[rows])
         if len(sigma) < rank or not sigma[rank - 1] > 0.0:
             return None
@@ -206,7 +197,7 @@ class Arm:
         along = region.along if region.along is not None else zeros
         wide = [h + abs(d) for h, d in zip(region.half, along, strict=True)]
         seen = self.seen(region.centre, wide)
-        over = seen.columns
+        over = seen[0]
         total = left * _sum(c * w for c, w in zip(at, weights, strict=True))
         for side, sign in self._sides:
             first = self._first(side, at if region.along is None else over, weights, region.half)
@@ -235,7 +226,7 @@ class Arm:
         By minors of the first rows, without a division: at a singular configuration it is as narrow as elsewhere.
         """
         f, n = self._f, self.variables
-        columns = self.seen(q, [f.arb(0)] * n).columns
+        columns = self.seen(q, [f.arb(0)] * n)[0]
         entries = [[f.arb(0)] * n for _ in rows]
         for one, column in zip(self.links, columns, strict=True):
             values = column.entries()
@@ -370,7 +361,7 @@ class Arm:
         grown = []
         for place, i in enumerate(side):
             times = place + 1 if sign > 0 else place
-            column = over.columns[i].entries()
+            column = over[0][i].entries()
             if self.links[i].kind == SLIDE:
                 wide = [times * angle / self._length] * 3 + [zero] * 3
             else:
@@ -383,7 +374,7 @@ class Arm:
                 continue
             carried = _sum([grown[k] * weights[side[k]] for k in beyond])
             slack = place * (shift + angle * (reach[place] + (place + moves) * shift)) + moves * shift
-            motion = over.motions[i]
+            motion = over[1][i]
             if sign < 0 and self.links[i].kind != TURN:  # its point stands before it
                 driver = self.links[i].driver
                 own = self._motion(i, region.centre[driver], region.half[driver], sign)

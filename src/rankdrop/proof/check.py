@@ -152,7 +152,7 @@ def _other_task(claim: Claim, asked: Asked) -> str:
         count = len(claim.links)
         for key in ("axes", "origin", "point"):
             a, b = mine["frame"][key], other["frame"][key]
-            if a != b and {a, b} != {-1, count + 1}:
+            if a != b and sorted((a, b)) != [-1, count + 1]:
                 return f"a task with another frame: {key} {a}, not {b}"
     scale = claim.entries.get("scale")
     if scale is not None and scale != other["scale"]:
@@ -390,7 +390,7 @@ def _rows_left_out(claim: Claim) -> list[str]:
     zero = sorted(set(missing) | fixed)
     largest, size = 0.0, 0.0
     for q in np.random.default_rng(0).uniform(-np.pi, np.pi, (8, claim.variables)):
-        seen = arm.jacobian(arm.seen([f.arb(float(x)) for x in q], [f.arb(0)] * claim.variables).columns)
+        seen = arm.jacobian(arm.seen([f.arb(float(x)) for x in q], [f.arb(0)] * claim.variables)[0])
         seen = np.concatenate([turn @ seen[:3], turn @ seen[3:]])
         largest, size = max(largest, float(np.abs(seen[zero]).max())), max(size, float(np.abs(seen).max()))
     if largest > _VANISHES * size:

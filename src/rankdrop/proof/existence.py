@@ -73,7 +73,7 @@ class _Zero:
     def _moving(self) -> list[int]:
         """Variables of which some column is not zero wherever the arm stands: exact zeros next to the link alone."""
         zero, arm = [self._f.arb(0)] * self._arm.variables, self._arm
-        columns = arm.seen(zero, zero).columns
+        columns = arm.seen(zero, zero)[0]
         ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
         return sorted({
             one.driver for i, one in enumerate(arm.links)
@@ -106,7 +106,7 @@ class _Zero:
 
     def _start(self) -> list[Interval]:
         f, zero = self._f, [self._f.arb(0)] * self._arm.variables
-        columns = self._arm.seen([f.arb(x) for x in self._given], zero).columns
+        columns = self._arm.seen([f.arb(x) for x in self._given], zero)[0]
         left, _, right = np.linalg.svd(self._arm.jacobian(columns)[self._rows])
         u = right[-1] if self._motion else left[:, -1]
         return [f.arb(self._given[j]) for j in self._free] + [f.arb(float(x)) for x in u]
@@ -121,7 +121,7 @@ class _Zero:
     def _equations(self, x: list[Interval]) -> tuple[Matrix, Matrix]:
         """(n + 1, 1) F and (n + 1, d + m) F′ over a box; n and m exchanged where u is a joint motion."""
         f, arm = self._f, self._arm
-        columns = arm.seen(*self._configuration(x)).columns
+        columns = arm.seen(*self._configuration(x))[0]
         u = x[self._d :]
         value = [f.arb(0)] * self._equals
         slope = [[f.arb(0)] * len(x) for _ in range(self._equals)]

@@ -128,7 +128,7 @@ class _Exact(Arm):
     def task_rows(self, given: list[Value], *, turned: bool = True) -> Any:
         """(m, n) the rows of the task, columns as long as their axes are; in the axes of the task if `turned`."""
         seen = self.carried(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
-        columns = [one.entries() for one in seen.columns]
+        columns = [one.entries() for one in seen[0]]
         blocks = [self._matrix([[one[row] for one in columns] for row in rows]) for rows in (range(3), range(3, 6))]
         if turned and self._turned:
             total = self.unit()

@@ -426,7 +426,10 @@ def _variables(joints: list[Record], links: list[Link]) -> int:
 
 def _limits(joints: list[Record]) -> list[tuple[float, float]] | None:
     variables = [joint for joint in joints if joint["follows"] is None]
-    if not all("lower" in joint and "upper" in joint for joint in variables):
+    stated = {key in joint for joint in joints for key in ("lower", "upper")}
+    if len(stated) > 1:
+        raise ValueError("all joints have an entry for both limits, or none has")
+    if stated != {True}:
         return None
     found = [(-np.inf if one["lower"] is None else one["lower"], np.inf if one["upper"] is None else one["upper"])
              for one in variables]  # fmt: skip

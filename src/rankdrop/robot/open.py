@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -105,14 +105,123 @@ def open_robot(
     text = read_text(path)
     if not text.strip(_BLANK):
         raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
-    if xacro or path.suffix.lower() == ".xacro":
-        from rankdrop.robot.xacro import from_xacro
+    file = RobotFile(path, text, base, tip, as_written, packages or {}, args or {}, xacro)
+    form = next(form for form in FORMATS if form.holds(file))
+    if not form.links:
+        _refuse_links(str(path), tip, base)
+    robot = form.read(file)
+    if not form.arguments:
+        _refuse_arguments(str(path), args)  # last: the file may be xacro under another name, an error of its own
+    return with_size_note(robot)
 
-        return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
-                                         as_written=as_written))  # fmt: skip
-    found = _from_text(text, path, tip, base, as_written)
-    _refuse_arguments(str(path), args)  # last: the file may be xacro under another name, which is told first
-    return with_size_note(found)
+
+@dataclass(frozen=True, slots=True)
+class RobotFile:
+    """A file that describes a robot, and what the caller of `open_robot` asks for."""
+
+    path: Path
+    text: str
+    base: str | None = None
+    tip: str | None = None
+    as_written: bool = False
+    packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
+    args: Mapping[str, object] = field(default_factory=dict)
+    xacro: bool = False
+
+    @property
+    def suffix(self) -> str:
+        """Of the path, in small letters: ".urdf"."""
+        return self.path.suffix.lower()
+
+    @property
+    def root(self) -> str:
+        """The tag of the first element; "" for what is no XML."""
+        is_xml = self.suffix != ".toml" and self.text.lstrip(_BLANK).startswith("<")
+        return _root_tag(self.text) or "?" if is_xml else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format of robot files. A new one is a module that reads it, and an entry of `FORMATS`.
+
+    Attributes:
+        name: for people.
+        holds: whether a file has this format, by a look at its name and its text.
+        read: the robot of a file; imports the reader, since an arm of the catalogue needs none.
+        links, arguments: whether its files have links to name as base and tip; arguments.
+    """
+
+    name: str
+    holds: Callable[[RobotFile], bool]
+    read: Callable[[RobotFile], Robot]
+    links: bool = True
+    arguments: bool = False
+
+
+def _read_xacro(file: RobotFile) -> Robot:
+    from rankdrop.robot.xacro import from_xacro
+
+    return from_xacro(file.path, base=file.base, tip=file.tip, packages=file.packages, args=file.args,
+                      as_written=file.as_written)  # fmt: skip
+
+
+def _read_toml(file: RobotFile) -> Robot:
+    return robot_from_toml(file.text, file=str(file.path), default_name=visible(file.path.stem),
+                           as_written=file.as_written)  # fmt: skip
+
+
+def _holds_screws(file: RobotFile) -> bool:
+    from rankdrop.robot.screws import is_screw_list
+
+    return not file.root and file.suffix != ".toml" and is_screw_list(file.text)
+
+
+def _read_screws(file: RobotFile) -> Robot:
+    from rankdrop.robot.screws import from_screw_list
+
+    return from_screw_list(file.path, name=visible(file.path.stem), as_written=file.as_written)
+
+
+def _read_mjcf(file: RobotFile) -> Robot:
+    from rankdrop.robot.mjcf import from_mjcf
+
+    return from_mjcf(file.path, base=file.base, tip=file.tip, as_written=file.as_written)
+
+
+def _read_urdf(file: RobotFile) -> Robot:
+    from rankdrop.robot.urdf import from_urdf
+    from rankdrop.robot.xacro import uses_xacro
+
+    if "<xacro:" in file.text and uses_xacro(read_xml(file.text, str(file.path))):  # a comment may name xacro too
+        raise RobotError(
+            "the file has xacro elements and does not end in .xacro; expanding it can run any command",
+            where=str(file.path), mend="if you trust it: xacro=True", typed="if you trust it: --xacro",
+        )  # fmt: skip
+    return from_urdf(file.text, base=file.base, tip=file.tip, file=str(file.path), as_written=file.as_written)
+
+
+def _refuse_sdf(file: RobotFile) -> Robot:
+    raise RobotError("SDF is not read", where=str(file.path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
+
+
+def _refuse_other(file: RobotFile) -> Robot:
+    if file.text.startswith(_POINTER):
+        raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(file.path),
+                         mend="fetch it: git lfs pull")  # fmt: skip
+    raise RobotError("the file is neither TOML nor XML", where=str(file.path), allowed=", ".join(_SUFFIXES[:-1]),
+                     mend=f"give a file in {_FORMATS}")  # fmt: skip
+
+
+FORMATS = (
+    Format("xacro", lambda file: file.xacro or file.suffix == ".xacro", _read_xacro, arguments=True),
+    Format("MJCF", lambda file: file.root == "mujoco", _read_mjcf),
+    Format("SDF", lambda file: file.root == "sdf", _refuse_sdf),
+    Format("URDF", lambda file: file.root != "", _read_urdf),
+    Format("screws", _holds_screws, _read_screws, links=False),
+    Format("TOML", lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml, links=False),
+    Format("", lambda _: True, _refuse_other),
+)
+"""The first that holds a file reads it."""
 
 
 def source_text(name_or_path: str) -> tuple[str, str] | None:
@@ -179,43 +288,6 @@ def _catalog_files() -> dict[str, Traversable]:
 def _from_catalog(name: str) -> Robot:
     text = _catalog_files()[name].read_text(encoding="utf-8")
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
-
-
-def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
-    """The robot that the text of a file describes, by what it holds; xacro is told, not expanded.
-
-    An arm of the catalogue needs none of the readers imported here.
-    """
-    from rankdrop.robot.mjcf import from_mjcf
-    from rankdrop.robot.screws import from_screw_list, is_screw_list
-    from rankdrop.robot.urdf import from_urdf
-    from rankdrop.robot.xacro import uses_xacro
-
-    if path.suffix.lower() == ".toml" or not text.lstrip(_BLANK).startswith("<"):
-        if path.suffix.lower() != ".toml" and is_screw_list(text):
-            _refuse_links(str(path), tip, base)
-            return from_screw_list(path, name=visible(path.stem), as_written=as_written)
-        if text.startswith(_POINTER):
-            raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(path),
-                             mend="fetch it: git lfs pull")  # fmt: skip
-        if path.suffix.lower() != ".toml" and not _is_toml(text):
-            raise RobotError(
-                "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),
-                mend=f"give a file in {_FORMATS}",
-            )
-        _refuse_links(str(path), tip, base)
-        return robot_from_toml(text, file=str(path), default_name=visible(path.stem), as_written=as_written)
-    root = _root_tag(text)
-    if root == "mujoco":
-        return from_mjcf(path, base=base, tip=tip, as_written=as_written)
-    if root == "sdf":
-        raise RobotError("SDF is not read", where=str(path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
-    if "<xacro:" in text and uses_xacro(read_xml(text, str(path))):  # a comment may name xacro too
-        raise RobotError(
-            "the file has xacro elements and does not end in .xacro; expanding it can run any command",
-            where=str(path), mend="if you trust it: xacro=True", typed="if you trust it: --xacro",
-        )  # fmt: skip
-    return from_urdf(text, base=base, tip=tip, file=str(path), as_written=as_written)
 
 
 def _root_tag(text: str) -> str:

@@ -11,6 +11,9 @@ import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot import files
+from rankdrop.robot import open as opening
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot, robot_names
 from robot.urdf_text import chain, robot
@@ -214,3 +217,19 @@ def test_what_is_wrong_in_a_plain_file_is_told_with_its_line(tmp_path: Path, tex
     with pytest.raises(RobotError, match=words) as caught:
         open_robot(path)
     assert f"{path}, {line}" in str(caught.value)
+
+
+def test_a_new_format_is_a_reader_and_an_entry_of_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its module and `FORMATS`: two files; base, tip and arguments are refused where it has none."""
+
+    def read(file: opening.RobotFile) -> Robot:
+        return from_dh([(float(word), 0, 0, 0) for word in file.text.split()], convention="standard", name="links")
+
+    entry = opening.Format("lengths", lambda file: file.suffix == ".lengths", read, links=False)
+    monkeypatch.setattr(opening, "FORMATS", (entry, *opening.FORMATS))
+    path = tmp_path / "arm.lengths"
+    path.write_text("0.4 0.3 0.2", encoding="utf-8")
+    assert opening.open_robot(path).home[:3, 3].tolist() == pytest.approx([0.9, 0, 0])
+    for given in ({"tip": "hand"}, {"base": "foot"}, {"args": {"a": 1}}):
+        with pytest.raises(RobotError):
+            opening.open_robot(path, **given)

@@ -8,7 +8,7 @@ A *place* says where a number stands:
     tool.x, base.yaw              of every robot: x, y, z, roll, pitch, yaw of a further tool after the tip, or of a
                                   frame that the base stands in; zero where not said
 
-Numbers put in are taken literally. What is read beside them is read as it is meant (`as_meant`), and structure that
+Numbers put in are taken literally. What is read beside them is read as it is meant (`as_intended`), and structure that
 holds to 2e-5 rad and 2 µm counts as exact in a variant too.
 """
 

@@ -11,7 +11,7 @@ from math import ceil, degrees, floor, log10, pi, radians
 
 from rankdrop.errors import OptionError
 from rankdrop.robot.files import LONGEST_TEXT
-from rankdrop.robot.meant import meeting, squared
+from rankdrop.robot.intended import meeting, squared
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.numbers import Change, Numbers, along, extent, numbers_of, parallel, parallel_runs
 from rankdrop.tolerances import NOTHING, SQUARE

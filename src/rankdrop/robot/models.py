@@ -16,7 +16,7 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.files import RANGE, Element
-from rankdrop.robot.meant import as_meant
+from rankdrop.robot.intended import as_intended
 from rankdrop.robot.mjcf import plain_model, robot_of
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
@@ -295,7 +295,7 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
         lower, upper = (-inf, inf) if item.qlim is None else (float(x) for x in np.ravel(item.qlim)[:2])
         joints.append(Joint(f"joint{len(joints) + 1}", kind, screw + 0.0, lower, upper, inf, pose))
     found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
-    return as_meant(found, Angles(as_written))
+    return as_intended(found, Angles(as_written))
 
 
 def to_toolbox(robot: Robot) -> Any:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import joint_kind, turn_notes
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, read_text
-from rankdrop.robot.meant import as_meant
+from rankdrop.robot.intended import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid
@@ -276,7 +276,7 @@ def from_screw_list(path: Path, *, name: str, as_written: bool = False) -> Robot
             raise RobotError(error.what, where=f"{path}, line {line}", got=error.got, allowed=error.allowed,
                              mend=error.mend) from error  # fmt: skip
     robot = from_screws(rows, order="angular-first", name=name, notes=(_NOTE,))
-    return as_meant(robot, Angles(as_written=as_written))
+    return as_intended(robot, Angles(as_written=as_written))
 
 
 def _number(text: str) -> float | str:

@@ -15,7 +15,7 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.files import DOTS, LARGEST_TABLE
-from rankdrop.robot.meant import as_meant
+from rankdrop.robot.intended import as_intended
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
@@ -87,7 +87,7 @@ def robot_from_toml(
     """A robot from the text of a DH file or a screw file.
 
     A DH file has the key `convention`; a screw file has none. Angles that are rounded decimals of multiples of 15°, and
-    structure that holds but for noise, are taken as exact, with a note (`as_meant`).
+    structure that holds but for noise, are taken as exact, with a note (`as_intended`).
 
     Args:
         text: of the file.
@@ -117,7 +117,7 @@ def robot_from_toml(
 
     try:
         angles = Angles(as_written)
-        return as_meant(_robot(document, place, file, default_name, kind, angles), angles)
+        return as_intended(_robot(document, place, file, default_name, kind, angles), angles)
     except RobotError as error:
         if error.where is not None and error.where.startswith(file):
             raise

@@ -19,7 +19,7 @@ import numpy as np
 from rankdrop.errors import RobotError, visible
 from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element
-from rankdrop.robot.meant import as_meant
+from rankdrop.robot.intended import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import about_axis, times, translation
@@ -428,7 +428,7 @@ def chain_robot(
     tree: Tree, ends: Ends, source: str, motion_of: Callable[[TreeJoint], Motion], angles: Angles, notes: list[str],
     frames: tuple[Array, Array] = (np.eye(4), np.eye(4)),
 ) -> Robot:
-    """The arm that a chain of a tree makes, with exact structure where its numbers hold it but for noise (`as_meant`).
+    """The arm that a chain of a tree makes, its structure made exact where it holds but for noise.
 
     Args:
         tree, ends: where the chain lies.
@@ -457,4 +457,4 @@ def chain_robot(
     notes = [*ends.notes, *notes, *turn_notes(joints, units=False)]
     found = Robot(name, tuple(joints), times(pose, frames[1]), source=Source(source, tree.file), base=ends.base,
                   tip=ends.tip, notes=tuple(notes), about=f"{ends.base} to {ends.tip}")  # fmt: skip
-    return as_meant(found, angles)
+    return as_intended(found, angles)

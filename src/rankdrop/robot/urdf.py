@@ -147,7 +147,7 @@ def from_urdf(
 
     Only the kinematics of the chain from `base` to `tip` is read: joint types, origins, axes, limits and mimic. Meshes,
     masses and joints outside the chain are not looked at. Missing limits are ±inf, with a note. Angles that are rounded
-    decimals of multiples of 15°, and structure that holds but for noise, are taken as exact, with a note (`as_meant`).
+    decimals of multiples of 15°, and structure that holds but for noise, are exact, with a note (see `as_intended`).
 
     Args:
         source: path, or the text itself (anything that starts with "<").

@@ -269,7 +269,7 @@ def _same(first: Robot, two: Robot) -> bool:
     return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
 
 
-def as_meant(robot: Robot, angles: Angles) -> Robot:
+def as_intended(robot: Robot, angles: Angles) -> Robot:
     """The arm with exact structure where its file's numbers hold it but for noise, and a note on what was changed.
 
     Args:

@@ -118,7 +118,8 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     """
     check_robot(robot)
     if np.ma.isMaskedArray(q) and np.ma.getmaskarray(q).any():  # `asarray` would show the numbers under the mask
-        raise ConfigurationError("q has masked values", where=f"robot {robot.name!r}", mend="q.compressed() or q.filled()")
+        raise ConfigurationError("q has masked values", where=f"robot {robot.name!r}",
+                                 mend="fill them in: q.filled(…)")  # fmt: skip
     array = np.asarray(q, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != robot.n:
         raise ConfigurationError(

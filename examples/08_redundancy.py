@@ -7,8 +7,8 @@ bounded where the elbow is almost straight.
 import numpy as np
 
 import rankdrop
-from rankdrop.local.inverse import pseudo_inverse, selective_inverse
-from rankdrop.local.null_motion import self_motion
+from rankdrop.local.rates import pseudo_inverse, selective_inverse
+from rankdrop.local.redundant import self_motion
 
 arm = rankdrop.open_robot("panda")
 q = np.array([0.1, -0.5, 0.2, -1.9, 0.3, 1.7, 0.4])

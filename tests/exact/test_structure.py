@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.local.lines import Scene
+from rankdrop.local.axes import Scene
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 

@@ -21,7 +21,7 @@ from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.family.equation import System
-from rankdrop.local.lines import fault
+from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import (

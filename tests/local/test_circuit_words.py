@@ -7,9 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
+from rankdrop.local.axes import Scene, describe, line_meets_all
 from rankdrop.local.circuits import circuits
-from rankdrop.local.lines import Scene
-from rankdrop.local.relations import describe, line_meets_all
 from rankdrop.robot.model import Robot
 from rankdrop.robot.screws import from_screws, revolute
 from rankdrop.task import resolve_task

@@ -10,8 +10,8 @@ from known.arms import KINDS
 
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.directions import constraint, in_short
 from rankdrop.local.rates import joint_rates
-from rankdrop.local.screws import constraint, in_short
 from rankdrop.results import lost_text
 from rankdrop.results.codec import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped

@@ -16,8 +16,8 @@ from rankdrop.local.directions import (
     lost_in_sparsest_frame,
     lost_over_family,
     seen_in_frames,
+    words,
 )
-from rankdrop.local.screws import words
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot

@@ -10,8 +10,8 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import link_poses
-from rankdrop.local.lines import drawn_at
-from rankdrop.local.screws import Screw, blocked_words, rewrite_wrench, screw_of, words
+from rankdrop.local.directions import Screw, blocked_words, rewrite_wrench, screw_of, words
+from rankdrop.local.posture import drawn_at
 from rankdrop.robot.model import lost_told
 from rankdrop.robot.open import open_robot
 

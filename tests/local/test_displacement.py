@@ -10,8 +10,8 @@ from reference.measure import central_differences
 from rankdrop.errors import TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
-from rankdrop.local.null_motion import REACHED, self_motion
 from rankdrop.local.orientation import Displacement, determined_by_pose
+from rankdrop.local.redundant import REACHED, self_motion
 from rankdrop.local.second_order import distinct
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot

@@ -11,9 +11,8 @@ from reference import arms
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
-from rankdrop.local.departure import departures, measured_gains
+from rankdrop.local.departure import departures, measured_gains, taylor
 from rankdrop.local.place import Place, place_at
-from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -11,8 +11,7 @@ from reference import arms
 
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.kinematics import jacobian
-from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
-from rankdrop.local.ordered_report import render, report, session
+from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets, render, report, session
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import SPACE, resolve_task

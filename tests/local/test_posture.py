@@ -14,7 +14,7 @@ from rankdrop.families.table import _turned, posed
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.lines import fault, spine, start_posture
+from rankdrop.local.posture import fault, spine, start_posture
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import known_conditions, shipped

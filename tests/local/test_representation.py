@@ -14,8 +14,15 @@ from reference.measure import central_differences
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import sample
-from rankdrop.local.orientation import EULER, MAIN, NAMES, orientation_coordinates, rate_matrix
-from rankdrop.local.representation import analytical_jacobian, representation_at
+from rankdrop.local.orientation import (
+    EULER,
+    MAIN,
+    NAMES,
+    analytical_jacobian,
+    orientation_coordinates,
+    rate_matrix,
+    representation_at,
+)
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -55,7 +55,7 @@ from rankdrop.local import (
     session,
     tied_gradients,
 )
-from rankdrop.local.representation import analytical_jacobian
+from rankdrop.local.orientation import analytical_jacobian
 from rankdrop.results import known_analysis
 from rankdrop.robot import from_dh
 from rankdrop.robot.numbers import reach

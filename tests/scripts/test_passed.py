@@ -39,7 +39,7 @@ WHOLE = {
     "family": (7, 19),
     "jobs": (4, 5),
     "kinematics": (1, 1),
-    "local": (29, 54),
+    "local": (22, 54),
     "motion": (34, 49),
     "options": (1, 1),
     "problem": (1, 2),

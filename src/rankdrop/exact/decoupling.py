@@ -34,7 +34,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.link_jacobian import POSE, BlockForm, block_form
 from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
 from rankdrop.exact.signs import condition_text, look, merged, roles_of
-from rankdrop.local.lines import Scene
+from rankdrop.local.axes import Scene
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import ROWS
 from rankdrop.tolerances import ENTRY

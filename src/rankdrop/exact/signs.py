@@ -27,8 +27,7 @@ from rankdrop.exact.writing.condition import RADIANS, Condition
 from rankdrop.exact.writing.value import text_of
 from rankdrop.family.naming import name_family
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.screws import words
+from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.robot.model import Array
 from rankdrop.robot.numbers import reach
 from rankdrop.tolerances import DEFAULT, REAL_ROOT

@@ -48,7 +48,7 @@ from rankdrop.family.record import (
     family_out_of_units,
     numbered,
 )
-from rankdrop.local.lines import candidates, fault
+from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

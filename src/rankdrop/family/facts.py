@@ -13,7 +13,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from rankdrop.local.lines import Scene, Verdicts
+from rankdrop.local.axes import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import TIP, Task
 

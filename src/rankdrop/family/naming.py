@@ -17,12 +17,10 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, structure_of
 from rankdrop.kinematics import task_jacobian
+from rankdrop.local.axes import Scene, describe, line_meets_all
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.circuits import to_blame
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.lines import Scene
-from rankdrop.local.relations import describe, line_meets_all
-from rankdrop.local.screws import words
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import wrapped

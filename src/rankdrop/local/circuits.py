@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import one_configuration, task_jacobian
+from rankdrop.local.axes import Scene, describe
 from rankdrop.local.block import generic_rank, structural_sample
-from rankdrop.local.lines import Scene
-from rankdrop.local.relations import describe
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEPENDENT

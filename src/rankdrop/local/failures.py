@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.kinematics import one_configuration, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
-from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.directions import lost_in_sparsest_frame, words
 from rankdrop.local.minimax import Evaluate, Model
-from rankdrop.local.screws import words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

@@ -17,24 +17,35 @@ How far the task has moved from where it was: the displacement from a start, its
 A are the axes of the task's frame as they stand at the start, p its reference point. At q0 the derivative is the task
 Jacobian. For a task that leaves some rotations free, `log` makes "no rotation about Z" a condition on where the arm is,
 and not only on how it moves.
+
+Analytical Jacobians, and the singularities that belong to the coordinates of the orientation, not to the arm.
+
+Coordinates φ of the orientation turn at φ̇ with ω = E(φ) φ̇ (base axes), so that
+
+    (ṗ; φ̇) = J_a q̇,    J_a = diag(I, E⁻¹) J.
+
+Where E is singular, J_a does not exist or blows up although the arm moves freely: a *representation singularity*. It
+goes away with other coordinates. The rank of J, the arm's own affair, does not know of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from dataclasses import dataclass
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop.errors import OptionError, TaskError
-from rankdrop.kinematics import chain_of, frame_view, link_poses, pose
+from rankdrop.errors import ConfigurationError, OptionError, TaskError
+from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
 from rankdrop.local.block import joint_scale, row_scale
 from rankdrop.local.bracket import hat
+from rankdrop.local.verdict import Rank, rank_at
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import BASE, TIP, Frame, Task, link_index
-from rankdrop.tolerances import DEFAULT
+from rankdrop.task import BASE, TIP, Frame, Task, link_index, resolve_task
+from rankdrop.tolerances import DEFAULT, Tolerances
 
 NAMES: dict[str, tuple[str, ...]] = {
     "zyz": ("α", "β", "γ"),
@@ -71,8 +82,8 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
     """
     r = np.asarray(rotation, dtype=np.float64)
     check_known(representation)
-    if representation in EULER:
-        return euler_angles(r, (representation,))[..., 0, :]
+    if representation == "rpy":
+        return np.asarray(euler_angles(r, ("zyx",))[..., 0, ::-1])
     if representation == "quaternion":
         return _quaternion(r)
     if representation in ("rodrigues", "mrp"):
@@ -88,26 +99,7 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
         length = np.linalg.norm(vector, axis=-1, keepdims=True)
         angle = 2.0 * np.arctan2(length, quaternion[..., :1])
         return np.asarray(vector * np.where(length > 0.0, angle / np.where(length > 0.0, length, 1.0), 2.0))
-    if representation == "zyz":
-        beta = np.arctan2(np.hypot(r[..., 0, 2], r[..., 1, 2]), r[..., 2, 2])
-        alpha = np.arctan2(r[..., 1, 2], r[..., 0, 2])
-        gimbal = np.sin(beta) <= DEFAULT.singular
-        alpha = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), alpha)
-        # what Rz(α)Ry(β) leaves of R is Rz(γ): no loss of digits near the singularity
-        last = np.arctan2(
-            -np.sin(alpha) * r[..., 0, 0] + np.cos(alpha) * r[..., 1, 0],
-            -np.sin(alpha) * r[..., 0, 1] + np.cos(alpha) * r[..., 1, 1],
-        )
-        return np.stack([alpha, beta, np.where(gimbal, 0.0, last)], axis=-1)
-    pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
-    yaw = np.arctan2(r[..., 1, 0], r[..., 0, 0])
-    gimbal = np.cos(pitch) <= DEFAULT.singular
-    yaw = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), yaw)
-    roll = np.arctan2(
-        np.sin(yaw) * r[..., 0, 2] - np.cos(yaw) * r[..., 1, 2],
-        -np.sin(yaw) * r[..., 0, 1] + np.cos(yaw) * r[..., 1, 1],
-    )
-    return np.stack([np.where(gimbal, 0.0, roll), pitch, yaw], axis=-1)
+    return euler_angles(r, (representation,))[..., 0, :]
 
 
 def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
@@ -138,38 +130,29 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         safe = np.where(small, 1.0, angle)
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
         return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
-    if representation in EULER:
-        return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
     if representation in ("rodrigues", "mrp"):
         square = np.sum(c * c, axis=-1)[..., None, None]
         if representation == "rodrigues":
             return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
         outer = c[..., :, None] * c[..., None, :]
         return np.asarray(4.0 / (1.0 + square) ** 2 * ((1.0 - square) * np.eye(3) + 2.0 * hat(c) + 2.0 * outer))
-    zero, one = np.zeros(c.shape[:-1]), np.ones(c.shape[:-1])
-    if representation == "zyz":
-        sa, ca, sb, cb = np.sin(c[..., 0]), np.cos(c[..., 0]), np.sin(c[..., 1]), np.cos(c[..., 1])
-        rows = [[zero, -sa, ca * sb], [zero, ca, sa * sb], [one, zero, cb]]
-    else:
-        sp, cp, sy, cy = np.sin(c[..., 1]), np.cos(c[..., 1]), np.sin(c[..., 2]), np.cos(c[..., 2])
-        rows = [[cy * cp, -sy, zero], [sy * cp, cy, zero], [-sp, zero, one]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    if representation == "rpy":
+        return np.asarray(euler_rates(c[..., None, ::-1], ("zyx",))[..., 0, :, ::-1])
+    return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
 
 
 def rate_determinant(coordinates: Array, representation: str) -> Array:
     """(...) det E, of three coordinates as from `orientation_coordinates`."""
-    if representation == "zyz":
-        return np.asarray(-np.sin(coordinates[..., 1]))
-    if representation == "rpy":
-        return np.asarray(np.cos(coordinates[..., 1]))
-    if representation in EULER:
-        i, j, k = _axes(representation)
-        middle = coordinates[..., 1]
-        return np.asarray(-np.sin(middle) if i == k else _parity(i, j) * np.cos(middle))
     if representation in ("rodrigues", "mrp"):
         square = np.sum(coordinates * coordinates, axis=-1)
         return np.asarray(8.0 / (1.0 + square) ** 2 if representation == "rodrigues" else 64.0 / (1.0 + square) ** 3)
-    return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
+    if representation == "rotvec":
+        return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
+    if representation == "rpy":
+        return np.asarray(np.cos(coordinates[..., 1]))
+    i, j, k = _axes(representation)
+    middle = coordinates[..., 1]
+    return np.asarray(-np.sin(middle) if i == k else _parity(i, j) * np.cos(middle))
 
 
 def _axes(order: str) -> tuple[int, int, int]:
@@ -400,3 +383,190 @@ def _split(slopes: Array) -> tuple[Array, Array, Array]:
     batch = slopes.shape[:-2]
     u, sigma, v = _core.svd(np.ascontiguousarray(slopes.reshape(-1, *slopes.shape[-2:])))
     return u.reshape(batch + u.shape[1:]), sigma.reshape(batch + sigma.shape[1:]), v.reshape(batch + v.shape[1:])
+
+
+NEAR = 0.1
+"""Closer than this to a representation singularity is near [rad]: coordinate rates are up to ten times ‖ω‖ there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Representation:
+    """One set of coordinates at one pose.
+
+    Attributes:
+        name: one of `orientation.NAMES`.
+        names: of the coordinates.
+        coordinates: their values [rad; 1 for a quaternion and Rodrigues parameters]. At a singularity of Euler angles,
+            where only a sum or a difference is determined, the last angle is zero, and the roll.
+        sigma_min: smallest singular value of E.
+        determinant: of E; None for the quaternion, whose E is not square.
+        angle: to the nearest orientation where E is singular [rad]; inf if there is none.
+        jump: angle to where the coordinates jump, half a turn (the quaternion's w = 0) [rad]; inf for Euler angles and
+            Rodrigues parameters.
+        singular, near: E is singular here (to the tolerance); or closer than `NEAR`, and not singular.
+        words: what it means.
+    """
+
+    name: str
+    names: tuple[str, ...]
+    coordinates: tuple[float, ...]
+    sigma_min: float
+    determinant: float | None
+    angle: float
+    jump: float
+    singular: bool
+    near: bool
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class Representations:
+    """All representations at one configuration, beside the arm's own verdict.
+
+    Attributes:
+        arm: rank of the geometric Jacobian for the whole pose.
+        zyz, rpy, quaternion, rotvec: one each.
+        others: the other orders of Euler angles, Rodrigues and modified Rodrigues parameters.
+        words: who is singular here: the arm, coordinates, both or neither.
+    """
+
+    arm: Rank
+    zyz: Representation
+    rpy: Representation
+    quaternion: Representation
+    rotvec: Representation
+    words: str
+    others: tuple[Representation, ...] = ()
+
+    @property
+    def every(self) -> tuple[Representation, ...]:
+        """All of them, those most used first."""
+        return (self.zyz, self.rpy, self.quaternion, self.rotvec, *self.others)
+
+    def of(self, name: str) -> Representation:
+        """One of them by its name.
+
+        Raises:
+            OptionError: no such representation.
+        """
+        check_known(name)
+        return next(one for one in self.every if one.name == name)
+
+
+def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Array:
+    """J_a = diag(I, E⁻¹) J: rates of position and orientation coordinates per joint rate, tip in base axes.
+
+    For the quaternion E⁻¹ stands for E⁺ = ½ Q, the rate that keeps its norm.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad, m].
+        representation: one of `orientation.NAMES`.
+
+    Returns:
+        (..., 6, n), or (..., 7, n) for the quaternion.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite, or lies on a representation singularity, where J_a
+            does not exist.
+        OptionError: no such representation.
+    """
+    check_known(representation)
+    geometric = jacobian(robot, q)
+    coordinates = orientation_coordinates(pose(robot, q)[..., :3, :3], representation)
+    turn = geometric[..., 3:, :]
+    if representation == "quaternion":
+        matrix = rate_matrix(coordinates, representation)
+        rates = np.asarray(0.25 * matrix.swapaxes(-1, -2) @ turn)
+    else:
+        finite = np.isfinite(coordinates).all(axis=-1)
+        bad = ~finite | (np.abs(rate_determinant(coordinates, representation)) <= DEFAULT.singular)
+        if bad.any():
+            index = tuple(int(i) for i in np.argwhere(bad)[0])
+            raise ConfigurationError(
+                f"the {representation} coordinates are singular at this pose; the arm need not be",
+                got=f"{coordinates[index].tolist()}" + (f" at index {index}" if index else ""),
+                mend="use the quaternion, or the geometric Jacobian",
+            )
+        rates = np.asarray(np.linalg.solve(rate_matrix(coordinates, representation), turn), dtype=np.float64)
+    return np.concatenate([geometric[..., :3, :], rates], axis=-2)
+
+
+def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DEFAULT) -> Representations:
+    """How far the pose is from the singularities of each representation, beside the arm's own rank.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        tolerances: `singular` decides for E and for J.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = representation_at(open_robot("pa10"), [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
+        >>> found.zyz.singular, found.quaternion.angle, found.arm.corank
+        (False, inf, 0)
+    """
+    configuration = one_configuration(robot, q)
+    arm = rank_at(robot, configuration, resolve_task("pose", robot), tolerances)
+    rotation = pose(robot, configuration)[:3, :3]
+    angles = dict(zip(EULER, euler_angles(rotation, EULER), strict=True))
+    coordinates = {name: angles[name] if name in angles else orientation_coordinates(rotation, name) for name in NAMES}
+    sigma = _smallest(coordinates)
+    turned = float(np.linalg.norm(coordinates["rotvec"]))
+    found = {name: _describe(name, coordinates[name], sigma[name], turned, tolerances) for name in NAMES}
+    singular = [part.name for part in found.values() if part.singular]
+    if arm.corank:
+        words = "the arm is singular for the whole pose" + (f", and so are the coordinates {', '.join(singular)}"
+                                                            if singular else "; no coordinates are")  # fmt: skip
+    elif singular:
+        words = f"only the coordinates {', '.join(singular)} are singular; the arm moves freely: use the quaternion"
+    else:
+        words = "neither the arm nor any of the coordinates is singular"
+    others = tuple(part for name, part in found.items() if name not in MAIN)
+    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words, others)
+
+
+def _smallest(coordinates: dict[str, Array]) -> dict[str, float]:
+    """Smallest singular values of E, by name; 0 where coordinates are not finite."""
+    finite = [name for name, values in coordinates.items() if np.isfinite(values).all()]
+    square = [name for name in finite if len(coordinates[name]) == 3]
+    found = dict.fromkeys(coordinates, 0.0)
+    rates = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
+    every = [rates[name] if name in rates else rate_matrix(coordinates[name], name) for name in square]
+    sigma = _core.svd(np.stack(every), vectors=False)
+    found |= dict(zip(square, sigma[:, -1].tolist(), strict=True))
+    for name in finite:
+        if name not in square:
+            found[name] = float(np.linalg.svd(rate_matrix(coordinates[name], name), compute_uv=False)[-1])
+    return found
+
+
+def _describe(
+    name: str, coordinates: Array, sigma: float, turned: float, tolerances: Tolerances
+) -> Representation:
+    """One set of coordinates, with the smallest singular value of E and the angle of the whole turn."""
+    finite = bool(np.isfinite(coordinates).all())
+    jump = max(0.0, pi - turned) if name in JUMPING else inf
+    if name in ("zyz", "rpy", *EULER):
+        back = name == "zyz" or name[0] == name[2]  # the first axis comes back
+        angle = min(abs(coordinates[1]), pi - abs(coordinates[1])) if back else pi / 2 - abs(coordinates[1])
+    else:
+        angle = max({"rotvec": 2 * pi, "mrp": 2 * pi, "rodrigues": pi, "quaternion": inf}[name] - turned, 0.0)
+    singular = sigma <= tolerances.singular
+    near = not singular and angle <= NEAR
+    if name == "quaternion":
+        words = "a quaternion has no singularity"
+    elif singular:
+        words = f"{name} coordinates are singular here: a matter of coordinates, not of the arm"
+    elif near:
+        words = f"{name} coordinates are near a singularity of theirs: their rates are large, not the arm's"
+    else:
+        words = f"{name} coordinates are regular here"
+    determinant = None if name == "quaternion" else float(rate_determinant(coordinates, name)) if finite else 0.0
+    values = tuple(coordinates.tolist())
+    return Representation(
+        name, NAMES[name], values, sigma, determinant, float(angle), float(jump), singular, near, words
+    )

@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.local.bracket import unit
+from rankdrop.local.departure import taylor
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.place import Place, room
-from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
 from rankdrop.solve import iterate, shortest
 from rankdrop.tolerances import DEFAULT

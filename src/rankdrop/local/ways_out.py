@@ -19,11 +19,10 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, one_configuration
 from rankdrop.local import departure as finite_motions
 from rankdrop.local.bracket import brackets
-from rankdrop.local.departure import Departure, departures
+from rankdrop.local.departure import Departure, departures, taylor, unlocked
 from rankdrop.local.notebook import escape_html
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
-from rankdrop.local.taylor import taylor, unlocked
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances

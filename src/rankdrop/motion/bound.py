@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.kinematics import chain_of
-from rankdrop.local.taylor import unlocked
+from rankdrop.local.departure import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 
 Mask = NDArray[np.bool_]

@@ -14,7 +14,7 @@ import numpy as np
 
 from rankdrop.errors import RankdropError
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
-from rankdrop.local.null_motion import CLOSED, self_motion
+from rankdrop.local.redundant import CLOSED, self_motion
 from rankdrop.motion.follow import Followed, Pull
 from rankdrop.motion.inverse import Aim, distinct
 from rankdrop.motion.planning import along, planned

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.kinematics import pose
+from rankdrop.local.departure import unlocked
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.taylor import unlocked
 from rankdrop.motion.inverse import Aim
 from rankdrop.robot.model import Array, JointKind
 from rankdrop.robot.numbers import anchors

@@ -18,9 +18,9 @@ from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.which import families_at
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
+from rankdrop.local.directions import words
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
-from rankdrop.local.screws import words
 from rankdrop.motion.crossings import Crossing
 from rankdrop.motion.curve import Curve, Index, largest
 from rankdrop.motion.options import PathOptions

@@ -37,8 +37,7 @@ from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family, Pin, family_from_metres
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
-from rankdrop.local.screws import words
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions import SCHEMA, Conditions, ConditionSettings, conditions_to_dict
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry

@@ -6,18 +6,17 @@ from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, num, optional, row, some, table
 from rankdrop.families.tolerant import Place
+from rankdrop.local.axes import Relation, ScrewSystem
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt, HuntJoint
+from rankdrop.local.directions import Screw
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
-from rankdrop.local.relations import Relation
-from rankdrop.local.representation import Representation, Representations
-from rankdrop.local.screws import Screw
 from rankdrop.local.second_order import LostMotion
-from rankdrop.local.systems import ScrewSystem
 from rankdrop.local.verdict import Rank
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.results.explanation.data import Summary

@@ -10,14 +10,13 @@ from rankdrop.errors import OptionError
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence
+from rankdrop.local.axes import ScrewSystem
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
-from rankdrop.local.directions import FramedDirections
+from rankdrop.local.directions import FramedDirections, Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import StraightMotion
-from rankdrop.local.screws import Screw
-from rankdrop.local.systems import ScrewSystem
 from rankdrop.local.verdict import Cause, Rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -15,13 +15,13 @@ import numpy as np
 
 from rankdrop.certify.ball import Certificate
 from rankdrop.family.which import Incidence
+from rankdrop.local.axes import Relation, relations_at
 from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.nearest import Nearest
+from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Rates, StraightMotion, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
-from rankdrop.local.relations import Relation, relations_at
-from rankdrop.local.representation import Representations, representation_at
 from rankdrop.local.verdict import Cause, Rank
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record

@@ -20,21 +20,23 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence, families_at
+from rankdrop.local.axes import always_singular_reason, systems_at
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.cofactors import hunt
 from rankdrop.local.directions import (
     FramedDirections,
+    blocked_words,
     lost_directions,
     lost_in_frame,
     lost_in_sparsest_frame,
     readable_basis,
+    screw_of,
+    words,
 )
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import StraightMotion, slowest_motions
-from rankdrop.local.screws import blocked_words, screw_of, words
-from rankdrop.local.systems import always_singular_reason, systems_at
 from rankdrop.local.verdict import Cause, Rank
 from rankdrop.local.ways_out import Escape, JointEscape
 from rankdrop.results.analysis import Analysis

@@ -15,9 +15,8 @@ import numpy as np
 
 from rankdrop.family.record import Family
 from rankdrop.local.cofactors import Hunt
-from rankdrop.local.directions import FramedDirections
+from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.rates import DirectionRates, StraightMotion
-from rankdrop.local.screws import constraint, in_short
 from rankdrop.local.second_order import proof_of
 from rankdrop.local.verdict import Cause
 from rankdrop.local.ways_out import Direction, JointEscape

@@ -8,7 +8,7 @@ from math import ceil, degrees, floor, inf, isinf, log10, pi
 
 import numpy as np
 
-from rankdrop.local.screws import Screw
+from rankdrop.local.directions import Screw
 from rankdrop.robot.model import Array, Robot
 
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]

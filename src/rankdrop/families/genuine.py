@@ -1,8 +1,8 @@
 """Singular points and near misses: which points with a small σ are singular, decided with 50 digits.
 
-A search counts σ ≤ 1e-9 as zero. An arm a few micrometres away from a special structure has minima of σ below that,
-and these are no singularities. Points are polished to the last bit first; a σ that stays above rounding is followed
-down with 50 digits from there. For a kept rank r, with U and V from the point in double precision,
+A search counts σ ≤ 1e-9 as zero. An arm a few micrometres away from a special structure has whole surfaces with a
+smaller σ, and these are no singularities. Points on no family are therefore followed down with 50 digits. For a kept
+rank r, with U and V from the point in double precision,
 
     S(q) = A₂₂ − A₂₁ A₁₁⁻¹ A₁₂,  A = Uᵀ J(q) V,
 
@@ -13,6 +13,7 @@ a minimum S is orthogonal to the range of D, and the steps end there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -21,17 +22,20 @@ from numpy.typing import NDArray
 
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Mistaken
-from rankdrop.problem import Problem
+from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, link_index
 
 POLISHED = 1e-15  # σ of a polished point [1]
-ROUNDING = 1e-13  # σ below this is zero to the precision of the arm's own numbers
+ROUNDING = 1e-15  # σ below this is zero to the precision of the arm's own numbers
 DIGITS = 50
-_DECIDED = 48  # points that are followed with so many digits; each of the others is what the next of them in σ is
+FURTHER = 1e-2  # a singular configuration farther away says nothing about a point [rad]
+_DECIDED = 48  # points that are followed with so many digits
 _STEPS = 60
 _LONGEST = 0.05  # of a step [rad; slides divided by the length scale]
 _RESTING = 1e-9  # a shorter step that makes σ no smaller ends on a minimum
+_ZERO = 1e-25  # σ at which a descent ends [1]
+_CUTS = (1e-8, 1e-13)  # singular values of D below this share of the largest are left out: tried one after the other
 Numbers = NDArray[Any]
 """An array of `flint.arb`."""
 
@@ -49,65 +53,67 @@ def polished(problem: Problem, q: Array, iterations: int = 8) -> Array:
     return np.where(better[:, None], found.q, q)
 
 
-def genuine(problem: Problem, q: Array) -> tuple[Array, Mistaken]:
-    """The points of a search that are singular, polished, and how many were minima of σ.
+def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask]) -> tuple[Mask, Mistaken]:
+    """Points on no family that are not singular, and how many these are.
 
     Args:
         problem: the arm, and the corank.
-        q: (N, n) points with σ[rank] ≤ `singular`.
+        q: (N, n) points with σ[rank] ≤ `singular` that no family explains.
+        on_family: (N,) which of configurations (N, n) lie on a family.
+
+    Returns:
+        (N,) the points next to which there is no singular configuration, or only one on a family. All of them, where
+        none of `_DECIDED` is singular; else those alone that were followed.
     """
-    q = polished(problem, q)
+    wrong = np.zeros(len(q), dtype=np.bool_)
     if not len(q):
-        return q, Mistaken()
-    suspect = np.flatnonzero(problem.sigma(q)[:, problem.rank] > ROUNDING)
-    q[suspect] = polished(problem, q[suspect], iterations=200)
-    sigma = problem.sigma(q)[:, problem.rank]
-    suspect = suspect[sigma[suspect] > ROUNDING]
-    if not len(suspect):
-        return q, Mistaken()
-    suspect = suspect[np.argsort(sigma[suspect], kind="stable")]
-    chosen = np.unique(np.linspace(0, len(suspect) - 1, _DECIDED).round().astype(int))
-    least = np.array([least_sigma(problem, q[i]) for i in suspect[chosen]])
-    floor = least[np.searchsorted(chosen, np.arange(len(suspect)))]
-    minima = suspect[floor > ROUNDING]
-    if not len(minima):
-        return q, Mistaken()
-    return np.delete(q, minima, axis=0), Mistaken(len(minima), float(floor[floor > ROUNDING].min()))
+        return wrong, Mistaken()
+    order = np.argsort(problem.sigma(q)[:, problem.rank], kind="stable")
+    chosen = order[np.unique(np.linspace(0, len(q) - 1, _DECIDED).round().astype(int))]
+    ends = [descents(problem, one) for one in q[chosen]]
+    at = np.array([[end for end, _ in both] for both in ends])  # (chosen, descents, n)
+    sigma = np.array([[one for _, one in both] for both in ends])
+    near = (sigma <= ROUNDING) & (problem.length(at - q[chosen][:, None]) <= FURTHER)
+    known = np.zeros_like(near)
+    known[near] = on_family(at[near])
+    new = near.any(axis=1) & ~known.any(axis=1)
+    wrong[chosen[~new] if new.any() else slice(None)] = True
+    lowest = sigma.min(axis=1)
+    return wrong, Mistaken(int(wrong.sum()), float(lowest[lowest > ROUNDING].min(initial=np.inf)))
 
 
-def least_sigma(problem: Problem, q: Array) -> float:
-    """σ[rank] where Newton's method with 50 digits ends from q (n,), or where it falls below `ROUNDING`.
+def descents(problem: Problem, q: Array) -> list[tuple[Array, float]]:
+    """Where Newton's method with 50 digits ends from q (n,), and σ[rank] there, for each of `_CUTS`.
 
-    Without python-flint: σ at q, to which points are polished in double precision.
+    With the larger one it stays near where D has small singular values, with the smaller one it follows them. Without
+    python-flint: q itself, and σ in double precision.
     """
     try:
         import flint
     except ImportError:
-        return float(problem.sigma(q)[problem.rank])
+        return [(q, float(problem.sigma(q)[problem.rank]))]
     before = flint.ctx.dps
     flint.ctx.dps = DIGITS
     try:
-        return _descended(problem, q, flint)
+        return [_descended(problem, q, cut, flint) for cut in _CUTS]
     finally:
         flint.ctx.dps = before
 
 
-def _descended(problem: Problem, q: Array, flint: Any) -> float:
-    """`least_sigma` with the number of digits set."""
+def _descended(problem: Problem, q: Array, cut: float, flint: Any) -> tuple[Array, float]:
+    """`descents` with one of `_CUTS`, the number of digits set."""
     at = _exact(q, flint)
-    best = np.inf
+    best = (q, np.inf)
     for _ in range(_STEPS):
         near = _rounded(at)
         local = problem.block(near)
         s = _complement(problem, at, local.u2, local.v2, flint)
         size = float(np.linalg.norm(s, 2))
-        if size <= ROUNDING:
-            return size
-        step = -np.linalg.pinv(np.asarray(local.d).reshape(-1, problem.n), rcond=1e-8) @ s.reshape(-1)
+        step = -np.linalg.pinv(np.asarray(local.d).reshape(-1, problem.n), rcond=cut) @ s.reshape(-1)
         length = float(problem.length(step))
-        if length < _RESTING and size > best * (1 - 1e-3):
-            break
-        best = min(best, size)
+        if size <= _ZERO or (length < _RESTING and size > best[1] * (1 - 1e-3)):
+            return (near, size) if size < best[1] else best
+        best = (near, size) if size < best[1] else best
         at = np.array([x.mid() for x in at + _exact(step * min(1.0, _LONGEST / max(length, 1e-300)), flint)])
     return best
 

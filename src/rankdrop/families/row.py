@@ -174,11 +174,13 @@ def _tested(
     return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
 
 
-def soundness(problem: Problem, system: System, codimension: int, rng: np.random.Generator) -> tuple[Check, Array]:
+def soundness(
+    problem: Problem, system: System, codimension: int, rng: np.random.Generator, *, exact: bool = False
+) -> tuple[Check, Array]:
     """Solve equations from random starts and look at the rank there.
 
     Solutions where the equations' Jacobian is badly conditioned (sheets crossing) are known too inexactly to be judged
-    and are left out.
+    and are left out; of exact equations also those with a σ that such an error explains.
 
     Returns:
         The counts, and the (S, n) solutions that do not have the corank.
@@ -188,9 +190,10 @@ def soundness(problem: Problem, system: System, codimension: int, rng: np.random
     q = q[solved & (slope > _least_slope(slope[solved]))]
     if not len(q):
         return Check(0, 0), q
-    sigma = problem.sigma(q)
-    singular = sigma[:, problem.rank] <= problem.tolerances.singular
-    return Check(len(q), int(singular.sum())), q[~singular]
+    sigma = problem.sigma(q)[:, problem.rank]
+    singular = sigma <= problem.tolerances.singular
+    regular = (sigma > HIGHER) & system.zero(q) if exact else ~singular
+    return Check(int((singular | regular).sum()), int(singular.sum())), q[regular]
 
 
 MOST_VALUES = 8  # values at which a joint still counts as pinned

@@ -141,12 +141,13 @@ def on_any(cover: Membership, rows: Sequence[Row], count: int) -> Mask:
 def on_row(problem: Problem, row: Row, q: Array) -> Mask:
     """(N,) whether points lie on a row.
 
-    A point lies on a row when it is nearer than `tolerances.explained`. Where several sheets meet, σ is of third or
-    higher order in the distance and a point is known less well than that. So a point also lies on a row when σ stays at
+    A point lies on a row when it is nearer than `tolerances.explained`, or solves the equations to rounding: where
+    these are flat, as next to a special structure, rounding alone makes a longer way of it. Where several sheets meet,
+    σ is of third or higher order in the distance and a point is known less well than that. So a point also lies on a row when σ stays at
     rounding level on the whole way to it: then nothing tells the point from its foot on the row.
     """
     distance, foot = row.system.nearest(q)
-    near = distance <= problem.tolerances.explained
+    near = (distance <= problem.tolerances.explained) | row.system.zero(q)
     unsure = np.flatnonzero(~near & np.isfinite(distance))
     if len(unsure):
         part = np.linspace(0.0, 1.0, 6)[:, None, None]

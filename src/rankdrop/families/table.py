@@ -25,13 +25,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.genuine import genuine
+from rankdrop.families.genuine import not_singular, polished
 from rankdrop.families.row import Row, elsewhere, row_of, soundness, witness
 from rankdrop.families.rows import Membership, find_rows, leftovers, membership, on_any
 from rankdrop.families.search_record import Outcome, Search, none_found, unseen
 from rankdrop.families.searching import search
 from rankdrop.families.signature import HIGHER, Inspection, inspect
-from rankdrop.family.equation import System, pretty_angle
+from rankdrop.family.equation import SOLVED, Mask, System, pretty_angle
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import (
     Check,
@@ -39,7 +39,6 @@ from rankdrop.family.record import (
     CorankFamilies,
     CorankSummary,
     Family,
-    Mistaken,
     Pin,
     Sampled,
     family_from_metres,
@@ -116,7 +115,7 @@ def families(
         return replace(inner, families=outer)
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
-    points, mistaken = genuine(problem, cloud.converged)
+    points = polished(problem, cloud.converged)
     inspection = inspect(problem, points, signatures=known is None)
     cover = membership(problem, points)
     if known is None:
@@ -127,13 +126,20 @@ def families(
     tested = _tested(problem, rows, inspection, cover, seed)
     kept = list(tested)
     report(60, STEPS)
-    others, mistaken_too = _fresh(problem, cloud, inspection, seed, threads, wanted, fresh)
+    others = polished(problem, _fresh(problem, cloud, inspection, seed, threads, wanted, fresh))
     checked = inspect(problem, others, signatures=False)
     report(80, STEPS)
     new = membership(problem, others)
     on_rows = on_any(new, kept, len(others))
-    rest = leftovers(problem, inspection, ~on_any(cover, kept, len(points)), checked, ~on_rows)
-    share = Check(int(checked.exact.sum()), int((checked.exact & on_rows).sum()))
+    left = (inspection.exact & ~on_any(cover, kept, len(points)), checked.exact & ~on_rows)
+    both = np.concatenate([points[left[0]], others[left[1]]])
+    wrong, mistaken = not_singular(
+        problem, both, lambda q: on_any(membership(problem, q), kept, len(q)) | _solved(kept, q)
+    )
+    for mask, mistakes in zip(left, np.split(wrong, [int(left[0].sum())]), strict=True):
+        mask[mask] = ~mistakes
+    rest = leftovers(problem, inspection, left[0], checked, left[1])
+    share = Check(int(((checked.exact & on_rows) | left[1]).sum()), int((checked.exact & on_rows).sum()))
     listed = []
     for count, row in enumerate(kept if known is not None else sorted(kept, key=_order)):
         explains = Check(share.tested, int((checked.exact & new(row)).sum()))
@@ -148,8 +154,17 @@ def families(
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
-    wrong = tuple(fault for row in kept for fault in contradictions(problem, row, tested[row]))
-    return CorankFamilies(summary, ordered, wrong, mistaken.joined(mistaken_too))
+    against = tuple(one for row in kept for one in contradictions(problem, row, tested[row]))
+    return CorankFamilies(summary, ordered, against, mistaken)
+
+
+def _solved(rows: Sequence[Row], q: Array) -> Mask:
+    """(N,) whether singular configurations solve the equations of a row, which may be flat next to a special structure.
+    """
+    solved = np.zeros(len(q), dtype=np.bool_)
+    for row in rows:
+        solved |= np.abs(row.system.values(q)).max(axis=1) <= SOLVED
+    return solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +194,7 @@ def _tested(
     found: dict[Row, Tested] = {}
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, problem.corank, 7, i])
-        sound, _ = soundness(problem, row.system, row.signature.rank, rng)
+        sound, _ = soundness(problem, row.system, row.signature.rank, rng, exact=row.family is not None)
         points, room = _generic(problem, row, inspection.q[cover(row)], rng)
         fitted_badly = row.family is None and not sound.holds
         if fitted_badly or (not len(points) and (row.family is None or problem.limits)):
@@ -232,10 +247,10 @@ def _marks(rows: Sequence[Row]) -> dict[int, list[float]]:
 
 def _fresh(
     problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int, fresh: Search | None
-) -> tuple[Array, Mistaken]:
+) -> Array:
     """Points of a search with another seed: at least `wanted` of exactly this corank where possible."""
     if fresh is not None:
-        return genuine(problem, fresh.converged)
+        return fresh.converged
     rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = [np.zeros((0, problem.n))]
     found, spent = 0, 0
@@ -253,7 +268,7 @@ def _fresh(
         found += int((sigma[:, problem.rank - 1] > HIGHER).sum()) if problem.rank else len(sigma)
         spent += starts
         parts.append(part.converged)
-    return genuine(problem, np.concatenate(parts))
+    return np.concatenate(parts)
 
 
 def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:

@@ -279,19 +279,15 @@ class Contradiction:
 
 @dataclass(frozen=True, slots=True)
 class Mistaken:
-    """Points that a search took for singular, σ being below its threshold, and that are minima of σ.
+    """Points that a search took for singular, σ being below its threshold, and that are not.
 
     Attributes:
         points: how many.
-        sigma: the smallest of these minima, worked out with 50 digits; inf without points.
+        sigma: the smallest of the minima of σ next to them, worked out with 50 digits; inf where none was met.
     """
 
     points: int = 0
     sigma: float = inf
-
-    def joined(self, other: Mistaken) -> Mistaken:
-        """Those of two searches."""
-        return Mistaken(self.points + other.points, min(self.sigma, other.sigma))
 
 
 @dataclass(frozen=True, slots=True)

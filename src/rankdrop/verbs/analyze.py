@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import isfinite
 
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
@@ -239,8 +240,8 @@ def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     """What the searches took for singular and is not."""
     return tuple(
         f"corank {one.summary.corank}: {one.mistaken.points:,} points of the searches with "
-        f"σ ≤ {DEFAULT.singular:g} are not singular; computed with 50 digits σ has a minimum of "
-        f"{one.mistaken.sigma:.2g} there"
+        f"σ ≤ {DEFAULT.singular:g} are not singular: followed with 50 digits, σ does not vanish next to them"
+        + (f", it has a minimum of {one.mistaken.sigma:.2g}" if isfinite(one.mistaken.sigma) else "")
         for one in tables if one.mistaken.points
     )  # fmt: skip
 

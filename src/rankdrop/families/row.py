@@ -197,7 +197,7 @@ def soundness(
 
 
 MOST_VALUES = 8  # values at which a joint still counts as pinned
-SAME_VALUE = 1e-6  # values closer than this are one [rad, m]
+SAME_VALUE = 1e-8  # values closer than this are one [rad, m]; micrometres of an offset move values by 1e-6
 SAMPLED = 64  # solutions from which the values of a family's joints are read
 
 

@@ -143,8 +143,8 @@ def on_row(problem: Problem, row: Row, q: Array) -> Mask:
 
     A point lies on a row when it is nearer than `tolerances.explained`, or solves the equations to rounding: where
     these are flat, as next to a special structure, rounding alone makes a longer way of it. Where several sheets meet,
-    σ is of third or higher order in the distance and a point is known less well than that. So a point also lies on a row when σ stays at
-    rounding level on the whole way to it: then nothing tells the point from its foot on the row.
+    σ is of third or higher order in the distance and a point is known less well than that. So a point also lies on a
+    row when σ stays at rounding level on the whole way to it: then nothing tells the point from its foot on the row.
     """
     distance, foot = row.system.nearest(q)
     near = (distance <= problem.tolerances.explained) | row.system.zero(q)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 import tomllib
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
@@ -271,6 +273,18 @@ def test_an_archive_tells_its_size_before_it_is_unpacked(tmp_path: Path, monkeyp
     monkeypatch.setattr(np, "load", lambda *_, **__: pytest.fail("it was unpacked"))
     with pytest.raises(RankdropError, match=r"bomb.npz, q: the array is too large"):
         read_trajectory(path, ARM)
+
+
+def test_an_archive_with_two_arrays_of_one_name_is_refused(tmp_path: Path) -> None:
+    """The size of one was checked and the other one was read: a file of 3 MB cost 6.2 GB."""
+    small, large = io.BytesIO(), io.BytesIO()
+    np.save(small, np.zeros((2, 4)))
+    np.save(large, np.zeros((20_000, 4)))
+    with ZipFile(tmp_path / "twice.npz", "w", ZIP_DEFLATED) as archive:
+        archive.writestr("q", small.getvalue())
+        archive.writestr("q.npy", large.getvalue())
+    with pytest.raises(RankdropError, match=r"twice.npz, q: two arrays of the archive have the same name"):
+        read_trajectory(tmp_path / "twice.npz", ARM)
 
 
 def test_errors_are_short_and_printable_whatever_the_file_says() -> None:

@@ -76,12 +76,16 @@ def _load(path: Path) -> Array | Mapping[str, Any]:
                 return np.asarray(np.load(path, allow_pickle=False))
         if not is_zipfile(path):
             raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=repr(begin))
-        with ZipFile(path) as archive:
-            sizes = {one.filename.removesuffix(".npy"): one.file_size for one in archive.infolist()}
         wanted = {name for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES) for name in kind}
-        for name in sorted(wanted & set(sizes)):
-            if sizes[name] > LARGEST_ARRAY:
-                raise TrajectoryError("the array is too large", where=f"{path}, {name}", allowed=_MOST)
+        with ZipFile(path) as archive:
+            members = [(one.filename.removesuffix(".npy"), one.file_size) for one in archive.infolist()]
+        names = [name for name, _ in members]
+        for name in [name for name in names if names.count(name) > 1][:1]:  # NumPy would read the other one
+            raise TrajectoryError("two arrays of the archive have the same name", where=f"{path}, {name}",
+                                  mend="name each array once")  # fmt: skip
+        if sum(size for name, size in members if name in wanted) > LARGEST_ARRAY:
+            largest, _ = max(((name, size) for name, size in members if name in wanted), key=lambda one: one[1])
+            raise TrajectoryError("the array is too large", where=f"{path}, {largest}", allowed=_MOST)
         with np.load(path, allow_pickle=False) as loaded:
             return {name: loaded[name] if name in wanted else None for name in loaded}
     except OSError as error:
@@ -101,7 +105,7 @@ def _part(archive: Mapping[str, Any], names: tuple[str, ...], where: str) -> Arr
 
 def _numbers(value: Any, where: str) -> Array:
     try:
-        return np.array(value, dtype=np.float64)
+        return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         kind = np.asarray(value).dtype
         raise TrajectoryError("these are no numbers", where=where, got=f"an array of {kind}") from None

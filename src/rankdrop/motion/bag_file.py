@@ -7,6 +7,8 @@ count from the first row.
 
 from __future__ import annotations
 
+import io
+import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -16,8 +18,10 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RankdropError
+from rankdrop.jobs.limited import CPU, MEMORY, run_limited
 from rankdrop.motion.array_file import arranged
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError, checked_times
+from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 
 BAGS = (".bag", ".db3", ".mcap")
@@ -25,8 +29,8 @@ _STATE, _PLAN = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajecto
 _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}
 _MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
 _LISTED = 12  # topics that an error names
+_SECONDS = 1.0  # of the processor for each MB of a bag, besides those that every file has
 _MEANT = {
-    MemoryError: "a record that is longer than the memory",
     OverflowError: "a record that is longer than any file",
     AssertionError: "records that contradict each other",
     KeyError: "a record about one that is not there",
@@ -62,7 +66,29 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
     name = str(path)
     if not path.exists():
         raise TrajectoryError("the file cannot be read: there is no such file", where=name)
-    store, reader, digest = _opened(path)
+    try:
+        import rosbags
+    except ImportError as error:
+        raise MissingExtraError("rosbags", "bags", "a ROS bag") from error
+    del rosbags
+    size = sum(one.stat().st_size for one in (path.iterdir() if path.is_dir() else [path]))
+    names = [joint.name for joint in robot.variables]
+    content = run_limited(bag_rows, name, names, topic, file=path, parser="the reader of ROS bags",
+                          memory=MEMORY, cpu=CPU + int(_SECONDS * size / 1e6), error=TrajectoryError)  # fmt: skip
+    parts = np.load(io.BytesIO(content))
+    about = json.loads(str(parts["about"]))
+    columns = (parts.get(key) for key in ("t", "qd", "qdd"))
+    found = arranged(about["where"], robot, parts["q"], *columns, deg=deg)
+    return replace(found, name=path.name, notes=tuple(about["notes"]), unused=tuple(about["unused"]))
+
+
+def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
+    """Rows of a bag as NumPy's archive of `q`, `t`, `qd`, `qdd`, and `about` in JSON; runs in a child process.
+
+    Raises:
+        TrajectoryError: as `read_bag`.
+    """
+    store, reader, digest = _opened(Path(name))
     with _reading(name), reader as bag:
         chosen = _topic(list(bag.connections), name, topic)
         where = f"{name}, topic {chosen[0].topic}"
@@ -72,27 +98,27 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
                                       allowed="the fields of ROS's own message")  # fmt: skip
         promised = sum(one.msgcount for one in chosen)
         with _reading(where):
-            rows = _Rows(where, [joint.name for joint in robot.variables])
+            rows = _Rows(where, joints)
             take = rows.state if chosen[0].msgtype == _STATE else rows.plan
             for connection, stamp, data in bag.messages(connections=chosen):
                 rows.number += 1
                 with _reading(f"{where}, message {rows.number}"):
                     message = store(data, connection.msgtype)
                 take(message, stamp)
+                if len(rows.q) > MOST_ROWS:
+                    raise TrajectoryError("there are too many rows", where=where, allowed=f"at most {MOST_ROWS}")
             if rows.number < promised:
                 raise TrajectoryError("the bag is cut off", where=where, mend=_MEND,
                                       got=f"{rows.number} of {promised} messages")  # fmt: skip
-    return rows.trajectory(robot, deg=deg)
+    return rows.packed()
 
 
 def _opened(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str], str]]:
     """How to read a message, the reader, and the digest that a type of ROS's own has."""
-    try:
-        from rosbags.rosbag1 import Reader as Reader1
-        from rosbags.rosbag2 import Reader as Reader2
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingExtraError("rosbags", "bags", "a ROS bag") from error
+    from rosbags.rosbag1 import Reader as Reader1
+    from rosbags.rosbag2 import Reader as Reader2
+    from rosbags.typesys import Stores, get_typestore
+
     with _reading(str(path)):
         if path.suffix.lower() == ".bag":
             store = get_typestore(Stores.ROS1_NOETIC)
@@ -127,7 +153,7 @@ def _reading(where: str) -> Iterator[None]:
     """Whatever a reader meets in a damaged file (zlib, SQLite, struct, its own errors) as one error of ours."""
     try:
         yield
-    except RankdropError:
+    except (RankdropError, MemoryError):  # the process that reads a bag has a limit on its memory
         raise
     except Exception as error:
         got = _MEANT.get(type(error)) or " ".join(f"{type(error).__name__}: {error}".split())[:160]
@@ -246,8 +272,8 @@ class _Rows:
                 raise TrajectoryError(f"the {what} is not finite", where=f"{at}, joint {joint!r}", got=value)
         return np.asarray(given[places])
 
-    def trajectory(self, robot: Robot, *, deg: bool) -> Trajectory:
-        """Everything that was read, in the order of time."""
+    def packed(self) -> bytes:
+        """Everything that was read, in the order of time, as NumPy's archive."""
         if not self.q:
             got = f"{self.number} messages" + (f" of {', '.join(sorted(self.others))}" if self.others else "")
             raise TrajectoryError("no message has this arm's joints", where=self.where, got=got,
@@ -269,10 +295,14 @@ class _Rows:
             kept = [k for k in kept if k not in set(again)]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
         checked_times(times, [self.told[k] for k in kept])
-        found = arranged(self.where, robot, self._stacked(self.q, kept), times, self._stacked(self.qd, kept),
-                         self._stacked(self.qdd, kept), deg=deg)  # fmt: skip
-        return replace(found, name=Path(self.where.partition(", topic ")[0]).name, notes=tuple(notes),
-                       unused=tuple(sorted(self.others)))  # fmt: skip
+        parts = {"t": times, "q": np.array([self.q[k] for k in kept])}
+        for key, values in (("qd", self.qd), ("qdd", self.qdd)):
+            if all(values[k] is not None for k in kept):  # every row has them
+                parts[key] = np.array([values[k] for k in kept])
+        about = json.dumps({"where": self.where, "notes": notes, "unused": sorted(self.others)})
+        buffer = io.BytesIO()
+        np.savez(buffer, about=np.array(about), **parts)  # type: ignore[arg-type]  # allow_pickle is no array
+        return buffer.getvalue()
 
     def _in_force(self, starts: list[int], when: list[int]) -> list[int]:
         """Rows of plans, without those that a later plan has replaced."""
@@ -285,11 +315,6 @@ class _Rows:
 
     def _same(self, one: int, other: int, when: list[int]) -> bool:
         return when[one] == when[other] and bool((self.q[one] == self.q[other]).all())
-
-    @staticmethod
-    def _stacked(rows: list[Any], kept: list[int]) -> Any:
-        """(T, n) where every row has values, else None."""
-        return None if any(rows[k] is None for k in kept) else np.array([rows[k] for k in kept])
 
 
 def _nanoseconds(time: Any) -> int:

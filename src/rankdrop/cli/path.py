@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output
 from rankdrop.motion import PathOptions, RemedyOptions
 from rankdrop.options import Options, option
 
@@ -75,15 +75,10 @@ class ManyFiles(Options):
 
 
 @dataclass(frozen=True)
-class Output(Options):
+class PathOutput(Output):
     """What is printed and written."""
 
-    TITLE = "Output"
-
     full: Annotated[bool, option("Print every crossing and every free stretch")] = False
-    json: Annotated[
-        str | None, option("Write the result to this file as well; - writes it to stdout in place of the text")
-    ] = None  # fmt: skip
     figure: Annotated[
         str | None, option("Draw distance, singular value and joint rates along the path: .svg, .png or .pdf")
     ] = None  # fmt: skip
@@ -99,11 +94,10 @@ class Output(Options):
     model_tolerance: Annotated[
         str | None, option("Prove the path free for every arm so near to this one, joint by joint: 0.3mm,1mrad")
     ] = None  # fmt: skip
-    quiet: Annotated[bool, option("No progress")] = False
 
 
 PLAIN_CHECK, NO_REMEDIES, PLAIN_INPUT, ONE_FILE, TEXT_ONLY = (
-    PathOptions(), Remedies(), Input(), ManyFiles(), Output()
+    PathOptions(), Remedies(), Input(), ManyFiles(), PathOutput()
 )  # fmt: skip
 OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 """Outputs of a single path."""
@@ -119,7 +113,7 @@ def path(
     check: PathOptions = PLAIN_CHECK,
     mend: Remedies = NO_REMEDIES,
     many: ManyFiles = ONE_FILE,
-    output: Output = TEXT_ONLY,
+    output: PathOutput = TEXT_ONLY,
 ) -> int:
     """Check a path for singularities, between its samples too.
 
@@ -225,7 +219,7 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
     return robot, found
 
 
-def _check_several(output: Output, mend: Remedies) -> None:
+def _check_several(output: PathOutput, mend: Remedies) -> None:
     """Refuse what is of one path.
 
     Raises:
@@ -249,7 +243,7 @@ def _remedies(check: PathCheck, mend: Remedies, families: Analysis | None, repor
 
 
 def _hand_over_one(
-    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None, output: Output,
+    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None, output: PathOutput,
     fixed: str | None, file: Path,
 ) -> int:  # fmt: skip
     """Print and write one path; the exit code."""

@@ -243,8 +243,8 @@ def _remedies(check: PathCheck, mend: Remedies, families: Analysis | None, repor
 
 
 def _hand_over_one(
-    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None, output: PathOutput,
-    fixed: str | None, file: Path,
+    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None,
+    output: PathOutput, fixed: str | None, file: Path,
 ) -> int:  # fmt: skip
     """Print and write one path; the exit code."""
     from rankdrop.cli.certificates import save_certificate

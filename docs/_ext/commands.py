@@ -11,6 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 from rankdrop.cli.main import app as commands
+from rankdrop.cli.main import whole_help
 
 WIDTH = 84  # what a page shows without being scrolled
 
@@ -22,6 +23,7 @@ def names() -> list[str]:
 
 def help_of(name: str | None = None) -> str:
     """What --help prints, as plain text."""
+    whole_help(name or "")
     printed = StringIO()
     console = Console(file=printed, width=WIDTH, color_system=None, force_terminal=False)
     commands.help_print([] if name is None else [name], console=console)

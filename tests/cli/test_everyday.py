@@ -85,7 +85,7 @@ def test_files_are_written_though_stdout_is_closed(tmp_path: Path) -> None:
     assert (tmp_path / "a.json").stat().st_size > 1000
 
 
-@pytest.mark.parametrize("module", ["importlib.metadata", "cyclopts", "numpy", "rich.console", "rankdrop.cli.view"])
+@pytest.mark.parametrize("module", ["importlib.metadata", "cyclopts", "numpy", "rich.console", "rankdrop.questions"])
 def test_ctrl_c_while_a_module_is_imported(module: str) -> None:
     """The signal comes inside the import, deterministically: once as it is, once where the module swallows it."""
     program = """

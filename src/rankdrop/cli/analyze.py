@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, OUTPUT, ROBOT, IdealOptions, Output
+from rankdrop.cli.arm import NO_IDEAL, OUTPUT, ROBOT, IdealOptions, Output, command
 from rankdrop.questions import AnalyzeOptions
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rankdrop.verbs import Idealised
 
 
+@command
 def analyze(
     robot: ROBOT,
     /,

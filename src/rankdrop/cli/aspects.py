@@ -7,9 +7,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
 
 
+@command
 def aspects(
     robot: str,
     /,

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import OUTPUT, Output
+from rankdrop.cli.arm import OUTPUT, Output, command
 from rankdrop.options import Options, option
 
 
@@ -63,6 +63,7 @@ class CompareOptions(Options):
         return asked
 
 
+@command
 def compare(
     *arms: Annotated[str, Parameter(help="Names in the catalogue (`rankdrop robots`) or files.")],
     options: CompareOptions = CompareOptions(),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole, command
 from rankdrop.errors import OptionError, RankdropError
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ _ANGLES = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 _SWITCH = Parameter(negative=(), show_default=False)
 
 
+@command
 def conditions(
     robot: str,
     /,

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
 
 if TYPE_CHECKING:
     from rankdrop.results import Covered
 
 
+@command
 def cover(
     robot: str | None = None,
     /,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, NO_TOOL, ROBOT, IdealOptions, Output, Q, ToolOptions
+from rankdrop.cli.arm import NO_IDEAL, NO_TOOL, ROBOT, IdealOptions, Output, Q, ToolOptions, command
 from rankdrop.options import Options, option
 from rankdrop.questions import ExplainOptions
 from rankdrop.tolerances import EVALUATIONS
@@ -51,6 +51,7 @@ EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "
 BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
 
 
+@command
 def explain(
     robot: ROBOT,
     /,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, whole
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command, whole
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import SearchOptions
@@ -53,6 +53,7 @@ class Where(Options):
     ] = None
 
 
+@command
 def find(
     robot: ROBOT,
     /,

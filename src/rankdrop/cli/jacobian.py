@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command
 from rankdrop.options import Options, option
 
 
@@ -28,6 +28,7 @@ class JacobianOptions(Options):
     latex: Annotated[str | None, option("Write the closed forms as LaTeX to this file; - for stdout")] = None
 
 
+@command
 def jacobian(
     robot: ROBOT,
     /,

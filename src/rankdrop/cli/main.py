@@ -41,37 +41,44 @@ try:
     )
 
     from rankdrop.cli import exits
-    from rankdrop.cli.analyze import analyze
-    from rankdrop.cli.arm import Help, command, prose
-    from rankdrop.cli.aspects import aspects
-    from rankdrop.cli.compare import compare
-    from rankdrop.cli.conditions import conditions
-    from rankdrop.cli.cover import cover
-    from rankdrop.cli.explain import explain
-    from rankdrop.cli.find import find
-    from rankdrop.cli.jacobian import jacobian
-    from rankdrop.cli.monitor import monitor
-    from rankdrop.cli.path import path
-    from rankdrop.cli.report import report
-    from rankdrop.cli.robots import robots
-    from rankdrop.cli.sweep import sweep
+    from rankdrop.cli.arm import Help, prose
     from rankdrop.cli.terminal import encode_plainly, say
-    from rankdrop.cli.through import through
-    from rankdrop.cli.tolerant import tolerant
-    from rankdrop.cli.verify import verify
-    from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
 
 GROUPS = {
-    "Main": (analyze, explain, path, report, view, robots),
-    "Design": (sweep, compare),
-    "Exact and proof": (conditions, cover, verify),
-    "Export": (monitor, jacobian),
-    "Research": (find, aspects, through, tolerant),
+    "Main": {
+        "analyze": "Find every family of singularities of an arm.",
+        "explain": "Explain a configuration: what is lost, how to get out.",
+        "path": "Check a path for singularities, between its samples too.",
+        "report": "Write a page about an arm, or figures for papers.",
+        "view": "Show an arm in a browser, with sliders and verdict.",
+        "robots": "List the arms of the catalogue.",
+    },
+    "Design": {
+        "sweep": "Measure many variants of an arm.",
+        "compare": "Compare arms for the same task.",
+    },
+    "Exact and proof": {
+        "conditions": "Derive the singularity conditions of an arm exactly.",
+        "cover": "Enclose all singular configurations in boxes.",
+        "verify": "Check a certificate: prove its claim again.",
+    },
+    "Export": {
+        "monitor": "Write an arm and its families as a C header.",
+        "jacobian": "Write the Jacobian of a link's frame, and its inverse.",
+    },
+    "Research": {
+        "find": "Find singular configurations of one corank.",
+        "aspects": "Find changes of posture without a singularity.",
+        "through": "Check whether a path through a singularity can be tracked.",
+        "tolerant": "Find configurations that tolerate a failed joint best.",
+    },
 }
+"""Group -> command -> its line in the help. The file of a command is imported when the command is typed."""
+COMMANDS = tuple(name for commands in GROUPS.values() for name in commands)
 ALIASES = {"escape": ("explain", "--only", "escape"), "nearest": ("explain", "--only", "nearest")}
 """First word -> the words that it stands for."""
 
@@ -100,8 +107,8 @@ app = App(
 )
 for _place, _title in enumerate(GROUPS):
     _group = Group(_title, sort_key=_place)
-    for _rank, _command in enumerate(GROUPS[_title]):
-        app.command(command(_command), group=_group, help=prose(_command.__doc__ or ""), sort_key=_rank)
+    for _rank, (_name, _help) in enumerate(GROUPS[_title].items()):
+        app.command(f"rankdrop.cli.{_name}:{_name}", name=_name, group=_group, help=_help, sort_key=_rank)
 
 
 _ZSH = """
@@ -187,6 +194,13 @@ def run(argv: Sequence[str]) -> int:
     return exits.INTERRUPTED if stopped and code != exits.BROKEN_PIPE else code
 
 
+def whole_help(command: str) -> None:
+    """Let the help of a command be that of its file, not only its line in the list."""
+    if command in COMMANDS:
+        found = app[command]
+        found.help = prose(getattr(found.default_command, "__doc__", None) or "")
+
+
 def _expand(argv: Sequence[str]) -> list[str]:
     """The words with aliases in full: `rankdrop nearest …` is `rankdrop explain … --only nearest`."""
     words = list(argv)
@@ -202,6 +216,7 @@ def _expand(argv: Sequence[str]) -> list[str]:
 
 def _run(argv: Sequence[str]) -> int:
     try:
+        whole_help(argv[0])
         code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except CycloptsError as error:

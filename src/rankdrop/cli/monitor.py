@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions
+from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions, command
 from rankdrop.options import Options, option
 
 
@@ -26,6 +26,7 @@ class MonitorOptions(Options):
     quiet: Annotated[bool, option("No progress")] = False
 
 
+@command
 def monitor(
     robot: ROBOT,
     /,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output, command
 from rankdrop.motion import PathOptions, RemedyOptions
 from rankdrop.options import Options, option
 
@@ -103,6 +103,7 @@ OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 """Outputs of a single path."""
 
 
+@command
 def path(
     robot: str | None = None,
     /,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output
+from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output, command
 from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ class ReportOptions(Options):
         return path
 
 
+@command
 def report(
     robot: Annotated[str, Parameter(
         help="Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`)."

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
+from rankdrop.cli.arm import command
 
 if TYPE_CHECKING:
     from rankdrop.robot import CatalogEntry
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 _NO_MAKER = "Documents"
 
 
+@command
 def robots(
     text: Annotated[str, Parameter(help="Only arms whose name, maker or description hold these words.")] = "",
     /,

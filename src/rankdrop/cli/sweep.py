@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import OUTPUT, Output
+from rankdrop.cli.arm import OUTPUT, Output, command
 from rankdrop.options import Options, option
 
 
@@ -41,6 +41,7 @@ class SweepOptions(Options):
         return tuple(word.strip() for word in self.over.split(",")) if self.over else ()
 
 
+@command
 def sweep(
     spec: Annotated[str | None, Parameter(help="File with the arm, the parameters, and what is asked (.toml).")] = None,
     /,

@@ -7,9 +7,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, Q, numbers_of
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, Q, command, numbers_of
 
 
+@command
 def through(
     robot: ROBOT,
     /,

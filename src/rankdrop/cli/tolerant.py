@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command
 from rankdrop.questions import TolerantOptions
 
 
+@command
 def tolerant(
     robot: ROBOT,
     /,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
 
 if TYPE_CHECKING:
     from rankdrop.certify import Verified
@@ -37,6 +37,7 @@ class AboutOptions:
 ANYTHING = AboutOptions()
 
 
+@command
 def verify(
     file: str,
     /,

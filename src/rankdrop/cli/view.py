@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions
+from rankdrop.cli.arm import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions, command
 from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class ViewOptions(Options):
     quiet: Annotated[bool, option("No progress; the address alone, without notes")] = False
 
 
+@command
 def view(
     robot: ROBOT = "ur5",
     /,

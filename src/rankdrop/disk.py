@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -58,6 +60,36 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+@contextmanager
+def locked(path: str | Path) -> Iterator[None]:
+    """Hold a lock on a name, for this process alone; it ends with the process, however that ends.
+
+    The lock is that of the system on the file `path`.lock, which is removed afterwards. Where the system has no such
+    locks (Windows), nothing is held.
+
+    Args:
+        path: of the file or folder that one process at a time may work on.
+
+    Raises:
+        BlockingIOError: another process holds it.
+        OSError: no permission, no such folder.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    name = f"{path}.lock"
+    with open(name, "ab") as file:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not os.path.exists(name) or os.stat(name).st_ino != os.fstat(file.fileno()).st_ino:
+            raise BlockingIOError(name)  # its last holder removed it a moment ago
+        try:
+            yield
+        finally:
+            os.unlink(name)
 
 
 def append_line(path: str | Path, line: str) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
+import zlib
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +38,7 @@ from rankdrop.jobs import progress_of
 from rankdrop.jobs.folder import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale
-from rankdrop.proof.boxes import check_plan, digest
+from rankdrop.proof.boxes import MAGIC, BitTree, check_plan, digest
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -468,3 +471,66 @@ def test_a_budget_ends_the_work_and_says_so():
     assert (found.complete, found.stopped) == (False, "the budget is spent")
     with pytest.raises(OptionError, match="budget"):
         covering(open_robot("almarkhi4"), 0.3, budget=0)
+
+
+def test_two_processes_do_not_make_one_file(tmp_path):
+    """The second is refused in one line while the first is at work; the lock ends with it."""
+    robot, out = open_robot("planar3r"), tmp_path / "one.cover"
+    seen = []
+
+    def second(label: str, done: int, total: int) -> None:
+        if not seen:
+            seen.append(done)
+            with pytest.raises(ResultFileError, match=r"another process is working on this"):
+                cover(robot, width=0.1, out=out, explain=False)
+
+    assert cover(robot, width=0.1, out=out, explain=False, report=second).complete
+    assert seen
+    assert os.listdir(tmp_path) == ["one.cover"]
+    assert cover(robot, width=0.1, out=out, explain=False).complete
+
+
+def test_a_lock_that_its_process_left_behind_is_none(tmp_path):
+    (tmp_path / "one.cover.lock").write_bytes(b"")  # kill -9: the file is there, the lock is not
+    assert cover(open_robot("planar3r"), width=0.1, out=tmp_path / "one.cover", explain=False).complete
+
+
+def plan_of_boxes(depth: int, variables: int = 4) -> Any:
+    plan = covering(open_robot("planar3r"), 0.4).plan
+    return replace(plan, variables=(1, 2, 3, 4)[:variables], lower=(0.0,) * variables, upper=(6.3,) * variables,
+                   turns=(True,) * variables, depth=(depth,) * variables, top=0)  # fmt: skip
+
+
+def test_a_file_that_unpacks_to_too_much_is_refused_before_it_does(tmp_path):
+    """A megabyte of the same byte: two thousand megabytes of boxes, all of which the plan has room for."""
+    import tracemalloc
+
+    plan = plan_of_boxes(9)
+    head = {"plan": plan.entries(), "sha256": "0" * 64, "tested": 0, "freed": 0, "leaves": 1}
+    stream = zlib.compressobj(9)
+    packed = b"".join([stream.compress(b"\x01"), *(stream.compress(b"\xff" * (1 << 22)) for _ in range(200)),
+                       stream.flush()])  # fmt: skip
+    path = tmp_path / "bomb.cover"
+    path.write_bytes(MAGIC + json.dumps(head).encode() + b"\n" + packed)
+    assert len(packed) < 1_000_000
+    tracemalloc.start()
+    with pytest.raises(ResultFileError, match="more boxes than a file of this size holds"):
+        load_covering(path)
+    assert tracemalloc.get_traced_memory()[1] < 6e8
+    tracemalloc.stop()
+    assert how_far(path) == f"finished: 1 boxes in {path}"  # from the head alone
+
+
+def test_a_covering_so_regular_that_it_packs_like_a_bomb_is_read_back(tmp_path, monkeypatch):
+    """All boxes left: 2 bytes of masks for 16 boxes, the same everywhere."""
+    monkeypatch.setattr("rankdrop.proof.boxes._SMALL", 0)
+    plan = plan_of_boxes(5)
+    shape = plan.shape
+    masks = tuple(np.full(int(np.prod(shape.cells(level))), 0xFFFF, shape.kind) for level in range(shape.levels))
+    roots = np.ones(1, dtype=bool)
+    found = Covering(plan, BitTree(shape, roots, roots, masks, np.zeros_like(masks[-1])), 0, 0)
+    write_covering(tmp_path / "all.cover", found)
+    again = load_covering(tmp_path / "all.cover")
+    assert again.tree.leaves == shape.leaves
+    assert (tmp_path / "all.cover").stat().st_size > shape.largest / 200
+    assert again.tree.free_boxes == 0

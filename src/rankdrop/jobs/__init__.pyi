@@ -1,6 +1,7 @@
 from .folder import Folder as Folder
 from .folder import Job as Job
 from .folder import Progress as Progress
+from .folder import alone as alone
 from .folder import progress_of as progress_of
 from .running import MOST_WORKERS as MOST_WORKERS
 from .running import Engine as Engine

@@ -17,13 +17,14 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from rankdrop.disk import append_line, replace_file
+from rankdrop.disk import append_line, locked, replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.version import VERSION
 
@@ -84,6 +85,24 @@ def error_to_dict(error: RankdropError) -> dict[str, Any]:
 def error_from_dict(record: dict[str, Any]) -> RankdropError:
     """The error of a record made by `error_to_dict`."""
     return RankdropError(**record)
+
+
+@contextmanager
+def alone(path: str | Path) -> Iterator[None]:
+    """Work on a file or a folder as the only process.
+
+    Raises:
+        ResultFileError: another process works on it, or no lock can be made there.
+    """
+    with ExitStack() as held:
+        try:
+            held.enter_context(locked(path))
+        except BlockingIOError as error:
+            raise ResultFileError("another process is working on this", where=str(path),
+                                  mend="wait until it has ended, or name another file") from error  # fmt: skip
+        except OSError as error:
+            raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
+        yield
 
 
 JOB, PARTS, JOURNAL = "job.json", "parts", "journal"

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -392,7 +393,9 @@ def check_plan(plan: Plan) -> None:
 
 def _content(file: IO[bytes], where: str) -> tuple[Plan, BitTree, int, int]:
     plan, record = _head(file, where)
-    tree = _unpacked(plan.shape, file.read(_LARGEST))
+    if os.fstat(file.fileno()).st_size > _LARGEST:
+        raise ValueError("it is too large")
+    tree = _unpacked(plan.shape, file.read())
     if digest(plan, tree) != record["sha256"]:
         raise Refused("the covering was changed: its hash is another", where=where, got=record["sha256"])
     return plan, tree, record["tested"], record["freed"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,7 @@ from rankdrop.certify.enclosed import Batch, BudgetSpent
 from rankdrop.errors import OptionError
 from rankdrop.families.box_matching import Explainer, spots
 from rankdrop.family.record import Family
-from rankdrop.jobs import Engine, Job, check_engine, finish, progress_of
+from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
 from rankdrop.proof.boxes import Cells, Plan, plan_from_entries
@@ -148,6 +149,13 @@ def _made(
     robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
 ) -> Covering:
     """The covering from its file, or made, chunk by chunk, in a folder beside it."""
+    with nullcontext() if out is None else alone(out):
+        return _read_or_make(robot, task, plan, out, budget, engine, tell)
+
+
+def _read_or_make(
+    robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
+) -> Covering:
     if out is not None and out.is_file() and out.stat().st_size:
         kept = load_covering(out, plan)
         if kept is not None:

@@ -25,7 +25,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from math import prod
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ Flags = NDArray[np.bool_]
 Cells = NDArray[np.int32]
 
 MAGIC = b"RANKDROP COVER 1\n"
+Content = TypeVar("Content")
 _ONES = np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1).sum(axis=1, dtype=np.uint8)  # bits of a byte
 _CHUNK = 1 << 12  # boxes whose children are looked at together
 _PIECE = 1 << 20  # masks checked, or bytes unpacked, together
@@ -236,10 +237,10 @@ class BitTree:
             count += len(masks) * 2 ** sum(self.shape.halved(level)) - total(masks)
         return count
 
-    def payload(self) -> Iterator[bytes | memoryview]:
+    def payload(self) -> Iterator[memoryview]:
         """Roots as bits, masks level by level, masks of the proven leaves; little-endian."""
-        yield np.packbits(self.roots, bitorder="little").tobytes()
-        yield from (memoryview(np.ascontiguousarray(masks)).cast("B") for masks in (*self.masks, self.proven))
+        yield np.packbits(self.roots, bitorder="little").data
+        yield from (_bytes(masks).reshape(-1).data for masks in (*self.masks, self.proven))
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,7 +343,7 @@ def load_plan(path: Path) -> tuple[Plan, dict[str, Any]]:
     Raises:
         Refused: it cannot be read, or is no covering.
     """
-    return _read(path, lambda file, where: _head(file, where))
+    return _read(path, _head)
 
 
 def load(path: Path) -> tuple[Plan, BitTree, int, int]:
@@ -354,7 +355,7 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
     return _read(path, _content)
 
 
-def _read(path: Path, reader: Callable[[IO[bytes], str], Any]) -> Any:
+def _read(path: Path, reader: Callable[[IO[bytes], str], Content]) -> Content:
     where = str(path)
     try:
         with path.open("rb") as file:

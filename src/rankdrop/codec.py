@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from math import isfinite
 from pathlib import Path
 from types import NoneType, UnionType
@@ -173,30 +173,37 @@ def meanings(record: type) -> dict[str, str]:
 def encode(kind: type[Struct], record: Any) -> dict[str, Any]:
     """A record as plain data: every entry of its table."""
     data = {}
-    getters = _GETTERS[kind]
-    for one in msgspec.structs.fields(kind):
-        value = getters[one.encode_name](record) if one.encode_name in getters else _attribute(record, one.encode_name)
+    for name, value_of, encoded in _entries(kind):
+        value = value_of(record)
         if value is not UNSET:
-            data[one.encode_name] = _encoded(one.type, value)
+            data[name] = encoded(value)
     return data
 
 
-def _attribute(record: Any, name: str) -> Any:
+@cache
+def _entries(kind: type[Struct]) -> tuple[tuple[str, Callable[[Any], Any], Callable[[Any], Any]], ...]:
+    """(name, function of the record, function of its value) of every entry."""
+    getters = _GETTERS[kind]
+    return tuple(
+        (one.encode_name, getters.get(one.encode_name) or partial(_attribute, one.encode_name), _encoder(one.type))
+        for one in msgspec.structs.fields(kind)
+    )
+
+
+def _attribute(name: str, record: Any) -> Any:
     return record.get(name, UNSET) if isinstance(record, dict) else getattr(record, name)
 
 
-def _encoded(kind: Any, value: Any) -> Any:
+def _encoder(kind: Any) -> Callable[[Any], Any]:
+    inner = [one for one in _parts(kind) if one not in (NoneType, UnsetType)]
+    kind = inner[0] if len(inner) == 1 else None
     if get_origin(kind) is Annotated:
-        return _encoded(get_args(kind)[0], value)
-    if get_origin(kind) in (Union, UnionType) and value is not None:
-        inner = [one for one in get_args(kind) if one not in (NoneType, UnsetType)]
-        return _encoded(inner[0], value) if len(inner) == 1 else plain(value)
+        return _encoder(get_args(kind)[0])
     if isinstance(kind, type) and issubclass(kind, Struct):
-        return encode(kind, value)
-    if get_origin(kind) is list and not hasattr(value, "dtype"):
-        inner = get_args(kind)[0]
-        return [_encoded(inner, part) for part in value]
-    return plain(value)
+        return lambda value: None if value is None else encode(kind, value)
+    if get_origin(kind) is list and (each := _encoder(get_args(kind)[0])) is not plain:
+        return lambda value: None if value is None else [each(one) for one in value]
+    return plain
 
 
 def plain(value: Any) -> Any:

@@ -16,12 +16,12 @@ from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
 from rankdrop.family.derivation import NOT_DERIVED
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import family_to_dict
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped
 from rankdrop.robot.model import Joint, JointKind, Robot, geometry
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
+from rankdrop.schema import record_of
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled
 from rankdrop.verbs.analyze import analyze
@@ -66,7 +66,7 @@ def said(analysis: Analysis, power: int) -> dict[str, Any]:
     slides = [joint.kind is JointKind.PRISMATIC for joint in analysis.robot.variables]
     families = []
     for family in analysis.families:
-        record = family_to_dict(family)
+        record = record_of("family", family)
         record["lost_words"] = [in_metres(one, power) for one in family.lost_words]
         record["pinned"] = [
             [one.number, [f"{v * 10.0 ** (-power * slides[one.number - 1]):.12g}" for v in one.values]]

@@ -6,14 +6,16 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import pytest
 
+from rankdrop.family.equation import Equation, Term
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import degrees_text
-from rankdrop.text.latex import as_text, mathematics
+from rankdrop.text.latex import as_text
 from rankdrop.verbs.analyze import analyze
 
 LATEX = shutil.which("pdflatex")
@@ -73,8 +75,13 @@ def test_no_families_are_told_as_no_proof() -> None:
     assert "no proof" in replace(found, families=()).latex()
 
 
-def test_conditions_become_mathematics() -> None:
-    assert mathematics("0.5 cos(2θ2−θ12) · sin θ4") == r"0.5 \cos(2\theta_{2}-\theta_{12}) \cdot  \sin \theta_{4}"
+def test_conditions_are_written_as_mathematics_from_their_terms() -> None:
+    none, half = (0,) * 12, (0, 0, 0, -1, *(0,) * 8)
+    both = (0, 4, *(0,) * 9, -2)
+    squared = (0, 0, 2, *(0,) * 9)
+    told = Equation((Term(0.5, "cos", both, none, 0.0), Term(-1.0, "sin", half, squared, pi / 2)))
+    assert told.pretty() == "0.5 cos(2θ2−θ12) − sin((−θ4 − π)/2) q3²"
+    assert told.latex() == r"0.5 \cos(2\theta_{2}-\theta_{12}) - \sin((-\theta_{4} - \pi)/2) q_{3}^{2}"
 
 
 def test_a_loss_told_at_the_witness_has_the_witness_below_the_table() -> None:

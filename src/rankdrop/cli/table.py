@@ -17,19 +17,20 @@ from rich.text import Text
 from rankdrop.cli.terminal import BAD
 from rankdrop.robot import witness_text
 from rankdrop.text import (
-    MET,
-    TESTED,
+    JOINT,
+    NUMBER,
+    WORDS,
     asked,
     at_witness,
+    broken,
     columns,
     conditions_of,
     examples,
     explained,
     folded,
-    joint_cells,
+    lines_of,
     nothing_found,
     number_of,
-    row_cells,
     starts,
     title,
     within,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from rankdrop.family import CorankSummary, Derivation, Family
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
+    from rankdrop.text import Column
 
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
@@ -99,20 +101,24 @@ def _rows(
 def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
     rows = tuple(shown.values())
     table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), pad_edge=False, show_edge=False)
-    number, name, *joints, dimension, direction, tested, met = columns(robot, rows[0].corank)
-    table.add_column(number, justify="right", no_wrap=True)
-    table.add_column(name, min_width=min(14, max(len(row.name) for row in rows)), max_width=_NAME_COLUMN)
-    for joint, asks in zip(joints, zip(*(joint_cells(robot, row) for row in rows), strict=True), strict=True):
-        table.add_column(joint, justify="center", min_width=max(map(_unbroken, asks)))
-    table.add_column(dimension, justify="right", no_wrap=True, min_width=3)
-    if lost:
-        table.add_column(direction, ratio=1)
-    table.add_column(tested, justify="right", no_wrap=True, min_width=5)
-    table.add_column(met, justify="right", no_wrap=True, min_width=5)
+    every = [one for one in columns(robot, rows[0].corank) if lost or one.key != "lost"]
+    for one in every:
+        if one.key == "lost":
+            table.add_column(one.title, ratio=1)
+        elif one.holds == WORDS:
+            widest = max(len(line) for row in rows for line in lines_of(one, row))
+            table.add_column(one.title, min_width=min(14, widest), max_width=_NAME_COLUMN)
+        elif one.holds == JOINT:
+            table.add_column(one.title, justify="center", min_width=max(_unbroken(broken(one, row)) for row in rows))
+        else:
+            table.add_column(one.title, justify="right", no_wrap=True, min_width=len(one.title))
     for index, row in shown.items():
-        _, _, *middle, words, _, share = row_cells(robot, row)
-        table.add_row(str(index), _name(row), *middle, *([words] if lost else []), _sound(robot, row), share)
+        table.add_row(*(str(index) if one.key == "id" else _cell(one, row) for one in every))
     return table
+
+
+def _cell(column: Column, row: Family) -> Text:
+    return Text(broken(column, row), style=BAD if column.failed(row) else "")
 
 
 def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
@@ -121,18 +127,12 @@ def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column()
     for index, row in shown.items():
-        told = f": {asked(robot, row)}; dim {row.dimension}, {TESTED} "
-        text = Text.assemble(_name(row), told, _sound(robot, row))
-        grid.add_row(str(index), text.append(f", {MET} {row_cells(robot, row)[-1]}"))
+        cells = {one.key: one for one in columns(robot, row.corank)}
+        text = Text.assemble(_cell(cells["name"], row), f": {asked(robot, row)}")
+        for number, one in enumerate(one for one in cells.values() if one.holds == NUMBER and one.key != "id"):
+            text.append(f"{', ' if number else '; '}{one.title} ").append_text(_cell(one, row))
+        grid.add_row(str(index), text)
     return grid
-
-
-def _name(row: Family) -> Text:
-    return Text(row.name, style="" if row.named else BAD)
-
-
-def _sound(robot: Robot, row: Family) -> Text:
-    return Text(row_cells(robot, row)[-2], style="" if row.soundness.holds else BAD)
 
 
 def _unbroken(cell: str) -> int:

@@ -11,11 +11,11 @@ set.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -169,16 +169,23 @@ class Equation:
 
         Terms smaller than `_UNSEEN` of the largest are left out; they stay in `terms`, where a double zero needs them.
         """
+        return self._written(_PLAIN, digits)
+
+    def latex(self, digits: int = 4) -> str:
+        r"""The same as mathematics of LaTeX: "0.9087 \cos \theta_{2} + \cos(\theta_{2}+\theta_{3})"."""
+        return self._written(_LATEX, digits)
+
+    def _written(self, signs: _Signs, digits: int) -> str:
         least = _UNSEEN * max(abs(term.coefficient) for term in self.terms)
         parts = []
         for term in self.terms:
             if abs(term.coefficient) <= least:
                 continue
             number = f"{abs(term.coefficient):.{digits}g}"
-            factors = _pretty_factors(term, digits)
+            factors = _pretty_factors(term, digits, signs)
             body = factors if number == "1" and factors else f"{number} {factors}".strip()
-            parts.append(("−" if term.coefficient < 0 else "+", body))
-        first = ("−" if parts[0][0] == "−" else "") + parts[0][1]
+            parts.append((signs.minus if term.coefficient < 0 else "+", body))
+        first = (signs.minus if parts[0][0] == signs.minus else "") + parts[0][1]
         return first + "".join(f" {sign} {body}" for sign, body in parts[1:])
 
     def __str__(self) -> str:
@@ -295,7 +302,24 @@ def _angle(term: Term) -> str:
     return f"({text})/2" if len([h for h in term.harmonics if h]) > 1 or term.shift else f"{text}/2"
 
 
-def _pretty_factors(term: Term, digits: int) -> str:
+class _Signs(NamedTuple):
+    """How formulas are written: angle and slide of a joint, power, function, minus and π."""
+
+    angle: str
+    slide: str
+    power: Callable[[int], str]
+    function: str
+    minus: str
+    pi: str
+
+
+_PLAIN = _Signs(
+    "θ{}", "q{}", lambda power: str(power).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")), "{}", "−", "π"
+)
+_LATEX = _Signs(r"\theta_{{{}}}", r"q_{{{}}}", lambda power: f"^{{{power}}}", "\\{}", "-", r"\pi")
+
+
+def _pretty_factors(term: Term, digits: int, signs: _Signs) -> str:
     factors = []
     if any(term.harmonics) or term.shift:
         halved = any(h % 2 for h in term.harmonics)
@@ -303,33 +327,39 @@ def _pretty_factors(term: Term, digits: int) -> str:
         for j, h in enumerate(term.harmonics, start=1):
             if h:
                 multiple = abs(h) if halved else abs(h) // 2
-                text += ("−" if h < 0 else "+" if text else "") + (f"θ{j}" if multiple == 1 else f"{multiple}θ{j}")
+                text += signs.minus if h < 0 else "+" if text else ""
+                text += (f"{multiple}" if multiple > 1 else "") + signs.angle.format(j)
+        single = sum(map(bool, term.harmonics)) == 1 and not term.shift
+        simple = single and text.startswith(signs.angle[0])  # no minus, no multiple
         if term.shift:
             shift = term.shift * (2 if halved else 1)
-            text += (" − " if shift > 0 else " + ") + pretty_angle(abs(shift), digits)
-        simple = text.startswith("θ") and sum(map(bool, term.harmonics)) == 1 and not term.shift
+            text += (f" {signs.minus} " if shift > 0 else " + ") + _written_angle(abs(shift), digits, signs)
         if halved:
             text = f"{text}/2" if simple else f"({text})/2"
-        factors.append(f"{term.kind} {text}" if simple and not halved else f"{term.kind}({text})")
-    superscript = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+        name = signs.function.format(term.kind)
+        factors.append(f"{name} {text}" if simple and not halved else f"{name}({text})")
     for j, power in enumerate(term.powers, start=1):
         if power:
-            factors.append(f"q{j}" + (str(power).translate(superscript) if power > 1 else ""))
+            factors.append(signs.slide.format(j) + (signs.power(power) if power > 1 else ""))
     return " ".join(factors)
 
 
 def pretty_angle(value: float, digits: int = 4) -> str:
     """An angle for people: multiples of π/12 as fractions of π ("−π/2", "2π/3"), anything else as a number [rad]."""
+    return _written_angle(value, digits, _PLAIN)
+
+
+def _written_angle(value: float, digits: int, signs: _Signs) -> str:
     twelfths = value * 12 / pi
     whole = round(twelfths)
     if abs(twelfths - whole) > 1e-9:
-        return f"{value:.{digits}g}".replace("-", "−")
+        return f"{value:.{digits}g}".replace("-", signs.minus)
     if whole == 0:
         return "0"
     common = int(np.gcd(abs(whole), 12))
     top, bottom = abs(whole) // common, 12 // common
-    text = ("π" if top == 1 else f"{top}π") + (f"/{bottom}" if bottom > 1 else "")
-    return ("−" if whole < 0 else "") + text
+    text = (signs.pi if top == 1 else f"{top}{signs.pi}") + (f"/{bottom}" if bottom > 1 else "")
+    return (signs.minus if whole < 0 else "") + text
 
 
 Mask = NDArray[np.bool_]

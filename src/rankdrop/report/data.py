@@ -23,7 +23,7 @@ from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, lost_told, reach
 from rankdrop.task import Task
-from rankdrop.text import conditions_of, joint_cell, joint_symbol
+from rankdrop.text import JOINT, columns, conditions_of, joint_symbol, one_line
 
 LIVE = 1e-7
 """σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
@@ -192,7 +192,7 @@ def families_csv(content: Content) -> str:
         "fresh points", "joint limits", *(f"witness {name} [{unit}]" for name, unit in zip(joints, units, strict=True)),
     ])  # fmt: skip
     for family in analysis.families:
-        cells = [joint_cell(family, number, kind).replace("\n", ", ") for number, kind in enumerate(kinds, start=1)]
+        cells = [one_line(one, family) for one in columns(robot, family.corank) if one.holds == JOINT]
         conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact, derived))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([

@@ -7,21 +7,25 @@ from html import escape
 
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Robot, witness_text
+from rankdrop.robot import Joint, Robot, witness_text
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
     FREE,
+    JOINT,
     NOTHING,
+    WORDS,
+    Column,
     at_witness,
+    broken,
     columns,
     conditions_of,
     explained,
     legend,
+    lines_of,
     near_overview,
     nothing_found,
     number_of,
-    row_cells,
     starts,
     title,
     within,
@@ -70,37 +74,48 @@ def scrolled(table: str, name: str) -> str:
 
 
 def _head(robot: Robot, summary: CorankSummary) -> str:
-    _, name, *symbols, dimension, lost, tested, met = columns(robot, summary.corank)
-    joints = "".join(
-        f'<th title="{escape(joint.name)}">{_subscript(symbol)}</th>'
-        for symbol, joint in zip(symbols, robot.variables, strict=True)
-    )
-    return (
-        f'<tr><th><span class="hidden">id</span></th><th class="words">{name}</th>{joints}<th>{dimension}</th>'
-        f'<th class="words">{lost}</th><th>{tested}</th><th>{met}</th></tr>'
-    )
+    joints = iter(robot.variables)
+    return f"<tr>{''.join(_heading(one, joints) for one in columns(robot, summary.corank))}</tr>"
+
+
+def _heading(column: Column, joints: Iterator[Joint]) -> str:
+    if column.key == "id":
+        return '<th><span class="hidden">id</span></th>'
+    if column.holds == JOINT:
+        return f'<th title="{escape(next(joints).name)}">{_subscript(column.title)}</th>'
+    return f"<th{_WORDS * (column.holds == WORDS)}>{column.title}</th>"
+
+
+_WORDS = ' class="words"'
 
 
 def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
     robot = analysis.robot
     conditions = conditions_of(row, analysis.exact, () if derived is None else derived.families)
     row, outside = within(row, robot, limits=analysis.settings.limits)
-    _, name, *joints, dimension, lost, sound, share = row_cells(robot, row)
-    css = "num" if row.soundness.holds else "num bad"
-    button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'
-    first = (
-        f'<tr><td>{button}</td><td class="words"><span class="{"" if row.named else "bad"}">{escape(name)}</span></td>'
-        f'{"".join(map(_cell, joints))}<td class="num">{dimension}</td>'
-        f'<td class="words lost">{escape(lost).replace(chr(10), "<br>")}</td>'
-        f'<td class="{css}">{sound}</td><td class="num">{share}</td></tr>'
-    )
-    span = robot.n + 5
+    every = columns(robot, row.corank)
+    first = f"<tr>{''.join(_cell(one, row) for one in every)}</tr>"
     limits = [("limits", outside)] if outside else []
     notes = "".join(
-        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>'
+        f'<tr class="note"><td></td><td class="words" colspan="{len(every) - 1}">{text}</td></tr>'
         for text in _notes(robot, row, [*limits, *conditions])
     )
     return first + notes
+
+
+def _cell(column: Column, row: Family) -> str:
+    if column.key == "id":
+        button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'
+        return f"<td>{button}</td>"
+    bad = " bad" * column.failed(row)
+    if column.holds == JOINT:
+        text = broken(column, row)
+        css = {FREE: "free", COUPLED: "coupled", NOTHING: "free"}.get(text, "pinned")
+        return f'<td class="{css}">{escape(text)}</td>'
+    text = "<br>".join(map(escape, lines_of(column, row)))
+    if column.key == "name":
+        return f'<td class="words"><span class="{bad.strip()}">{text}</span></td>'
+    return f'<td class="{"words lost" if column.holds == WORDS else "num" + bad}">{text}</td>'
 
 
 def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Iterator[str]:
@@ -109,11 +124,6 @@ def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Itera
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if at_witness(row):
         yield f"witness {witness_text(robot, row.witness)}"
-
-
-def _cell(text: str) -> str:
-    css = {FREE: "free", COUPLED: "coupled", NOTHING: "free"}.get(text, "pinned")
-    return f'<td class="{css}">{escape(text)}</td>'
 
 
 def _subscript(symbol: str) -> str:

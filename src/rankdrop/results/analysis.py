@@ -20,28 +20,22 @@ from rankdrop.local.block import singular_values
 from rankdrop.results.codec import (
     Record,
     corank_from_dict,
-    corank_to_dict,
     family_from_dict,
-    family_to_dict,
-    near_to_dict,
-    plain,
     read_record,
     restored,
     robot_from_dict,
-    robot_to_dict,
     save_record,
     task_from_dict,
 )
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
-from rankdrop.schema import check_record
+from rankdrop.schema import check_record, record_of
 from rankdrop.sections import html, text
 from rankdrop.task import Task
 from rankdrop.text.families import inside_limits, overview, share_text
 from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
-from rankdrop.units import heading
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -181,32 +175,17 @@ class Analysis:
 
     __hash__ = None  # type: ignore[assignment]  # equality is by value, of arrays too
 
+    @property
+    def arm(self) -> tuple[Robot, Task, int]:
+        """What was analysed, for its entry in a file."""
+        return self.robot, self.task, self.generic_rank
+
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md."""
-        return {
-            **heading(SCHEMA),
-            "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
-            "settings": plain(self.settings),
-            **self.verdict.to_dict(),
-            "complete": self.complete,
-            "unfinished": self.unfinished,
-            "notes": list(self.notes),
-            "coranks": [corank_to_dict(one) for one in self.coranks],
-            "families": [self._row(family) for family in self.families],
-            **({} if self.exact is None else {"exact": plain(self.exact)}),
-            **({} if self.near is None else {"near": near_to_dict(self.near)}),
-        }
-
-    def _row(self, family: Family) -> Record:
-        """A family; within limits also what they leave of the values of its pinned joints."""
-        record = family_to_dict(family)
+        record = record_of("analysis", self)
         if self.settings.limits:
-            inside = inside_limits(family, self.robot)
-            record["inside"] = {
-                "holds": inside.holds,
-                "pinned": [{"number": one.number, "values": list(one.values)} for one in inside.pinned],
-                "outside": [{"number": one.number, "values": list(one.values)} for one in inside.outside],
-            }
+            for row, family in zip(record["families"], self.families, strict=True):
+                row["inside"] = record_of("inside", inside_limits(family, self.robot))
         return record
 
     @classmethod

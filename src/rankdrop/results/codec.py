@@ -20,16 +20,16 @@ from typing import Any, get_args, get_origin, get_type_hints
 import msgspec
 import numpy as np
 
+from rankdrop.codec import encode
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.codec import save_record as save_record
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, CorankSummary, Family, Sampled
 from rankdrop.robot.files import read_text
-from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Robot
+from rankdrop.schema import table_of
 from rankdrop.task import Task
 
 Record = dict[str, Any]
@@ -106,44 +106,7 @@ def _types(kind: type[Any]) -> dict[str, Any]:
 
 def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
     """The arm as analysed: what a reader wants first, then `chain`, from which the robot is built again."""
-    return {
-        "name": robot.name,
-        "n": robot.n,
-        "task": task.name,
-        "generic_rank": generic_rank,
-        "joints": [
-            {
-                "name": joint.name,
-                "number": number,
-                "kind": str(joint.kind),
-                "lower": number_or_null(joint.lower),
-                "upper": number_or_null(joint.upper),
-            }
-            for number, joint in enumerate(robot.variables, start=1)
-        ],
-        "base": robot.base,
-        "tip": robot.tip,
-        "about": robot.about,
-        "notes": list(robot.notes),
-        **({"lengths": dict(robot.lengths)} if robot.lengths else {}),
-        **_near_to_dict(robot),
-        "source": plain(robot.source),
-        "made_for": robot.task,
-        "frame": plain(task.frame),
-        "rows": list(task.rows),
-        "home": robot.home.tolist(),
-        "chain": [{key: value for key, value in plain(joint).items() if value != ""} for joint in robot.joints],
-    }
-
-
-def _near_to_dict(robot: Robot) -> Record:
-    """The ideal arm that is near, and what `--ideal` takes to find it; no entry where none is."""
-    ideal = near_ideal(robot)
-    if ideal is None:
-        return {}
-    return {
-        "near": {"text": ideal.text, "length": ideal.length, "angle": ideal.angle, "ideal": ideal.tolerance.text}
-    }
+    return encode(table_of("robot"), (robot, task, generic_rank))
 
 
 def robot_from_dict(record: Record) -> Robot:
@@ -170,37 +133,15 @@ def _check(record: Record, agree: str) -> Check:
     return Check(record["tested"], record[agree])
 
 
-def corank_to_dict(summary: CorankSummary) -> Record:
-    """What the search met at one corank."""
-    record: Record = plain(summary)
-    return record | {"completeness": counted(summary.completeness, "explained")}
-
-
 def corank_from_dict(record: Record) -> CorankSummary:
-    """The summary of a record made by `corank_to_dict`."""
+    """The summary of a record made by `SUMMARY`."""
     completeness = plain(_check(record["completeness"], "explained"))
     summary: CorankSummary = restored(CorankSummary, record | {"completeness": completeness})
     return summary
 
 
-def family_to_dict(family: Family) -> Record:
-    """One row of a table; `equations` are for reading and for eval, `terms` say the same as data."""
-    record: Record = {}
-    for name in (field.name for field in fields(Family)):
-        if name == "evidence":
-            record |= {
-                "soundness": counted(family.soundness, "singular"), "explained": counted(family.explained, "explained"),
-            }
-            record[name] = family.evidence.how
-            continue
-        record[name] = plain(getattr(family, name))
-        if name == "equations":
-            record["terms"] = [equation.to_dict()["terms"] for equation in family.equations]
-    return record
-
-
 def family_from_dict(record: Record) -> Family:
-    """The family of a record made by `family_to_dict`.
+    """The family of a record made by `FAMILY`.
 
     Raises:
         ResultFileError: an equation whose text and terms say different things.
@@ -212,13 +153,3 @@ def family_from_dict(record: Record) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
-
-
-def near_to_dict(near: Near) -> Record:
-    """Shares of the joint space near families, with standard errors and 95 % intervals."""
-    return {**plain(near), "families": [_near_row(one) for one in near.families], "any": _near_row(near.any)}
-
-
-def _near_row(share: NearShare) -> Record:
-    low, high = share.interval
-    return {**plain(share), "share": share.share, "error": share.error, "low": low, "high": high}

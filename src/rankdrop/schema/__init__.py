@@ -19,17 +19,21 @@ _ROOM = {
     "path": "motion", "paths": "motion", "aspects": "motion", "through": "motion", "path-rows": "motion",
     "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
 }  # fmt: skip
+_PARTS = {"robot": "arm", "family": "families", "inside": "families"}
 NAMES = tuple(_ROOM)
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
 `compare` the side-by-side."""
 
 
 def table_of(kind: str) -> type[Struct]:
-    """The table of a kind of file; imported when it is first used.
+    """The table of a kind of file, or "robot", "family", "inside"; imported when it is first used.
 
     Raises:
         OptionError: there is no such kind.
     """
+    if kind in _PARTS:
+        part: type[Struct] = getattr(import_module(f"rankdrop.schema.{_PARTS[kind]}"), kind.upper())
+        return part
     if kind not in _ROOM:
         raise OptionError("there is no such schema", got=repr(kind), allowed=", ".join(NAMES))
     name = f"{kind.upper().replace('-', '_')}_FILE"

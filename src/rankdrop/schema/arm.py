@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from operator import attrgetter, itemgetter
 from typing import Any, Literal
+
+from msgspec import UNSET
 
 from rankdrop.certify.displaced import ModelTolerance
 from rankdrop.codec import Positive, many, mapping, num, optional, row, some, table, whole
 from rankdrop.family.record import Pin
+from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, Mimic, Source
 from rankdrop.task import Frame
 from rankdrop.tolerances import Tolerances
@@ -33,14 +37,6 @@ JOINTS = table(
     lower=(num("joint") | None, "lower limit [rad or m]; null: none given"),
     upper=(num("joint") | None, "upper limit [rad or m]; null: none given"),
 )
-NEAR = table(
-    "near",
-    of=ModelTolerance,
-    text=(str, "what it has, and how near it is"),
-    length=num("m", ge=0),
-    angle=num("rad", ge=0),
-    ideal=(str, "what the option --ideal takes to find it"),
-)
 SOURCE = table("source", of=Source)
 FRAME = table("frame", of=Frame, axes=whole(ge=-1), origin=whole(ge=-1), point=row(num("m"), 3))
 MIMIC = table("mimic", of=Mimic, multiplier=num("ratio"), offset=num("joint"))
@@ -53,29 +49,55 @@ CHAIN = table(
     upper=num("joint") | None,
     velocity=num("joint/s") | None,
     frame=row(row(num("pose"), 4), 4),
+    link=(optional(str), "name of the link after the joint, where the file gives one", lambda one: one.link or UNSET),
 )
+NEAR = table(
+    "near",
+    text=(str, "what it has, and how near it is"),
+    length=(num("m", ge=0), "largest change of a length on the way to it [m]"),
+    angle=(num("rad", ge=0), "largest change of an angle [rad]"),
+    ideal=(str, "what the option --ideal takes to find it", attrgetter("tolerance.text")),
+)
+
+
+def _of(index: int, name: str) -> Any:
+    """Attribute of one of (robot, task, generic rank)."""
+    return lambda arm: getattr(arm[index], name)
+
+
+def _joints(arm: Any) -> list[dict[str, Any]]:
+    return [
+        {"name": one.name, "number": number, "kind": str(one.kind), "lower": one.lower, "upper": one.upper}
+        for number, one in enumerate(arm[0].variables, start=1)
+    ]
+
+
 ROBOT = table(
     "robot",
-    name=str,
-    n=(Positive, "number of joint variables: length of q"),
-    task=(str, "name of the task, or its rows joined by commas"),
-    generic_rank=(whole(ge=0, le=6), "rank of the task Jacobian almost everywhere; corank k is rank generic_rank − k"),
-    joints=(many(JOINTS), "the joint variables, in the order of q"),
-    base=(str, "first link"),
-    tip=(str, "last link"),
-    about=str,
+    name=(str, "", _of(0, "name")),
+    n=(Positive, "number of joint variables: length of q", _of(0, "n")),
+    task=(str, "name of the task, or its rows joined by commas", _of(1, "name")),
+    generic_rank=(whole(ge=0, le=6),
+        "rank of the task Jacobian almost everywhere; corank k is rank generic_rank − k", itemgetter(2)),
+    joints=(many(JOINTS), "the joint variables, in the order of q", _joints),
+    base=(str, "first link", _of(0, "base")),
+    tip=(str, "last link", _of(0, "tip")),
+    about=(str, "", _of(0, "about")),
     lengths=(optional(mapping(num("m", gt=0))),
-        "letters that exact conditions write lengths with, and their values [m]; absent where the robot has "
-        "none"),
-    notes=(many(str), "choices made and things tolerated while reading the description"),
+        "letters that exact conditions write lengths with, and their values [m]; absent where the robot has none",
+        lambda arm: dict(arm[0].lengths) or UNSET),
+    notes=(many(str), "choices made and things tolerated while reading the description", _of(0, "notes")),
     near=(optional(NEAR),
-        "where an ideal arm is near: the nearest one whose axes are exactly parallel, square and meeting"),
-    source=(SOURCE, "where the numbers come from"),
-    made_for=(str, "task the description names"),
-    frame=(FRAME, "frame of the task"),
-    rows=(some(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0"),
-    home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame"),
-    chain=(some(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame"),
+        "where an ideal arm is near: the nearest one whose axes are exactly parallel, square and meeting",
+        lambda arm: near_ideal(arm[0]) or UNSET),
+    source=(SOURCE, "where the numbers come from", _of(0, "source")),
+    made_for=(str, "task the description names", _of(0, "task")),
+    frame=(FRAME, "frame of the task", _of(1, "frame")),
+    rows=(some(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0",
+        _of(1, "rows")),
+    home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame", _of(0, "home")),
+    chain=(some(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame",
+        _of(0, "joints")),
 )
 TOLERANCES = table(
     "tolerances",

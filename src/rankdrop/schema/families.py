@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any, Literal
+
+from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
@@ -28,7 +31,7 @@ SETTINGS = table(
 SHARE = table(
     "share",
     tested=(Count, "independent singular configurations of exactly this corank"),
-    explained=(Count, "how many of them satisfy a row"),
+    explained=(Count, "how many of them satisfy a row", attrgetter("agree")),
 )
 UNSEEN = table("unseen", of=Unseen, estimate=num("1", ge=0, le=1), upper=num("1", ge=0, le=1))
 SUMMARY = table(
@@ -53,8 +56,14 @@ TERMS = table(
 SOUNDNESS = table(
     "soundness",
     tested=(Count, "points solved from the equations from random starts"),
-    singular=(Count, "how many of them have the corank or more"),
+    singular=(Count, "how many of them have the corank or more", attrgetter("agree")),
 )
+
+
+def _terms(family: Any) -> list[Any]:
+    return [equation.to_dict()["terms"] for equation in family.equations]
+
+
 FAMILY = table(
     "family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
@@ -63,20 +72,21 @@ FAMILY = table(
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
     pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
-    inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values"),
+    inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values", lambda _: UNSET),
     free=(many(Positive), "numbers of the joints that do not matter"),
     coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
     equations=(many(text(min_length=1)),
         "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
         "pinned joints included"),
-    terms=(many(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers"),
+    terms=(many(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
+        _terms),
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
     lost_directions=(many(row(num("1"), 6)),
         "orthonormal rows (v; ω) lost at the witness, in the frame of the task, metres and radians"),
     lost_words=(many(str), "the same in words, one sentence each"),
     soundness=SOUNDNESS,
     explained=SHARE,
-    evidence=(str, "how the conditions were obtained"),
+    evidence=(str, "how the conditions were obtained", attrgetter("evidence.how")),
 )
 FAMILIES = table(
     "families",
@@ -102,8 +112,8 @@ NEAR_FAMILIES = table(
     bound=(bool, "true: the share may be larger"),
     share=num("1", ge=0, le=1),
     error=(num("1", ge=0), "standard error"),
-    low=(num("1", ge=0, le=1), "95 % confidence, Wilson"),
-    high=num("1", ge=0, le=1),
+    low=(num("1", ge=0, le=1), "95 % confidence, Wilson", lambda share: share.interval[0]),
+    high=(num("1", ge=0, le=1), "", lambda share: share.interval[1]),
 )
 ANALYSIS_NEAR = table(
     "analysis_near", of=Near, within=num("distance", gt=0), samples=Positive, seed=Count,
@@ -125,22 +135,25 @@ IDEAL = table(
 ANALYSIS_FILE = file(
     "analysis",
     "Every family of singular configurations of an arm.",
-    robot=ROBOT,
+    robot=(ROBOT, "", attrgetter("arm")),
     settings=SETTINGS,
     verdict=(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "interrupted"]),
         "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
-        "ways differ; unsound: the conditions of a row hold elsewhere too"),
-    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds"),
-    sentence=(optional(str), "the verdict for people, printed first and last"),
+        "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
+    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
+        attrgetter("verdict.claims")),
+    sentence=(optional(str), "the verdict for people, printed first and last", attrgetter("verdict.sentence")),
     complete=(bool, "false: interrupted; the coranks listed are complete"),
     unfinished=(Positive | None, "the corank that was interrupted"),
     notes=(many(str), "what the reader should be told"),
     coranks=(many(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
     families=(many(FAMILY), "all rows, by corank"),
-    exact=optional(EXACT),
-    near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for"),
-    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about"),
+    exact=(optional(EXACT), "where the families come from", lambda one: one.exact or UNSET),
+    near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
+        lambda one: one.near or UNSET),
+    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about",
+        lambda _: UNSET),
 )
 RANK_CHECK = table("rank_check", of=Check, tested=(Count, "points tried"), agree=(Count, "how many have the rank"))
 CONDITIONS_SETTINGS = table(

@@ -11,9 +11,11 @@ limits: moved by whole turns, and those that no turn brings inside named.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import degrees, floor, isclose
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,24 +66,88 @@ def value_text(value: float, kind: str = "revolute") -> str:
 
 def values_text(values: Iterable[float], kind: str = "revolute") -> str:
     """A set of values, v and −v merged: "0, π", "±π/2", "±0.7731 (±44.30°)"."""
+    return ", ".join(_merged(values, kind))
+
+
+def _merged(values: Iterable[float], kind: str) -> Iterator[str]:
     left = sorted(values, key=lambda value: (abs(value), value))
-    words = []
     while left:
         value = left.pop(0)
         opposite = next((other for other in left if value and isclose(other, -value, abs_tol=_ALIKE)), None)
         if opposite is None:
-            words.append(value_text(value, kind))
+            yield value_text(value, kind)
         else:
             left.remove(opposite)
-            words.append("±" + value_text(abs(opposite), kind).replace("(", "(±"))
-    return ", ".join(words)
+            yield "±" + value_text(abs(opposite), kind).replace("(", "(±")
 
 
-def joint_cell(family: Family, number: int, kind: str) -> str:
+Cell = str | tuple[str, ...]
+"""Of a table of families: a text, or several that stand under each other."""
+WORDS, NUMBER, JOINT = "words", "number", "joint"
+
+
+class Column(NamedTuple):
+    """A column of the table of families; terminal, page, notebook and LaTeX lay it out by what it holds.
+
+    Attributes:
+        key: "id", "name", "lost", …; "θ1" and so on of joints.
+        title: heading.
+        cell: of a row.
+        holds: `WORDS`, `NUMBER` or `JOINT`.
+        failed: whether a cell is marked as bad.
+        printed: in LaTeX too.
+    """
+
+    key: str
+    title: str
+    cell: Callable[[Family], Cell]
+    holds: str = NUMBER
+    failed: Callable[[Family], bool] = lambda _: False
+    printed: bool = True
+
+
+def columns(robot: Robot, corank: int) -> tuple[Column, ...]:
+    """The columns of a table of families: id, family, each joint, dimension, what is lost, the two tests."""
+    kinds = [str(joint.kind) for joint in robot.variables]
+    return (
+        Column("id", "", lambda row: row.id),
+        Column("name", "family", lambda row: row.name, WORDS, lambda row: not row.named),
+        *(Column(name, name, partial(joint_cell, number=number, kind=kinds[number - 1]), JOINT)
+          for number, name in enumerate(symbols(robot), start=1)),
+        Column("dimension", "dim", lambda row: str(row.dimension)),
+        Column("lost", "lost direction" if corank == 1 else "lost directions", lambda row: row.lost_words, WORDS),
+        Column("sound", TESTED, lambda row: share_text(row.soundness.agree, row.soundness.tested),
+               failed=lambda row: not row.soundness.holds, printed=False),
+        Column("met", MET, lambda row: rounded_share(row.explained), printed=False),
+    )  # fmt: skip
+
+
+def one_line(column: Column, row: Family) -> str:
+    """The cell of a row in one line."""
+    return ("; " if column.holds == WORDS else ", ").join(lines_of(column, row))
+
+
+def broken(column: Column, row: Family) -> str:
+    """The cell of a row with breaks for a narrow column: values with degrees, and these, on lines of their own."""
+    if column.holds != JOINT:
+        return "\n".join(lines_of(column, row))
+    values = lines_of(column, row)
+    if not any(" (" in value for value in values):
+        return ", ".join(values)
+    return ",\n".join(value.replace(" (", "\n(") for value in values)
+
+
+def lines_of(column: Column, row: Family) -> tuple[str, ...]:
+    """The cell of a row as its lines or values."""
+    cell = column.cell(row)
+    return (cell,) if isinstance(cell, str) else cell
+
+
+def joint_cell(family: Family, number: int, kind: str) -> Cell:
     """What a family asks of one joint: its values, × for free, c for coupled."""
     for pinned in family.pinned:
         if pinned.number == number:
-            return values_text(pinned.values, kind).replace(" (", "\n(").replace("), ", "),\n")
+            return tuple(_merged(pinned.values, kind))
     return FREE if number in family.free else COUPLED
 
 
@@ -213,24 +279,6 @@ def starts(summary: CorankSummary) -> str:
 def symbols(robot: Robot) -> tuple[str, ...]:
     """The joints as conditions write them: "θ1", "q3" for a slide."""
     return tuple(joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
-
-
-def columns(robot: Robot, corank: int) -> tuple[str, ...]:
-    """Headings: id, family, a column for each joint, dimension, what is lost, the two tests."""
-    lost = "lost direction" if corank == 1 else "lost directions"
-    return ("", "family", *symbols(robot), "dim", lost, TESTED, MET)
-
-
-def joint_cells(robot: Robot, row: Family) -> list[str]:
-    """What a row asks of each joint."""
-    return [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
-
-
-def row_cells(robot: Robot, row: Family) -> tuple[str, ...]:
-    """A row under `columns`; several values, or several lost directions, stand on lines of their own."""
-    sound = share_text(row.soundness.agree, row.soundness.tested)
-    lost = "\n".join(row.lost_words)
-    return row.id, row.name, *joint_cells(robot, row), str(row.dimension), lost, sound, rounded_share(row.explained)
 
 
 def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
@@ -408,12 +456,13 @@ def overview(
             for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
         ]
         under += [f"{row.id} witness {witness_text(robot, row.witness)}" for row in rows if at_witness(row)]
-        heads = columns(robot, summary.corank)
+        table = columns(robot, summary.corank)
         yield Section(
-            title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}", columns=heads,
-            rows=tuple(tuple("; ".join(one.split("\n")) if i == len(heads) - 3 else " ".join(one.split())
-                             for i, one in enumerate(row_cells(robot, row))) for row, _ in shown),
-            texts=(0, 1, len(heads) - 3), after=tuple(under), notes=(starts(summary),),
+            title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}",
+            columns=tuple(one.title for one in table),
+            rows=tuple(tuple(one_line(one, row) for one in table) for row, _ in shown),
+            texts=tuple(i for i, one in enumerate(table) if one.holds == WORDS or one.key == "id"),
+            after=tuple(under), notes=(starts(summary),),
         )  # fmt: skip
     if families:
         yield Section("", lines=(legend(robot, families),))

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 
 from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.record import CorankSummary, Family
-from rankdrop.robot.model import JointKind, Robot, lost_told, witness_text
-from rankdrop.text.families import COUPLED, FREE, at_witness, columns, joint_cells, row_cells, share_text, within
+from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
 
 _PLAIN = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -61,8 +61,7 @@ def latex_tables(
 def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
 ) -> str:
-    heads = [f"${_symbol(robot, number)}$" for number in range(1, robot.n + 1)]
-    lost = columns(robot, summary.corank)[-3]
+    every = [one for one in columns(robot, summary.corank) if one.printed]
     share = summary.completeness
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
@@ -71,21 +70,24 @@ def _table(
         f"({as_text(share_text(share.agree, share.tested))})."
     )
     name = re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
-    joints = zip(*(joint_cells(robot, one) for one in rows), strict=True)
-    decimals = sum(any("(" in cell for cell in joint) for joint in joints)
+    decimals = sum(any("(" in one_line(one, row) for row in rows) for one in every if one.holds == JOINT)
     words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
-    shape = f"rp{{{0.4 * words:.3f}\\linewidth}}*{{{robot.n}}}{{c}}cp{{{0.6 * words:.3f}\\linewidth}}"
+    widths = {"name": 0.4 * words, "lost": 0.6 * words}
+    shape = "r" + "".join(
+        f"p{{{widths.get(one.key, 0.3 * words):.3f}\\linewidth}}" if one.holds == WORDS else "c" for one in every[1:]
+    )
+    heads = [f"${_symbol(one.title)}$" if one.holds == JOINT else as_text(one.title) for one in every]
     size = r"\footnotesize" if decimals else r"\small"
     lines = [
         r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}",
         f"\\label{{tab:{name}-corank-{summary.corank}}}",
         f"\\begin{{tabular}}{{{shape}}}", r"\hline",
-        " & ".join(["", "family", *heads, "dim", lost]) + r" \tabularnewline", r"\hline",
+        " & ".join(heads) + r" \tabularnewline", r"\hline",
     ]  # fmt: skip
     notes = []
     for number, family in enumerate(rows, start=1):
         inside, _ = within(family, robot, limits=limits)
-        lines.append(" & ".join(_cells(robot, number, inside)) + r" \tabularnewline")
+        lines.append(" & ".join(_cell(one, inside, number) for one in every) + r" \tabularnewline")
         told = list(_conditions(family, exact))
         if at_witness(family):
             told.append(as_text(f"witness {witness_text(robot, family.witness)}"))
@@ -96,7 +98,7 @@ def _table(
     if links:
         notes.append(f"\\noindent {as_text(links)}\\par")
     if notes:
-        lengths = ", ".join(f"${mathematics(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
+        lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
         if lengths:
             notes.append(f"\\noindent Lengths: {lengths}.\\par")
         lines += [r"\par\smallskip", r"\begin{minipage}{\linewidth}\raggedright", *notes, r"\end{minipage}"]
@@ -106,35 +108,33 @@ def _table(
 def _letters_in(notes: Sequence[str], exact: Derivation | None) -> Iterator[tuple[str, float]]:
     """The lengths that stand as letters in the conditions printed."""
     for name, value in ((exact.letters or {}) if exact is not None else {}).items():
-        if any(mathematics(name) in note for note in notes):
+        if any(_symbol(name) in note for note in notes):
             yield name, value
 
 
-def _cells(robot: Robot, number: int, family: Family) -> Iterator[str]:
-    _, name, *joints, dimension, lost, _, _ = row_cells(robot, family)
-    yield str(number)
-    yield rf"\raggedright {as_text(name)}"
-    yield from map(_cell, joints)
-    yield dimension
-    yield rf"\raggedright {'; '.join(map(as_text, lost.splitlines()))}"
+def _cell(column: Column, family: Family, number: int) -> str:
+    """A cell; several values of a joint stand under each other."""
+    if column.key == "id":
+        return str(number)
+    values = [as_text(line) for line in lines_of(column, family)]
+    if column.holds == WORDS:
+        return rf"\raggedright {'; '.join(values)}"
+    if column.holds == JOINT and any("(" in value for value in values):  # degrees
+        values = [part for one in values for part in _before_degrees(one)]
+        stacked = r" \\ ".join(values)
+        return rf"\begin{{tabular}}[t]{{@{{}}c@{{}}}}{stacked}\end{{tabular}}"
+    return ", ".join(values)
 
 
-def _cell(text: str) -> str:
-    """What a joint does; several values stand under each other."""
-    if text == FREE:
-        return r"$\times$"
-    if text == COUPLED:
-        return "c"
-    values = [as_text(value) for value in re.split(r"(?<=\)),\n|\n", text)]  # as `joint_cell` breaks them
-    if len(values) == 1:
-        return values[0]
-    stacked = r" \\ ".join(values)
-    return rf"\begin{{tabular}}[t]{{@{{}}c@{{}}}}{stacked}\end{{tabular}}"
+def _before_degrees(value: str) -> tuple[str, ...]:
+    number, bracket, angle = value.partition(" (")
+    return (number, f"({angle}") if bracket else (number,)
 
 
-def _symbol(robot: Robot, number: int) -> str:
-    slides = robot.variables[number - 1].kind is JointKind.PRISMATIC
-    return f"q_{{{number}}}" if slides else rf"\theta_{{{number}}}"
+def _symbol(name: str) -> str:
+    """The symbol of a joint, or the letter of a length, with its number below."""
+    letter = _SIGNS.get(name[0], name[0])
+    return f"{letter}_{{{name[1:]}}}" if name[1:] else letter
 
 
 def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
@@ -142,7 +142,7 @@ def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
     exact = [] if derivation is None else _exact(family, derivation)
     bound = set(family.coupled)
     own = [equation for equation in family.equations if bound & set(equation.joints)]
-    fitted = [f"${mathematics(equation.pretty())} = 0$" for equation in own]
+    fitted = [f"${equation.latex()} = 0$" for equation in own]
     chosen = [f"${one}$" for one in exact] or fitted
     for text in chosen[:_LINES]:
         yield text if len(text) <= _LONGEST else f"a condition of {len(text)} characters, see the JSON"
@@ -194,16 +194,3 @@ def _letter(sign: str) -> str:
     if sign.isspace():
         return " "
     return "".join(_PLAIN.get(one, one) for one in unicodedata.normalize("NFKD", sign) if " " <= one <= "~")
-
-
-def mathematics(text: str) -> str:
-    """A condition as `Equation.pretty` writes it, as mathematics without the dollar signs.
-
-    Example:
-        >>> mathematics("0.5 cos(θ2+θ3) − sin θ4")
-        '0.5 \\\\cos(\\\\theta_{2}+\\\\theta_{3}) - \\\\sin \\\\theta_{4}'
-    """
-    text = re.sub(r"([θqad])(\d+)", r"\1_{\2}", text)
-    text = re.sub(r"\b(sin|cos|tan)", r"\\\1", text)
-    out = "".join(_SIGNS[one] + (" " if _SIGNS[one][-1].isalpha() else "") if one in _SIGNS else one for one in text)
-    return out.replace(r"\theta _", r"\theta_")

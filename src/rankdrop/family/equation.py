@@ -11,11 +11,11 @@ set.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -184,8 +184,8 @@ class Equation:
             number = f"{abs(term.coefficient):.{digits}g}"
             factors = _pretty_factors(term, digits, signs)
             body = factors if number == "1" and factors else f"{number} {factors}".strip()
-            parts.append((signs.minus if term.coefficient < 0 else "+", body))
-        first = (signs.minus if parts[0][0] == signs.minus else "") + parts[0][1]
+            parts.append((signs["minus"] if term.coefficient < 0 else "+", body))
+        first = (signs["minus"] if parts[0][0] == signs["minus"] else "") + parts[0][1]
         return first + "".join(f" {sign} {body}" for sign, body in parts[1:])
 
     def __str__(self) -> str:
@@ -302,21 +302,15 @@ def _angle(term: Term) -> str:
     return f"({text})/2" if len([h for h in term.harmonics if h]) > 1 or term.shift else f"{text}/2"
 
 
-class _Signs(NamedTuple):
-    """How formulas are written: angle and slide of a joint, power, function, minus and π."""
-
-    angle: str
-    slide: str
-    power: Callable[[int], str]
-    function: str
-    minus: str
-    pi: str
-
-
-_PLAIN = _Signs(
-    "θ{}", "q{}", lambda power: str(power).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")), "{}", "−", "π"
-)
-_LATEX = _Signs(r"\theta_{{{}}}", r"q_{{{}}}", lambda power: f"^{{{power}}}", "\\{}", "-", r"\pi")
+_Signs = dict[str, str]
+"""How formulas are written: angle and slide of a joint, function, minus and π; powers as superscripts, or raised."""
+_PLAIN = {
+    "angle": "θ{}", "slide": "q{}", "function": "{}", "minus": "−", "pi": "π", "digits": "⁰¹²³⁴⁵⁶⁷⁸⁹", "power": "{}",
+}  # fmt: skip
+_LATEX = {
+    "angle": r"\theta_{{{}}}", "slide": "q_{{{}}}", "function": "\\{}", "minus": "-", "pi": r"\pi",
+    "digits": "0123456789", "power": "^{{{}}}",
+}  # fmt: skip
 
 
 def _pretty_factors(term: Term, digits: int, signs: _Signs) -> str:
@@ -327,20 +321,21 @@ def _pretty_factors(term: Term, digits: int, signs: _Signs) -> str:
         for j, h in enumerate(term.harmonics, start=1):
             if h:
                 multiple = abs(h) if halved else abs(h) // 2
-                text += signs.minus if h < 0 else "+" if text else ""
-                text += (f"{multiple}" if multiple > 1 else "") + signs.angle.format(j)
+                text += signs["minus"] if h < 0 else "+" if text else ""
+                text += (f"{multiple}" if multiple > 1 else "") + signs["angle"].format(j)
         single = sum(map(bool, term.harmonics)) == 1 and not term.shift
-        simple = single and text.startswith(signs.angle[0])  # no minus, no multiple
+        simple = single and text.startswith(signs["angle"][0])  # no minus, no multiple
         if term.shift:
             shift = term.shift * (2 if halved else 1)
-            text += (f" {signs.minus} " if shift > 0 else " + ") + _written_angle(abs(shift), digits, signs)
+            text += (f" {signs['minus']} " if shift > 0 else " + ") + _written_angle(abs(shift), digits, signs)
         if halved:
             text = f"{text}/2" if simple else f"({text})/2"
-        name = signs.function.format(term.kind)
+        name = signs["function"].format(term.kind)
         factors.append(f"{name} {text}" if simple and not halved else f"{name}({text})")
     for j, power in enumerate(term.powers, start=1):
         if power:
-            factors.append(signs.slide.format(j) + (signs.power(power) if power > 1 else ""))
+            raised = signs["power"].format(str(power).translate(str.maketrans("0123456789", signs["digits"])))
+            factors.append(signs["slide"].format(j) + (raised if power > 1 else ""))
     return " ".join(factors)
 
 
@@ -353,13 +348,13 @@ def _written_angle(value: float, digits: int, signs: _Signs) -> str:
     twelfths = value * 12 / pi
     whole = round(twelfths)
     if abs(twelfths - whole) > 1e-9:
-        return f"{value:.{digits}g}".replace("-", signs.minus)
+        return f"{value:.{digits}g}".replace("-", signs["minus"])
     if whole == 0:
         return "0"
     common = int(np.gcd(abs(whole), 12))
     top, bottom = abs(whole) // common, 12 // common
-    text = (signs.pi if top == 1 else f"{top}{signs.pi}") + (f"/{bottom}" if bottom > 1 else "")
-    return (signs.minus if whole < 0 else "") + text
+    text = (signs["pi"] if top == 1 else f"{top}{signs['pi']}") + (f"/{bottom}" if bottom > 1 else "")
+    return (signs["minus"] if whole < 0 else "") + text
 
 
 Mask = NDArray[np.bool_]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from rankdrop.codec import Count, Positive, many, num, optional, row, some, table
+from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table
 from rankdrop.families.tolerant import Place
 from rankdrop.local.axes import Relation, ScrewSystem
 from rankdrop.local.circuits import Circuit
@@ -307,10 +307,10 @@ SUMMARY = table(
     distance=num("distance", ge=0) | None,
     length=num("m", ge=0),
     angle=num("rad", ge=0),
-    pinned=many(tuple[Positive, num("joint")]),
+    pinned=many(pair(Positive, num("joint"))),
     lost=many(row(num("1"), 6)),
     slowest=STRAIGHT_MOTION | None,
-    way_out=many(tuple[Positive, num("joint")]),
+    way_out=many(pair(Positive, num("joint"))),
     sigma_after=num("1", ge=0) | None,
     next_distance=num("distance", ge=0) | None,
     source=Literal["catalogue", "analysis", "on the spot"],

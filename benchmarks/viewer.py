@@ -24,11 +24,11 @@ class Panel:
         self.live = live
 
     def shown(self, now: Now, source: object) -> None:
-        """As `rankdrop.viewer.controls` does."""
+        """As `rankdrop.viewer.panel` does."""
         status_html(now, self.live.robot.n, self.live.generic_rank, len(self.live.families))
 
     def explained(self, found: Explanation) -> None:
-        """As `rankdrop.viewer.controls` does."""
+        """As `rankdrop.viewer.panel` does."""
         details_html(found)
 
     def failed(self, error: BaseException) -> None:

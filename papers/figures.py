@@ -18,7 +18,7 @@ from papers.picture import Panel, Picture
 from papers.run import Progress
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError
-from rankdrop.report.solids import draw_arm, draw_arrow
+from rankdrop.report.figures import draw_arm, draw_arrow
 from rankdrop.results import json_text
 
 _DPI = 150

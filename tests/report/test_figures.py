@@ -14,8 +14,7 @@ from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
 from rankdrop.report.content import Content, content
-from rankdrop.report.figures import check_figures, figure_names, figures
-from rankdrop.report.solids import spread_out
+from rankdrop.report.figures import check_figures, figure_names, figures, spread_out
 from rankdrop.results.known import shipped
 from rankdrop.task import SPACE
 

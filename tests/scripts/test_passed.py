@@ -45,7 +45,7 @@ WHOLE = {
     "problem": (1, 2),
     "proof": (10, 22),
     "questions": (1, 4),
-    "report": (18, 4),
+    "report": (11, 4),
     "results": (19, 19),
     "robot": (19, 29),
     "schema": (7, 1),
@@ -54,7 +54,7 @@ WHOLE = {
     "text": (3, 2),
     "units": (1, 0),
     "verbs": (8, 4),
-    "viewer": (21, 25),
+    "viewer": (15, 25),
 }
 """Room -> at most so many files, at most so many classes."""
 

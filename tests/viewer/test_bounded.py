@@ -22,7 +22,7 @@ from viser.infra._messages import Message
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from rankdrop.viewer.gated import LARGEST_MESSAGE, LARGEST_UPLOAD, MOST_CLIENTS
+from rankdrop.viewer.access import LARGEST_MESSAGE, LARGEST_UPLOAD, MOST_CLIENTS
 
 SERVER = """
 import sys

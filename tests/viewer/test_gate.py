@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.viewer.gate import Gate, new_token
+from rankdrop.viewer.access import Gate, new_token
 
 HERE = Gate(8765)
 OPEN = Gate(8765, "secret")

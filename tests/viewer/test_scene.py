@@ -11,12 +11,12 @@ from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.body import body_of
 from rankdrop.viewer.live import Live
 from rankdrop.viewer.scene import (
     arrows,
     axis_lines,
     barrel_mesh,
+    body_of,
     capsule_mesh,
     circuit_of,
     rods,
@@ -24,7 +24,7 @@ from rankdrop.viewer.scene import (
     turn_onto,
     wxyz,
 )
-from rankdrop.viewer.slice_box import SliceBox
+from rankdrop.viewer.tab_slice import SliceBox
 
 ARMS = KINDS
 

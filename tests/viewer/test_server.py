@@ -23,7 +23,7 @@ from rankdrop.task import resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
-from rankdrop.viewer.gated import free_port
+from rankdrop.viewer.access import free_port
 from rankdrop.viewer.server import Viewer, Wishes
 
 HANDSHAKE = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",

@@ -23,11 +23,11 @@ from rankdrop.task import resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
 from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.viewer.handle import pulled
 from rankdrop.viewer.live import Now
-from rankdrop.viewer.pulled import pulled
 from rankdrop.viewer.server import Viewer, Wishes
+from rankdrop.viewer.tab_families import sentence_of, stops_of
 from rankdrop.viewer.tab_share import path_csv, state_of, state_text
-from rankdrop.viewer.tab_tour import sentence_of, stops_of
 
 ARM = open_robot("ur5e")
 TASK = resolve_task(None, ARM)

@@ -14,7 +14,7 @@ from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.trajectory import thinned, track_of
+from rankdrop.viewer.tab_path import thinned, track_of
 
 ARM = open_robot("scara")  # three joints that turn and, third, one that slides
 NAMES = [joint.name for joint in ARM.variables]

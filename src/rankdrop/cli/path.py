@@ -265,7 +265,7 @@ def _hand_over_one(
 
     def draw(target: str) -> None:
         from rankdrop.report.figures import rendered
-        from rankdrop.report.path_figure import path_figure
+        from rankdrop.report.path_page import path_figure
 
         write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
 

@@ -172,7 +172,7 @@ def _meshes(analysis: Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[Mesh
     """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
-    from rankdrop.report.meshes import simplified
+    from rankdrop.report.data import simplified
     from rankdrop.robot import meshes_of, visuals_of
 
     visuals, left_out = visuals_of(analysis.robot, arm.packages, arm.arguments)

@@ -81,8 +81,7 @@ def sweep(
     )
     from rankdrop.designs import write_tables
     from rankdrop.jobs import progress_of
-    from rankdrop.report.design_figure import design_figure
-    from rankdrop.report.design_page import design_page
+    from rankdrop.report.design_page import design_figure, design_page
     from rankdrop.report.figures import rendered
 
     if options.status is not None:

@@ -1,4 +1,7 @@
-"""What a report shows, worked out once: everything the page and the figures draw."""
+"""What a report shows, worked out once: everything the page and the figures draw.
+
+Ways out of a witness, as the buttons of the page.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +25,57 @@ from rankdrop.families import (
 )
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
-from rankdrop.report.ways import Way, ways_out
-from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
-from rankdrop.robot import Array, Mesh
+from rankdrop.local import LARGEST_CHAIN, Direction, blame, circuits_at, escape, generic_rank, make_all
+from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, motion, of_analysis, short
+from rankdrop.robot import Array, Mesh, Robot
 from rankdrop.sections import Section
+from rankdrop.task import Task
 from rankdrop.text import inside_limits
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
+
+_SINGLE = 3  # joints alone that are offered, the best first
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One motion that restores the full rank.
+
+    Attributes:
+        label: what is pressed: "joint 5 +5.7°".
+        after: what it gives: "σ6 = 0.017".
+        q: (n,) where it leads [rad, m].
+    """
+
+    label: str
+    after: str
+    q: tuple[float, ...]
+
+
+def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
+    """The best direction and the best joints alone that lead out of the witness inside the limits; () for none.
+
+    Where the witness itself is outside the limits no motion counts as inside, and there are none.
+    """
+    q = np.array(family.witness)
+    found = escape(robot, q, task)
+    rank = f"σ{generic_rank(robot, task)}"
+    ways = []
+    for one in found.single:
+        if one.order is None or not one.within_limits or one.step == 0 or one.sigma_after <= found.floor:
+            continue
+        target = q.copy()
+        target[one.number - 1] += one.step
+        told = f"joint {one.number} {motion(one.step, robot.variables[one.number - 1].unit)}"
+        ways.append(Way(told, f"{rank} = {short(one.sigma_after, 2)}", tuple(target.tolist())))
+    return (*_direction(q, found.best_direction, rank), *ways[:_SINGLE])
+
+
+def _direction(q: Array, direction: Direction, rank: str) -> tuple[Way, ...]:
+    if direction.step == 0 or not direction.restores or not direction.within_limits:
+        return ()
+    target = q + direction.step * np.array(direction.delta)
+    return (Way("best direction", f"{rank} = {short(direction.sigma_after, 2)}", tuple(target.tolist())),)
+
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""
@@ -106,7 +153,7 @@ def content(
         seed: of every random choice.
         made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
-        meshes: shapes of the links (`rankdrop.report.meshes.simplified`).
+        meshes: shapes of the links (`rankdrop.report.data.simplified`).
     """
     robot, task = analysis.robot, analysis.task
     families = tuple(posed(robot, task, family, analysis.families) for family in analysis.families)

@@ -11,7 +11,6 @@ from typing import Any
 from rankdrop.family import Family
 from rankdrop.report.content import Content, standing
 from rankdrop.report.data import limit_range, page_data, slider_range
-from rankdrop.report.exact import exact_section
 from rankdrop.report.sections import (
     line_section,
     slice_section,
@@ -19,7 +18,7 @@ from rankdrop.report.sections import (
     verification_section,
     workspace_section,
 )
-from rankdrop.report.tables import STANDING, corank_tables, scrolled
+from rankdrop.report.tables import STANDING, corank_tables, exact_section, scrolled
 from rankdrop.results import Analysis
 from rankdrop.robot import Robot, near_ideal
 from rankdrop.sections import html

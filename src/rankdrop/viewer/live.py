@@ -13,8 +13,7 @@ from rankdrop.local import LARGEST_CHAIN, Circuit, blame, lost_directions
 from rankdrop.results import first_verdict
 from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
-from rankdrop.viewer.body import body_of
-from rankdrop.viewer.scene import Arrow, arrows
+from rankdrop.viewer.scene import Arrow, arrows, body_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -173,7 +173,7 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     assert code == 3  # of the path as it is
     assert "Remedies: blend, base shift (judged again: free, proven)." in out
     assert "flip: 1 tried" in out
-    assert "good.csv: mended by blend, judged again: free" in " ".join(err.split())
+    assert "good.csv: mended by blend, checked again: free" in " ".join(err.split())
     record = json.loads((tmp_path / "bad.json").read_text())
     Draft202012Validator(load_schema("path")).validate(record)
     assert [one["kind"] for one in record["remedies"]["found"]] == ["blend", "base shift"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import reprlib
 from dataclasses import dataclass
-from math import isfinite, radians
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import RankdropError
-from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, first_row, is_number, number_at, rows_of
+from rankdrop.motion.csv_file import UNITS, find_columns, is_number, name_and_unit, names_of, read_table
 from rankdrop.motion.message_file import documents, is_double
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
@@ -62,11 +62,11 @@ def holds_poses(path: Path, robot: Robot) -> bool:
         text = read_text(path)
         if ending in (".json", ".yaml", ".yml"):
             return _list_in(_loaded(text, str(path), yaml=ending != ".json")) is not None
-        words = first_row(text, str(path))
+        words = names_of(text)
     except RankdropError:
         return False
     joints = {joint.name for joint in robot.variables}
-    return {_named(word)[0] for word in words} >= _LENGTHS and not joints <= set(words)
+    return {_named(word) for word in words} >= _LENGTHS and not joints <= set(words)
 
 
 def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
@@ -123,72 +123,35 @@ def turned_by(quaternion: Array, where: list[str]) -> NDArray[np.float64]:
     return np.asarray(np.moveaxis(np.array(rows), 2, 0))
 
 
-def _named(word: str) -> tuple[str, str | None]:
-    """A column's name as it is known here, and its unit."""
-    match = UNIT.fullmatch(word.strip())
-    name, unit = (match["name"], match["unit"].lower()) if match else (word.strip(), None)
-    plain = name.strip().lower()
-    return _OTHER.get(plain, plain), unit
+def _named(word: str) -> str:
+    """A column's name, without its unit, as it is known here."""
+    plain = name_and_unit(word.strip())[0].lower()
+    return _OTHER.get(plain, plain)
+
+
+def _measure(name: str) -> tuple[str, str] | None:
+    """A column of a pose, and what it measures."""
+    key = _named(name)
+    kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(_ANGLES, "angle"),
+             **dict.fromkeys(_QUATERNION, "number")}  # fmt: skip
+    return (key, kinds[key]) if key in kinds else None
 
 
 def _from_rows(text: str, name: str, *, deg: bool) -> Poses:
-    rows = rows_of(text, name)
-    if not rows:
-        raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each pose")
-    line, head = rows[0]
-    if all(is_number(word) for word in head):
-        raise TrajectoryError("the columns have no names", where=f"{name}, line {line}",
+    table = read_table(text, name)
+    if all(map(is_number, table.head)):
+        raise TrajectoryError("the columns have no names", where=table.where,
                               allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
-    where = f"{name}, line {line}"
-    places, factors, time, unused = _columns(head, where, deg=deg)
-    given = [key for key in (*_QUATERNION, *_ANGLES) if key in places]
-    turn = _QUATERNION if set(given) >= set(_QUATERNION) else _ANGLES if set(given) >= set(_ANGLES) else ()
-    lost = sorted(_LENGTHS - set(places))
-    if lost or (given and set(given) != set(turn)):
+    columns, time, unused = find_columns(table.head, table.where, _measure, deg=deg)
+    turn = next((keys for keys in (_QUATERNION, _ANGLES) if columns.keys() >= set(keys)), ())
+    if columns.keys() != {*_LENGTHS, *turn}:
         raise TrajectoryError(
-            "poses need other columns", where=where, got=", ".join(head),
+            "poses need other columns", where=table.where, got=", ".join(table.head),
             allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
         )  # fmt: skip
-    if len(rows) == 1:
-        raise TrajectoryError("there is no row below the names", where=where)
-    if len(rows) > MOST_ROWS:
-        raise TrajectoryError("there are too many rows", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
-    keys = ("x", "y", "z", *turn)
-    values = np.array([[number_at(row, places[key], name, number, head) for key in keys] for number, row in rows[1:]])
-    values *= [factors[key] for key in keys]
-    told = [f"{name}, line {number}" for number, _ in rows[1:]]
-    times = None
-    if time is not None:
-        times = np.array([number_at(row, time, name, number, head) for number, row in rows[1:]])
-        checked_times(times, told)
-    return Poses(Path(name).name, _matrices(values, turn, told), times, bool(turn), tuple(unused))
-
-
-def _columns(
-    head: list[str], where: str, *, deg: bool
-) -> tuple[dict[str, int], dict[str, float], int | None, list[str]]:
-    """Where each column stands, what it is multiplied by, the column of the time, and names of the others."""
-    places: dict[str, int] = {}
-    factors: dict[str, float] = {}
-    time, unused = None, []
-    for place, word in enumerate(head):
-        key, unit = _named(word)
-        if key not in (*_LENGTHS, *_QUATERNION, *_ANGLES):
-            if time is None and TIME.fullmatch(word):
-                time = place
-            else:
-                unused.append(word)
-            continue
-        if key in places:
-            raise TrajectoryError("the column is there twice", where=f"{where}, column {place + 1}", got=repr(word))
-        fits = {"rad", "deg", "°"} if key in _ANGLES else {"m", "mm"} if key in _LENGTHS else set()
-        if unit is not None and unit not in fits:
-            raise TrajectoryError("the unit does not fit the column", where=f"{where}, column {place + 1}", got=word,
-                                  allowed=", ".join(sorted(fits)) or "none")  # fmt: skip
-        places[key] = place
-        plain = radians(1.0) if deg and key in _ANGLES else 1.0
-        factors[key] = plain if unit is None else FACTORS[unit]
-    return places, factors, time, unused
+    places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
+    values = table.block(places) * np.array(factors)
+    return Poses(Path(name).name, _matrices(values, turn, table.places()), table.times(time), bool(turn), unused)
 
 
 def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
@@ -236,7 +199,7 @@ def _from_objects(found: Any, name: str, *, deg: bool) -> Poses:
         raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
     about = found if isinstance(found, dict) else {}
     length = _unit_of(about, "length", "m", ("m", "mm"), name)
-    angle = _unit_of(about, "angle", "deg" if deg else "rad", tuple(ANGLES), name)
+    angle = _unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name)
     values, kinds, times = [], [], []
     for number, entry in enumerate(rows, start=1):
         where = f"{name}, pose {number}"
@@ -268,7 +231,7 @@ def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, 
     unit = about.get(key, default)
     if unit not in allowed:
         raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))
-    return FACTORS[unit]
+    return next(fits[unit] for fits in UNITS.values() if unit in fits)
 
 
 def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -218,7 +219,7 @@ class _Reader:
         beside = self.folder / name
         try:
             return Drawing.of(
-                str(beside) if beside.is_file() else name, self._text("tip"), self._text("base"),
+                str(beside) if isfile(beside) else name, self._text("tip"), self._text("base"),
                 as_written=self._flag("as_written"),
             )
         except RankdropError as error:
@@ -398,6 +399,9 @@ class _Reader:
         for name in files:
             try:
                 poses = read_poses(self.folder / name)
+            except OSError as error:
+                what = f"the file cannot be read: {error.strerror}"
+                raise self.refuse(what, "paths", "files", got=name[:80]) from error
             except RankdropError as error:
                 where = f"{self.where('paths', 'files')}: {error.where or name}"
                 raise OptionError(error.what, where=where, got=error.got, allowed=error.allowed) from error

@@ -19,11 +19,15 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import msgspec
+
+from rankdrop.codec import Count, decode, mapping, table, text, whole
 from rankdrop.disk import append_line, locked, replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.version import VERSION
@@ -182,6 +186,18 @@ class Folder:
         return self.part(chunk).read_bytes()
 
 
+_DIGITS = 9  # of the number of a chunk
+_LARGEST = 1 << 30  # bytes of job.json: a plan holds the poses of its paths
+
+
+@cache
+def _note_table() -> Any:
+    """The entries of job.json."""
+    job = table("job", kind=text(pattern="^[a-z ]{1,40}$"), work=str, plan=mapping(Any), chunks=whole(1, 10**_DIGITS),
+                version=str)  # fmt: skip
+    return table("note", schema=Literal["rankdrop/job/1"], items=Count, sha256=str, job=job)
+
+
 def journal_of(path: Path) -> Iterator[tuple[int, str]]:
     """(chunk, SHA-256) of every whole line of a journal; the last one may be torn."""
     try:
@@ -190,7 +206,7 @@ def journal_of(path: Path) -> Iterator[tuple[int, str]]:
         return
     for line in lines:
         words = line.split(" ")
-        if len(words) == 2 and words[0].isdigit() and len(words[1]) == 64:
+        if len(words) == 2 and words[0].isdecimal() and len(words[0]) <= _DIGITS and len(words[1]) == 64:
             yield int(words[0]), words[1]
 
 
@@ -234,12 +250,14 @@ def progress_of(path: str | Path) -> Progress:
     folder = Path(path)
     note = folder / JOB
     try:
-        record = json.loads(note.read_bytes())
-        job, items = record["job"], int(record["items"])
-        kind, chunks, begun = str(job["kind"]), int(job["chunks"]), note.stat().st_mtime
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        record, begun = _read_note(note), note.stat().st_mtime
+    except OSError as error:
         raise ResultFileError("there is no job in the folder", where=str(path), allowed=f"a folder with {JOB}",
                               mend="name the folder given to --out") from error  # fmt: skip
+    except ResultFileError as error:
+        raise ResultFileError(f"{JOB} is damaged: {error.what}", where=f"{path}, {error.where}", got=error.got,
+                              mend="name another folder, or remove this one") from error  # fmt: skip
+    kind, chunks, items = record.job.kind, record.job.chunks, record.items
     done = len({chunk for chunk, _ in journal_of(folder) if chunk < chunks})
     last = (folder / JOURNAL).stat().st_mtime if done else begun
     seconds = max(0.0, last - begun)
@@ -249,10 +267,25 @@ def progress_of(path: str | Path) -> Progress:
 
 def _told(note: Path) -> str:
     try:
-        job = json.loads(note.read_bytes())
-        return f"{job['job']['kind']} {job['sha256'][:12]} of version {job['job']['version']}"
-    except (OSError, ValueError, KeyError, TypeError):
+        found = _read_note(note)
+    except (ResultFileError, OSError):
         return f"a {JOB} that is not of a job"
+    return f"{found.job.kind} {found.sha256[:12]} of version {found.job.version[:40]}"
+
+
+def _read_note(note: Path) -> Any:
+    """The entries of a job.json, strictly.
+
+    Raises:
+        OSError: the file cannot be read.
+        ResultFileError: it is not JSON, or not of a job; names the element.
+    """
+    if note.stat().st_size > _LARGEST:
+        raise ResultFileError("the file is too large", where="$", allowed=f"up to {_LARGEST:,} bytes")
+    try:
+        return decode(_note_table(), msgspec.json.decode(note.read_bytes()))
+    except (ValueError, RecursionError, msgspec.MsgspecError) as error:
+        raise ResultFileError("this is not JSON that can be read", where="$", got=str(error)[:80]) from error
 
 
 def _line_of(job: Job) -> str:

@@ -127,7 +127,8 @@ class Drawing:
                                  allowed=", ".join(f"{part}.{one}" for one in FRAME))  # fmt: skip
             return Place(part, key, sign)
         names = self._joints
-        name = names[int(part) - 1] if part.isdigit() and 1 <= int(part) <= len(names) else part
+        number = int(part) if part.isdecimal() and len(part) <= len(str(len(names))) else 0
+        name = names[number - 1] if 1 <= number <= len(names) else part
         if name not in names or key not in self._keys:
             what = "of this robot only tool and base can be set" if not self._keys else "there is no such number"
             joints = f"JOINT.KEY with JOINT one of {', '.join(names)} and KEY one of {', '.join(self._keys)}; "

@@ -82,3 +82,13 @@ def test_a_hostile_specification_is_refused_in_one_line(name: str) -> None:
         rankdrop.sweep(SPECS[name], workers=1)
     assert len(str(caught.value)) < 2500
     assert "spec" in str(caught.value)
+
+
+def test_a_cluster_without_encryption_is_refused_where_encryption_is_required() -> None:
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")
+    with (
+        dask.config.set({"distributed.comm.require-encryption": True}),
+        pytest.raises(RankdropError, match=r"no scheduler answers; got tcp://127.0.0.1:9; allowed: .*tls://HOST"),
+    ):
+        rankdrop.sweep(SPEC | {"near": {"samples": 100}}, scheduler="tcp://127.0.0.1:9")

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rankdrop.cli import exits
+from rankdrop.robot.ideal import intended_tolerance
+from rankdrop.robot.model import Joint
+from rankdrop.robot.open import open_robot
 
 CALIBRATED = str(Path(__file__).parents[1] / "data" / "ur5_calibrated.toml")
 TOLERANCE = "1mm,0.5deg"
@@ -144,3 +149,43 @@ def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
     assert "All of them with --all." in one_line(short)
     assert "more rows" not in one_line(long)
     assert len(short.splitlines()) < 80 < len(long.splitlines())
+
+
+PIPER = str(Path(__file__).parents[1] / "data" / "arms" / "piper_description_2.urdf")
+FEW = ("--starts", "60", "--exact", "off", "--quiet")
+
+
+def test_a_file_with_an_offset_of_a_cad_export_shows_the_intended_arm_first_and_its_own_below(run) -> None:
+    """The wrist of this file misses a common point by 0.088 mm; its maker's table has none."""
+    out = one_line(run("analyze", PIPER, *FEW).out)
+    own = out.index("The arm with the file's own numbers (--ideal off analyses it alone)")
+    assert out.index("piper_ideal") < out.index("wrist: axes 4 and 6 aligned") < out.index("The arm itself there") < own
+    assert "Corank 1" in out[own:]
+
+
+@pytest.mark.slow
+def test_a_calibrated_arm_shows_the_few_families_of_the_ideal_arm_and_how_far_they_are(run) -> None:
+    out = one_line(run("analyze", CALIBRATED, *FEW).out)
+    assert "Corank 1 (rank 5 of 6): 3 families" in out
+    assert "The arm itself there" in out
+    assert "the file's own numbers" not in out
+
+
+@pytest.mark.parametrize("given", [("--ideal", "off"), pytest.param(("--as-written",), marks=pytest.mark.slow)])
+def test_the_numbers_of_a_file_are_analysed_where_that_is_asked_for(run, given: tuple[str, ...]) -> None:
+    out = run("analyze", PIPER, *FEW, *given).out
+    assert "piper_ideal" not in out
+    assert "All this is said of the ideal arm" not in one_line(out)
+
+
+def test_an_arm_of_the_catalogue_is_what_it_is() -> None:
+    assert intended_tolerance(open_robot("gen3_6dof")) is None
+    assert intended_tolerance(open_robot("gen3")) is None
+    arm = open_robot(PIPER)
+    assert intended_tolerance(arm).length == pytest.approx(8.9e-5)
+    with_large = replace(arm, home=arm.home, joints=tuple(replace(j, screw=scaled(j, 4.0)) for j in arm.joints))
+    assert intended_tolerance(with_large) is None  # four times the arm: an offset of 0.35 mm
+
+
+def scaled(joint: Joint, factor: float) -> np.ndarray:
+    return np.concatenate([factor * joint.screw[:3], joint.screw[3:]])

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
 
+OWN = "--ideal off analyses it alone"
+
 
 @command
 def analyze(
@@ -51,11 +53,14 @@ def analyze(
 
     check_targets({"--json": output.json, "--latex": latex})
     begun = monotonic()
-    model, task, made = open_ideal(robot, arm, arm.ideal)
+    model, task, made = open_ideal(robot, arm, arm.ideal, intended=True)
     if options.within is None and options.limits:
         options = replace(options, within=radians(5.0))
+    asked = {**vars(options), "within": options.within or None}
+    offsets = arm.ideal is None and made is not None and not made.tolerance.angle
     with reporter(quiet=output.quiet) as report:
-        analysis = run(model, task, **{**vars(options), "within": options.within or None}, progress=report)
+        analysis = run(model, task, **asked, progress=report)
+        own = run(made.real, task, **asked, progress=report) if made is not None and offsets else None
     nearby, moved, beside = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
@@ -66,7 +71,7 @@ def analyze(
         return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
 
     hand_over(
-        lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all),
+        lambda: _print(analysis, task, made, moved, beside, own, seconds=seconds, every=all),
         (output.json, lambda target: write_json(record(), target)),
         (latex, lambda target: write_text(analysis.latex(), target)),
     )
@@ -77,7 +82,7 @@ def analyze(
 
 def _print(
     analysis: Analysis, task: Task, made: Idealised | None, moved: Sequence[Section], beside: Sequence[Section],
-    *, seconds: float, every: bool,
+    own: Analysis | None, *, seconds: float, every: bool,
 ) -> None:  # fmt: skip
     from rich.text import Text
 
@@ -99,6 +104,10 @@ def _print(
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary, every=every))
     print_sections(beside, first=False)
+    if own is not None:
+        show(console, [Text(f"\nThe arm with the file's own numbers ({OWN})", style="bold")])
+        for summary in own.coranks:
+            show(console, corank_section(console, own, summary, every=every))
     key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
     compared = agreement(analysis.exact, analysis.robot, analysis.families)
     lines = [Text(line, style=BAD if differs else "") for line, differs in compared]

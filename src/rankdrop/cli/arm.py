@@ -180,7 +180,7 @@ class IdealOptions(ArmOptions):
 
     ideal: Annotated[
         str | None,
-        option("The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance: 1mm,0.5deg"),
+        option("The nearest arm whose axes are exactly parallel, square and meeting, within 1mm,0.5deg; or off"),
     ] = None
 
 
@@ -312,21 +312,34 @@ def _first_sentence(text: str) -> str:
     return first if first == text else f"{first}."
 
 
+OFF = "off"
+"""Of --ideal: the numbers of the file, whatever is near."""
+
+
 def open_ideal(
-    name: str, options: ArmOptions, tolerance: str | None, tcp: str | None = None, *, deg: bool = False
-) -> tuple[Robot, Task, Idealised | None]:
+    name: str, options: ArmOptions, tolerance: str | None, tcp: str | None = None, *, deg: bool = False,
+    intended: bool = False,
+) -> tuple[Robot, Task, Idealised | None]:  # fmt: skip
     """The arm to look at, its task, and how it was made where it is an ideal one.
+
+    Args:
+        name, options, tcp, deg: as for `open_arm`.
+        tolerance: of the ideal arm; "off" and None for the arm itself.
+        intended: without a tolerance, take the ideal arm that the file is meant to describe, if it is near.
 
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
-    if tolerance is None:
-        return *open_arm(name, options, tcp, deg=deg), None
-    from rankdrop.robot import read_tolerance
+    from rankdrop.robot import intended_tolerance, read_tolerance
+
+    given = None if tolerance in (None, OFF) else read_tolerance(tolerance)
+    robot, task = open_arm(name, options, tcp, deg=deg)
+    if tolerance is None and intended and not options.as_written:
+        given = intended_tolerance(robot)
+    if given is None:
+        return robot, task, None
     from rankdrop.verbs import idealised
 
-    given = read_tolerance(tolerance)
-    robot, task = open_arm(name, options, tcp, deg=deg)
     found = idealised(robot, given)
     return found.ideal, task, found
 

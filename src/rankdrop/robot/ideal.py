@@ -150,6 +150,24 @@ def near_ideal(robot: Robot) -> Near | None:
     return _near[key]
 
 
+INTENDED = 3e-4
+"""A file's arm that misses structure by a length up to this is meant to have it [m]: CAD exports are no better."""
+_CALIBRATED = 2e-3, 1e-3  # [rad], [m]: what calibration adds to a drawing
+_SMALL_ARM = 0.3  # [m]; of smaller arms such lengths may be a design
+
+
+def intended_tolerance(robot: Robot) -> Tolerance | None:
+    """The tolerance of the ideal arm that a file is meant to describe; None where the file is taken as it is.
+
+    That is an arm of a file, of more than 0.3 m, which misses structure by a length up to `INTENDED`, or in angles and
+    lengths by what a calibration adds.
+    """
+    near = near_ideal(robot) if robot.source.kind != "catalogue" and extent(robot) > _SMALL_ARM else None
+    if near is None or near.angle > _CALIBRATED[0]:
+        return None
+    return near.tolerance if near.length <= (_CALIBRATED[1] if near.angle else INTENDED) else None
+
+
 def _ideal(robot: Robot) -> Near | None:
     found, changes = squared(robot, angle=NEAR, length=NEAR * extent(robot))
     gained = structure_words(found, robot)

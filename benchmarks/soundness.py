@@ -28,7 +28,8 @@ from rankdrop.certify.covering import Covering, covering
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.families.searching import search
 from rankdrop.motion.bound import Along
-from rankdrop.proof.arm import BITS, Arm, Link, Region, flint
+from rankdrop.proof.arm import BITS, Arm, Region, flint
+from rankdrop.proof.record import Link
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -19,10 +19,10 @@ from rankdrop.certify.setting import middle_of
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.reciprocal import drawn
 from rankdrop.proof import covers, determinant
-from rankdrop.proof.arm import BITS, Arm, Link
+from rankdrop.proof.arm import BITS, Arm
 from rankdrop.proof.boxes import digest
 from rankdrop.proof.determinant import Determinant, applies
-from rankdrop.proof.record import Unproven
+from rankdrop.proof.record import Link, Unproven
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units

@@ -12,7 +12,8 @@ from reference.displaced import displaced_arm
 
 from rankdrop.certify.displaced import ModelTolerance, points_of
 from rankdrop.certify.setting import settings_for
-from rankdrop.proof.arm import BITS, Arm, Link, Region, Tolerance, flint
+from rankdrop.proof.arm import BITS, Arm, Region, flint
+from rankdrop.proof.record import Link, Tolerance
 from rankdrop.robot.model import Joint, JointKind, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

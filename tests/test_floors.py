@@ -23,7 +23,7 @@ FLOORS = {
     "options": 0, "questions": 0, "codec": 0, "proof": 0,
     "robot": 1,
     "kinematics": 2, "task": 2, "units": 2,
-    "local": 3, "problem": 3, "solve": 2,
+    "local": 3, "problem": 3, "configuration": 3, "solve": 2,
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,
     "text": 7, "results": 7, "schema": 7,

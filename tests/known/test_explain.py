@@ -228,7 +228,7 @@ def test_what_was_not_asked_for_is_not_worked_out(monkeypatch: pytest.MonkeyPatc
     assert (found.verdict, round(found.far.nearest.distance, 9)) == ("regular", 0.25)
     with pytest.raises(OptionError, match="step"):
         explain(open_robot("pa10"), [0.0] * 7, step=2.0)
-    with pytest.raises(OptionError, match="budget"):
+    with pytest.raises(OptionError, match="evaluations"):
         explain(open_robot("pa10"), [0.0] * 7, evaluations=10**9)
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from reference import arms
 
+from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
 from rankdrop.local.departure import departures, measured_gains, taylor
-from rankdrop.local.place import Place, place_at
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -40,7 +40,7 @@ def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[st
                 continue
             seen[f"corank {corank}"] += len(points)
             for q in points:
-                place = place_at(robot, q, task, DEFAULT)
+                place = at(robot, q, task, DEFAULT)
                 measured = measured_gains(place, np.eye(robot.n))
                 found = departures(place, np.eye(robot.n))
                 for number, (made, gain) in enumerate(zip(found, measured, strict=True), 1):
@@ -86,7 +86,7 @@ def test_orders_and_rates_are_those_of_a_short_motion(name: str, q: list[float])
     task = resolve_task(None, robot)
     rng = np.random.default_rng(2)
     directions = np.concatenate([np.eye(robot.n), np.linalg.qr(rng.normal(size=(robot.n, robot.n)))[0]])
-    place = place_at(robot, q, task, DEFAULT)
+    place = at(robot, q, task, DEFAULT)
     assert place.corank
     for made, direction in zip(departures(place, directions), directions, strict=True):
         t = np.array([2e-3, 1e-3])
@@ -102,7 +102,7 @@ def test_second_order_cases_are_among_the_known_ones() -> None:
     orders: Counter[int | None] = Counter()
     for name, q in ORDERS:
         robot = open_robot(name)
-        place = place_at(robot, q, resolve_task(None, robot), DEFAULT)
+        place = at(robot, q, resolve_task(None, robot), DEFAULT)
         measured = measured_gains(place, np.eye(robot.n))
         for made, gain in zip(departures(place, np.eye(robot.n)), measured, strict=True):
             assert made.gain == gain
@@ -119,10 +119,10 @@ def test_mixed_orders_are_reported_by_the_slowest() -> None:
     points = search(robot, 2, starts=60, seed=1).converged
     met = 0
     for q in points:
-        place = place_at(robot, q, task, DEFAULT)
+        place = at(robot, q, task, DEFAULT)
         low, high = rng.normal(size=(2, 6))
 
-        def measure(direction: np.ndarray, place: Place = place) -> float:
+        def measure(direction: np.ndarray, place: Configuration = place) -> float:
             series = taylor(robot, place.q, task, direction[None], 1)
             return float(np.linalg.det(place.u2.T @ series[1, 0] @ place.v2))
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from reference import arms
 
+from rankdrop.configuration import at
 from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import Displacement, determined_by_pose
-from rankdrop.local.place import place_at
 from rankdrop.local.second_order import definite, forms, null_basis, proof_of, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.robot.model import Array, Robot
@@ -124,7 +124,7 @@ def test_the_form_is_twice_the_second_order_displacement() -> None:
     robot = open_robot("anthropomorphic")
     q, task = np.array([0.1, 0.5, 0, 0.3, 0.4, 0.4]), resolve_task(None, robot)
     lost = escape(robot, q).types[0]
-    delta = null_basis(place_at(robot, q, task, DEFAULT))[:, 0]
+    delta = null_basis(at(robot, q, task, DEFAULT))[:, 0]
     u = np.array(lost.direction) * np.r_[np.full(3, task.scale(robot)), np.ones(3)]
     u /= np.linalg.norm(u)
     t = 1e-3
@@ -153,7 +153,7 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
     task = resolve_task(None, robot)
     seen = {True: 0, False: 0, None: 0}
     for q in search(robot, 1, starts=40, seed=2).converged[:30]:
-        place = place_at(robot, q, task, DEFAULT)
+        place = at(robot, q, task, DEFAULT)
         basis = null_basis(place)
         each = forms(place, basis)
         vectors, _ = vanishing(each, 0)
@@ -187,7 +187,7 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     robot = arms.random_chain(rng, "rrrrrr")
     task = resolve_task(words, robot)
     q = rng.uniform(-1, 1, 6)
-    place = place_at(robot, q, task, DEFAULT)
+    place = at(robot, q, task, DEFAULT)
     assert place.corank == 0
     assert determined_by_pose(place.task)
     basis = null_basis(place)

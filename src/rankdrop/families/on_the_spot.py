@@ -151,7 +151,7 @@ def name_on_the_spot(
         robot: the arm.
         q: (n,) a configuration of corank k [rad, m].
         task: from `resolve_task`.
-        corank: k, as `rank_at` says.
+        corank: k, that of `configuration.at`.
         seed: of the random steps.
         fit: also fit the equations of up to three coupled joints, with a small budget: some 0.1 s.
         tolerances: thresholds.
@@ -189,7 +189,7 @@ def name_on_the_spot(
     if at.sigma[0, rank] > max(tolerances.singular, 1e-6):
         raise ConfigurationError(
             "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
-            mend="take the corank that rank_at gives",
+            mend="take the corank that configuration.at(…).corank gives",
         )  # fmt: skip
     around = neighbourhood(problem, configuration, at, seed)
     found = groups_through(problem, configuration, at, around, seed)

@@ -15,9 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from rankdrop.configuration import Configuration, at
 from rankdrop.errors import RobotError
-from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
+from rankdrop.kinematics import task_jacobian_derivative
 from rankdrop.local.block import singular_values
 from rankdrop.local.ordered import OrderedScrewSet
 from rankdrop.robot.model import Array, Robot
@@ -78,7 +80,10 @@ class Hunt:
         return all(one.tells == one.escapes for one in self.joints)
 
 
-def hunt(robot: Robot, q: Array, task: Task, tolerances: Tolerances = DEFAULT) -> Hunt:
+def hunt(
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Hunt:  # fmt: skip
     """Hunt's matrix at a singular configuration, what it tells, and what finite motion says of that.
 
     Args:
@@ -95,7 +100,8 @@ def hunt(robot: Robot, q: Array, task: Task, tolerances: Tolerances = DEFAULT) -
         >>> [one.number for one in found.joints if one.named], [one.number for one in found.joints if one.tells]
         ([4, 6], [5])
     """
-    matrix = task_jacobian(robot, q, task)
+    here = at(robot, q, task, tolerances)
+    robot, q, task, matrix, tolerances = here.robot, here.q, here.task, here.jacobian, here.tolerances
     m, n = matrix.shape
     if n != m:
         return Hunt(False, f"Hunt's matrix of cofactors is of a square Jacobian; this one has {m} rows, {n} joints")

@@ -43,10 +43,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop.configuration import Configuration
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import row_scale
 from rankdrop.local.bracket import unit
-from rankdrop.local.place import Place, judge_steps, room
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, link_index
 
@@ -132,7 +132,7 @@ class Departure:
     first: tuple[float, ...]
 
 
-def departures(place: Place, directions: Array) -> tuple[Departure, ...]:
+def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]:
     """Gain, order and rate along each direction.
 
     order 1: the k-th singular value of D(Δ) = U₂ᵀ J_1 V₂; order 2: with W, Z the left and right null spaces of D(Δ),
@@ -174,7 +174,7 @@ def departures(place: Place, directions: Array) -> tuple[Departure, ...]:
     return tuple(out)
 
 
-def _highest(place: Place, direction: Array) -> int:
+def _highest(place: Configuration, direction: Array) -> int:
     """How far the orders can go along a direction, see the module's text."""
     moving = np.flatnonzero(direction)
     variables = place.robot.variables
@@ -187,7 +187,7 @@ def _highest(place: Place, direction: Array) -> int:
     return 4
 
 
-def _counts(series: Array, highest: Array, place: Place) -> tuple[Array, NDArray[np.bool_]]:
+def _counts(series: Array, highest: Array, place: Configuration) -> tuple[Array, NDArray[np.bool_]]:
     """(d, P + 1) number of singular values whose order is at most p, from the ranks of T_p; and (d,) whether one of
     those ranks hangs on where exactly the cut is."""
     powers, count = len(series), series.shape[1]
@@ -212,16 +212,16 @@ def _close(sigma: Array, floor: float) -> NDArray[np.bool_]:
     return (sigma > floor / _DOUBT) & (sigma < floor * _DOUBT)
 
 
-def _summed(place: Place, directions: Array) -> NDArray[np.intp]:
+def _summed(place: Configuration, directions: Array) -> NDArray[np.intp]:
     """(d,) rank regained, from the Taylor series summed up at a finite t: what counts there is the size of σ."""
     series = taylor(place.robot, place.q, place.task, directions * place.scale, _LONG)
-    powers = judge_steps(place, directions)[..., None] ** np.arange(_LONG + 1)
+    powers = place.judge_steps(directions)[..., None] ** np.arange(_LONG + 1)
     moved = np.einsum("tdp,pdmn->tdmn", powers, series)
     ranks = (np.linalg.svd(moved, compute_uv=False) > place.floor).sum(axis=-1).max(axis=0)
     return np.asarray(np.clip(ranks, place.rank, place.generic) - place.rank)
 
 
-def _slope(place: Place, direction: Array) -> int:
+def _slope(place: Configuration, direction: Array) -> int:
     """The order as a finite motion shows it, where the series cannot tell."""
     steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
     near, far = place.last(place.q + steps[:, None] * direction * place.scale).reshape(2, 2).mean(axis=1)
@@ -245,7 +245,7 @@ def _second(first: Array, schur: Array, rank: int, corank: int) -> float:
     return float(np.linalg.svd(left.T @ schur @ right, compute_uv=False)[corank - rank - 1])
 
 
-def _finite(place: Place, direction: Array, order: int) -> float:
+def _finite(place: Configuration, direction: Array, order: int) -> float:
     """σ_r/|t|^order as t → 0, from ±h and ±2h: the mean is even in t, so one step of Richardson takes t² off."""
     steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
     sigma = place.last(place.q + steps[:, None] * direction * place.scale) / np.abs(steps) ** order
@@ -261,21 +261,21 @@ _SOFT = 8  # power by which the smallest of the lost singular values weighs more
 _RANDOM = 24  # random starts of it
 
 
-def measured_gains(place: Place, directions: Array) -> Array:
+def measured_gains(place: Configuration, directions: Array) -> Array:
     """(d,) rank after a finite motion along each direction (d, n), minus the rank before: the largest of several."""
-    motions = judge_steps(place, directions)[..., None] * directions  # (4, d, n)
+    motions = place.judge_steps(directions)[..., None] * directions  # (4, d, n)
     sigma = place.singular_values(place.q + motions * place.scale)
     ranks = np.minimum((sigma > place.floor).sum(axis=-1), place.generic)
     return np.asarray(ranks.max(axis=0) - place.rank)
 
 
-def single_motions(place: Place, step: float) -> tuple[Array, Array]:
+def single_motions(place: Configuration, step: float) -> tuple[Array, Array]:
     """The better of the two motions of each joint by `step`, cut off at its limits.
 
     Returns:
         (n,) signed motion in scaled coordinates, and (n,) σ_r after it.
     """
-    down, up = room(place)
+    down, up = place.room
     steps = np.stack([np.minimum(step, up), -np.minimum(step, down)])  # (2, n)
     sigma = place.last(place.q + steps[..., None] * np.diag(place.scale))
     better = np.argmax(sigma - 1e-12 * np.array([[0.0], [1.0]]), axis=0)  # ties go up
@@ -283,13 +283,13 @@ def single_motions(place: Place, step: float) -> tuple[Array, Array]:
     return steps[better, joints], sigma[better, joints]
 
 
-def fitted(place: Place, motions: Array) -> Array:
+def fitted(place: Configuration, motions: Array) -> Array:
     """Motions (..., n) in scaled coordinates, cut off at the limits."""
-    down, up = room(place)
+    down, up = place.room
     return np.minimum(np.maximum(motions, -down), up)
 
 
-def best_pair(place: Place, step: float) -> Array:
+def best_pair(place: Configuration, step: float) -> Array:
     """The motion (n,) of two joints, of length `step` at most, that restores most; inside the limits.
 
     All pairs and a circle of directions in one call, then the best few pairs again, finer and finer.
@@ -309,7 +309,7 @@ def best_pair(place: Place, step: float) -> Array:
     return np.asarray(motions[order[0], best[order[0]]])
 
 
-def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
+def best_motion(place: Configuration, step: float, seed: int, tried: Array) -> Array:
     """The motion (n,) of all joints, of length `step` at most, that restores most; inside the limits.
 
     Candidates are the motions handed in, the leading directions of D, and random ones. Each climbs by
@@ -343,7 +343,7 @@ def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
     return np.asarray(best)
 
 
-def scores(place: Place, motions: Array) -> Array:
+def scores(place: Configuration, motions: Array) -> Array:
     """(..., 2) what motions (..., n) reach: rank, and the singular value that holds it."""
     sigma = place.singular_values(place.q + motions * place.scale)[..., : place.generic]
     out = np.empty((*sigma.shape[:-1], 2))
@@ -356,17 +356,17 @@ def scores(place: Place, motions: Array) -> Array:
     return out
 
 
-def _order(place: Place, motions: Array) -> _Indices:
+def _order(place: Configuration, motions: Array) -> _Indices:
     reached = scores(place, motions)
     return np.lexsort((-reached[:, 1], -reached[:, 0]))
 
 
-def _better(place: Place, best: Array, motions: Array) -> Array:
+def _better(place: Configuration, best: Array, motions: Array) -> Array:
     every = np.concatenate([best[None], motions])
     return np.asarray(every[_order(place, every)[0]])
 
 
-def _best_of_each(place: Place, motions: Array) -> tuple[_Indices, _Indices]:
+def _best_of_each(place: Configuration, motions: Array) -> tuple[_Indices, _Indices]:
     """Of motions (p, a, n): the best a of each p, and the p from the best to the worst."""
     reached = scores(place, motions)
     value = reached[..., 0] * 1e6 + reached[..., 1]  # σ of scaled Jacobians is far below 1e6
@@ -374,7 +374,7 @@ def _best_of_each(place: Place, motions: Array) -> tuple[_Indices, _Indices]:
     return best, np.argsort(-value[np.arange(len(best)), best], kind="stable")
 
 
-def _on_circle(place: Place, pairs: _Indices, angles: Array, step: float) -> Array:
+def _on_circle(place: Configuration, pairs: _Indices, angles: Array, step: float) -> Array:
     motions = np.zeros((*angles.shape, len(place.q)))
     every = np.broadcast_to(pairs, (*angles.shape, 2))
     np.put_along_axis(motions, every[..., :1], step * np.cos(angles)[..., None], axis=-1)
@@ -382,7 +382,7 @@ def _on_circle(place: Place, pairs: _Indices, angles: Array, step: float) -> Arr
     return fitted(place, motions)
 
 
-def _leading(place: Place) -> Array:
+def _leading(place: Configuration) -> Array:
     """± the right singular vectors of D as a matrix: for corank 1 the first is the best there is to first order."""
     n = len(place.q)
     rank = place.rank if place.corank else place.generic - 1
@@ -395,7 +395,7 @@ def _leading(place: Place) -> Array:
     return np.concatenate([leading, -leading])
 
 
-def _gradient(place: Place, motions: Array) -> Array:
+def _gradient(place: Configuration, motions: Array) -> Array:
     """(c, n) ascent direction of σ_r at q + motion, in scaled coordinates: Σ (σ_r/σ_i)^8 u_iᵀ dJ v_i (AM eq. 7).
 
     The sum is over the lost singular values. For one of them it is the gradient; where several tie the gradient jumps

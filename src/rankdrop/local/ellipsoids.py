@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.kinematics import one_configuration, task_jacobian
+from rankdrop.configuration import Configuration, at
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 
@@ -116,8 +116,9 @@ class Ellipsoids:
 
 
 def ellipsoids(
-    robot: Robot, q: ArrayLike, task: Task | str | None = None, *, tolerances: Tolerances = DEFAULT
-) -> Ellipsoids:
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None, *,
+    tolerances: Tolerances = DEFAULT,
+) -> Ellipsoids:  # fmt: skip
     """Velocity and force ellipsoids with σ_min, condition number and manipulability.
 
     Translation takes the task's rows among vx, vy, vz as they are [m/s per rad/s], rotation those among wx, wy, wz. A
@@ -143,8 +144,8 @@ def ellipsoids(
         >>> found.manipulability.value, found.condition.value, found.sigma_min.unit
         (0.0, inf, 'm/rad')
     """
-    resolved = resolve_task(task, robot)
-    jacobian = task_jacobian(robot, one_configuration(robot, q), resolved)
+    here = at(robot, q, task, tolerances)
+    robot, resolved, jacobian, tolerances = here.robot, here.task, here.jacobian, here.tolerances
     weights, limits = joint_scale(robot, resolved), rate_limits(robot)
     length = resolved.scale(robot)
     slides = any(joint.kind is JointKind.PRISMATIC for joint in robot.variables)

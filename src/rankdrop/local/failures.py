@@ -20,14 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.kinematics import one_configuration, task_jacobian, task_jacobian_derivative
+from rankdrop.configuration import Configuration, at
+from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.directions import lost_in_sparsest_frame, words
 from rankdrop.local.minimax import Evaluate, Model
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import in_metres, into_metres, task_in_metres
 
 _TIED = 2  # smallest singular values of each reduced Jacobian that may tie on the way
 _LARGEST = 3  # and largest ones of the whole one
@@ -88,8 +88,9 @@ class Failures:
 
 
 def failures_at(
-    robot: Robot, q: ArrayLike, task: Task | str | None = None, *, tolerances: Tolerances = DEFAULT
-) -> Failures:
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None, *,
+    tolerances: Tolerances = DEFAULT,
+) -> Failures:  # fmt: skip
     """What each joint's failure leaves at one configuration.
 
     Args:
@@ -110,11 +111,9 @@ def failures_at(
         >>> [round(one.sigma_min, 6) for one in found.single], round(found.bound, 6)
         ([0.5, 0.5, 0.5, 0.5], 0.5)
     """
-    resolved = resolve_task(task, robot)
-    configuration = one_configuration(robot, q)
-    here, inside, there = in_metres(robot), task_in_metres(resolved, robot), into_metres(robot, configuration)
-    full = generic_rank(robot, resolved)
-    whole = task_jacobian(here, there, inside) * joint_scale(here, inside)
+    here = at(robot, q, task, tolerances)
+    robot, resolved, configuration, tolerances, full = here.robot, here.task, here.q, here.tolerances, here.generic
+    whole = here.metric.jacobian * here.metric.scale
     sigma = _core.svd(np.ascontiguousarray(whole)[None], False)[0]
     regular = float(sigma[full - 1]) > tolerances.singular
     null = np.linalg.svd(whole)[2][full:]

@@ -38,13 +38,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop.configuration import Rank, at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
 from rankdrop.local.block import joint_scale, row_scale
 from rankdrop.local.bracket import hat
-from rankdrop.local.verdict import Rank, rank_at
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import BASE, TIP, Frame, Task, link_index, resolve_task
+from rankdrop.task import BASE, TIP, Frame, Task, link_index
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 NAMES: dict[str, tuple[str, ...]] = {
@@ -510,7 +510,7 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
         (False, inf, 0)
     """
     configuration = one_configuration(robot, q)
-    arm = rank_at(robot, configuration, resolve_task("pose", robot), tolerances)
+    arm = at(robot, configuration, "pose", tolerances).measured
     rotation = pose(robot, configuration)[:3, :3]
     angles = dict(zip(EULER, euler_angles(rotation, EULER), strict=True))
     coordinates = {name: angles[name] if name in angles else orientation_coordinates(rotation, name) for name in NAMES}

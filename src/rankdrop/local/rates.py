@@ -61,11 +61,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import configurations, one_configuration, task_jacobian
-from rankdrop.local.block import decompose, generic_rank, joint_scale, row_scale, singular_values
+from rankdrop.local.block import Decomposition, decompose, generic_rank, joint_scale, row_scale, singular_values
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -108,8 +108,8 @@ class Factored:
 def factor(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFAULT) -> Factored:
     """Decompose the task Jacobian with the length scale on both sides.
 
-    The rank is that of `rank_at`: singular values of the task Jacobian (W = 1) at or below `tolerances.singular` are
-    zero. With prismatic joints Σ belongs to S J W, and as many of its last values are zero.
+    Singular values of the task Jacobian (W = 1) at or below `tolerances.singular` are zero.
+    With prismatic joints Σ belongs to S J W, and as many of its last values are zero.
 
     Args:
         robot: the arm.
@@ -120,12 +120,22 @@ def factor(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFA
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
     """
-    joints = joint_scale(robot, task)
-    parts = decompose(robot, q, task)
-    u, sigma, v = parts.u, parts.sigma, parts.v
+    parts, joints = decompose(robot, q, task), joint_scale(robot, task)
+    return _factored(parts, None if (joints == 1.0).all() else task_jacobian(robot, q, task), robot, task, tolerances)
+
+
+def factored(here: Configuration) -> Factored:
+    """`factor` at one configuration, from what is known there."""
+    return _factored(here.parts, here.jacobian, here.robot, here.task, here.tolerances)
+
+
+def _factored(
+    parts: Decomposition, jacobian: Array | None, robot: Robot, task: Task, tolerances: Tolerances
+) -> Factored:
+    u, sigma, v, joints = parts.u, parts.sigma, parts.v, joint_scale(robot, task)
     rank = (sigma > tolerances.singular).sum(axis=-1)
-    if (joints != 1.0).any():
-        scaled = np.ascontiguousarray(task_jacobian(robot, q, task) * joints)
+    if jacobian is not None and (joints != 1.0).any():
+        scaled = np.ascontiguousarray(jacobian * joints)
         batch = scaled.shape[:-2]
         found = _core.svd(scaled.reshape(-1, task.m, robot.n))
         u, sigma, v = (part.reshape(batch + part.shape[1:]) for part in found)
@@ -424,8 +434,9 @@ class Rates:
 
 
 def joint_rates(
-    robot: Robot, q: ArrayLike, task: Task | str | None = None, *, tolerances: Tolerances = DEFAULT
-) -> Rates:
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None, *,
+    tolerances: Tolerances = DEFAULT,
+) -> Rates:  # fmt: skip
     """Joint rates needed for unit speed along every axis, the weakest and the lost directions, against the limits.
 
     Args:
@@ -447,10 +458,8 @@ def joint_rates(
         >>> joint_rates(open_robot("planar2r"), [0.0, 0.0]).axes[0].speed  # stretched
         0.0
     """
-    resolved = resolve_task(task, robot)
-    configuration = one_configuration(robot, q)
-    verdict = rank_at(robot, configuration, resolved, tolerances)
-    parts = factor(robot, configuration, resolved, tolerances)
+    here = at(robot, q, task, tolerances)
+    robot, resolved, verdict, parts = here.robot, here.task, here.measured, factored(here)
     limits = rate_limits(robot)
     rows, rank = list(resolved.rows), verdict.rank
     motions = [(_AXES[row], np.eye(6)[row]) for row in rows]
@@ -464,17 +473,17 @@ def joint_rates(
         weakest = six_rows(parts.u[:, rank - 1] / parts.rows, resolved)
         motions.append((WEAKEST, weakest * np.copysign(1.0, weakest[np.argmax(np.abs(weakest))])))
     if verdict.corank:
-        lost = lost_directions(robot, configuration, resolved, verdict.corank)
+        lost = lost_directions(robot, here.q, resolved, verdict.corank)
         motions += [(f"lost direction {i}", row * lengths) for i, row in enumerate(lost, start=1)]
-    here = len(motions)
+    given = len(motions)
     for row in left:
         nearest = (np.eye(resolved.m)[row] - gone.T @ gone[:, row]) / (1.0 - shares[row]) * unit / unit[row]
         motions.append((motions[row][0], six_rows(nearest, resolved)))
-    every = _along(robot, parts, motions, resolved, limits, rank, tolerances)
+    every = _along(robot, parts, motions, resolved, limits, rank, here.tolerances)
     m = resolved.m
-    remaining = dict(zip(left, every[here:], strict=True))
+    remaining = dict(zip(left, every[given:], strict=True))
     return Rates(
-        tuple(every[:m]), every[m] if rank else None, tuple(every[m + bool(rank) : here]),
+        tuple(every[:m]), every[m] if rank else None, tuple(every[m + bool(rank) : given]),
         tuple(limits.tolist()), resolved.scale(robot), tuple(shares.tolist()),
         tuple(remaining.get(row) for row in range(m)),
     )  # fmt: skip
@@ -574,7 +583,7 @@ def rate_growth(
         raise OptionError("two positive distances are needed at least", got=steps.tolist())
     unit = way / np.linalg.norm(way / scale)
     sigma = task_sigma(robot, start + steps[:, None] * unit, resolved)
-    generic = rank_at(robot, start, resolved).generic_rank
+    generic = generic_rank(robot, resolved)
     with np.errstate(divide="ignore"):
         rates = 1.0 / sigma[:, generic - 1]
     near = slice(len(steps) // 2, None) if len(steps) > 3 else slice(None)

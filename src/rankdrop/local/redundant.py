@@ -29,16 +29,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop.configuration import Configuration, Rank, at
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.kinematics import configurations, one_configuration, task_jacobian
+from rankdrop.kinematics import configurations, one_configuration
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.directions import readable_basis
 from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.orientation import WEAK, Displacement
-from rankdrop.local.place import Place, place_at
-from rankdrop.local.rates import Factored, factor, task_sigma
+from rankdrop.local.rates import Factored, factor, factored, task_sigma
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
-from rankdrop.local.verdict import Rank, rank_at
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows
@@ -175,8 +174,9 @@ class Redundancy:
 
 
 def redundancy(
-    robot: Robot, q: ArrayLike, task: Task | str | None = None, *, tolerances: Tolerances = DEFAULT
-) -> Redundancy:
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None, *,
+    tolerances: Tolerances = DEFAULT,
+) -> Redundancy:  # fmt: skip
     """Bases of range and null space, the rank–nullity check and the projector in two forms.
 
     Args:
@@ -197,16 +197,14 @@ def redundancy(
         >>> found.null_basis[-1].round(3).tolist()  # joints 2, 4, 6 together
         [0.0, -0.43, 0.0, 0.816, 0.0, -0.387, 0.0]
     """
-    resolved = resolve_task(task, robot)
-    configuration = one_configuration(robot, q)
-    verdict = rank_at(robot, configuration, resolved, tolerances)
-    parts = factor(robot, configuration, resolved, tolerances)
-    scaled = task_jacobian(robot, configuration, resolved) * parts.joints
+    here = at(robot, q, task, tolerances)
+    verdict, parts = here.measured, factored(here)
+    scaled = here.jacobian * parts.joints
     null = parts.v[:, verdict.rank :]
     projector = null @ null.T
     closed = _closed_form(scaled, verdict.rank)
     arrays = {
-        "range_basis": _range_basis(parts, resolved, verdict.rank),
+        "range_basis": _range_basis(parts, here.task, verdict.rank),
         "null_basis": readable_parts(null).T * parts.joints,
         "projector": _unscaled(projector, parts.joints),
         "closed_form": _unscaled(closed, parts.joints),
@@ -216,7 +214,7 @@ def redundancy(
         array.flags.writeable = False
     return Redundancy(
         rank=verdict,
-        check=_check(scaled, parts, verdict.rank, tolerances.singular),
+        check=_check(scaled, parts, verdict.rank, here.tolerances.singular),
         difference=float(np.abs(arrays["projector"] - arrays["closed_form"]).max()),
         idempotent=float(np.abs(projector @ projector - projector).max()),
         annihilates=float(np.abs(scaled @ projector).max()),
@@ -443,13 +441,14 @@ def self_motion(
             "length or step out of range", got=f"length {length}, step {step}",
             allowed="step 0.0001 … 0.2 [rad], length at most 100 000 steps",
         )  # fmt: skip
-    verdict = rank_at(robot, start, resolved, tolerances)
+    here = at(robot, start, resolved, tolerances)
+    verdict = here.measured
     where = Displacement(robot, start, resolved)
     low, high = (robot.lower, robot.upper) if limits else (np.full(robot.n, -np.inf), np.full(robot.n, np.inf))
     wanted = None if direction is None else _wanted(robot, direction) / where.joints
     points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
     if verdict.nullity:
-        units, refusal = _units(place_at(robot, start, resolved, tolerances), wanted)
+        units, refusal = _units(here, wanted)
         points, ended, words = [start], BRANCHES, refusal
         for unit in units:
             trace = _Trace(where, low, high, length, step)
@@ -472,7 +471,7 @@ def _wanted(robot: Robot, direction: ArrayLike) -> Array:
     return wanted
 
 
-def _units(place: Place, wanted: Array | None) -> tuple[list[Array], str]:
+def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], str]:
     """Unit null motions (scaled) to try at the start, best first; and what to say if none can be followed."""
     null = null_basis(place)
     quadratic = forms(place, null)

@@ -22,11 +22,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.configuration import Configuration
 from rankdrop.local.bracket import unit
 from rankdrop.local.departure import taylor
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
-from rankdrop.local.place import Place, room
 from rankdrop.robot.model import Array
 from rankdrop.solve import iterate, shortest
 from rankdrop.tolerances import DEFAULT
@@ -58,23 +58,23 @@ class LostMotion:
     words: str
 
 
-def null_derivative(place: Place, basis: Array) -> Array:
+def null_derivative(place: Configuration, basis: Array) -> Array:
     """(s, m, s) dJ(N_a) N_b for the columns of a basis N (n, s) of null motions in scaled coordinates."""
     series = taylor(place.robot, place.q, place.task, basis.T * place.scale, 1)
     return np.asarray(series[1] @ (basis * place.scale[:, None]))
 
 
-def null_basis(place: Place) -> Array:
+def null_basis(place: Configuration) -> Array:
     """(n, s) orthonormal basis of the null space of J in scaled joint coordinates."""
     return np.asarray(np.linalg.qr(place.v2 / place.scale[:, None])[0])
 
 
-def forms(place: Place, basis: Array) -> Array:
+def forms(place: Configuration, basis: Array) -> Array:
     """(m − rank, s, s) symmetric matrices of Q_u on the null space, u the columns of U₂."""
     return _symmetric(np.einsum("mp,amb->pab", place.u2, null_derivative(place, basis)))
 
 
-def lost_motions(place: Place, basis: Array) -> tuple[LostMotion, ...]:
+def lost_motions(place: Configuration, basis: Array) -> tuple[LostMotion, ...]:
     """Each lost direction with its form and its type."""
     if not place.corank:
         return ()
@@ -135,7 +135,7 @@ def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
     return kept
 
 
-def boundary(place: Place, each: Array) -> tuple[bool | None, str]:
+def boundary(place: Configuration, each: Array) -> tuple[bool | None, str]:
     """Whether q maps to the boundary of the workspace, and why; from the form on the null space, corank 1 only.
 
     The form's kernel holds the null motions that are tangent to the same singular family (D vanishes on them, for D is
@@ -258,7 +258,7 @@ class Stillness:
     forms: Array
 
 
-def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
+def find_still(place: Configuration, basis: Array, step: float, seed: int) -> Stillness:
     """Look for a self-motion through q that restores the rank, and say what is known if there is none.
 
     Args:
@@ -282,7 +282,7 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
     return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
 
 
-def trace(place: Place, tangents: Array, length: float) -> Trace:
+def trace(place: Configuration, tangents: Array, length: float) -> Trace:
     """Follow self-motions with the given tangents.
 
     Args:
@@ -329,7 +329,7 @@ def _few(each: Array) -> bool:
     return bool(one_sided and (np.abs(eigenvalues) <= FLAT).sum() == 1)
 
 
-def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
+def _chosen(place: Configuration, tangents: Array) -> tuple[Array, Array]:
     """The most promising tangents, both ways, and the k-th singular value of D along each."""
     tangents = unit(tangents)
     series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
@@ -343,9 +343,11 @@ def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
     return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
 
 
-def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: Trace, complete: bool) -> Stillness:
+def _judged(
+    place: Configuration, each: Array, tangents: Array, promise: Array, traced: Trace, complete: bool
+) -> Stillness:
     """The best of the traces that stood still."""
-    down, up = room(place)
+    down, up = place.room
     moved = (traced.q - place.q) / place.scale
     inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
     least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
@@ -369,7 +371,7 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     )  # fmt: skip
 
 
-def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillness:
+def _stays(place: Configuration, each: Array, traced: Trace, complete: bool) -> Stillness:
     """No trace restores the rank: say whether those were all there are."""
     if not place.corank:
         return _none(each, None, "there is no singularity to leave")

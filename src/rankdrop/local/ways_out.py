@@ -15,21 +15,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.configuration import LEAST, Configuration, at
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import jacobian, one_configuration
+from rankdrop.kinematics import jacobian
 from rankdrop.local import departure as finite_motions
 from rankdrop.local.bracket import brackets
 from rankdrop.local.departure import Departure, departures, taylor, unlocked
 from rankdrop.local.notebook import escape_html
-from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
-from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+from rankdrop.units import out_of_metres
 
 
-def receptors(place: Place) -> tuple[tuple[int, ...], ...]:
+def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     """Per actuator a, the joints i (from 1) whose change leaves the span of all screws, and that are dependent at q.
 
     For the whole pose the change is [S_a, S_i], i > a. Tasks with fewer rows take the change of the task Jacobian's
@@ -153,8 +153,8 @@ class Escape:
 
 
 def escape(
-    robot: Robot,
-    q: ArrayLike,
+    robot: Robot | Configuration,
+    q: ArrayLike | None = None,
     task: Task | str | None = None,
     *,
     tolerances: Tolerances = DEFAULT,
@@ -165,7 +165,7 @@ def escape(
     """Which motions lead out of a singular configuration (GR sections 3 and 4, made exact and checked).
 
     Args:
-        robot: the arm.
+        robot: the arm, or a `Configuration`, which stands for the first four.
         q: (n,) configuration [rad, m].
         task: a Task, a name, or None for the arm's own.
         tolerances: `singular` decides what is zero.
@@ -187,11 +187,9 @@ def escape(
         >>> [(joint.number, joint.order, round(joint.rate, 4)) for joint in out.single if joint.gain]
         [(4, 1, 2.0713), (3, 1, 0.7036)]
     """
-    if metre_exponent(robot):
-        q, task = into_metres(robot, one_configuration(robot, q)), task_in_metres(resolve_task(task, robot), robot)
-        found = escape(in_metres(robot), q, task, tolerances=tolerances, seed=seed, step=step, corank=corank)
-        return _out_of_metres(found, robot)
-    place = place_at(robot, q, resolve_task(task, robot), tolerances, corank)
+    here = at(robot, q, task, tolerances, corank)
+    here.check_moves()
+    place = here.metric
     check_step(step)
     if seed < 0:
         raise OptionError("seed is outside the range", got=seed, allowed="a whole number from 0 up")
@@ -204,7 +202,7 @@ def escape(
     if place.corank and place.sigma[place.rank] > tolerances.singular:  # q itself is regular: denials hold elsewhere
         avoidable, edge = avoidable or None, None
         words, edge_words = f"{_NEARBY}: {words}", f"{_NEARBY}: {edge_words}"
-    return Escape(
+    found = Escape(
         corank=place.corank,
         single=single,
         best_pair=pair,
@@ -217,6 +215,7 @@ def escape(
         boundary_words=edge_words,
         floor=place.floor,
     )
+    return found if place is here else _out_of_metres(found, here.robot)
 
 
 def check_step(step: float) -> None:
@@ -249,14 +248,14 @@ def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
     )  # fmt: skip
 
 
-def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
+def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
     found = departures(place, units) if place.corank else _slopes(place, units)
     gains = finite_motions.measured_gains(place, units)
     steps, sigma = finite_motions.single_motions(place, step)
     receives = receptors(place)
-    down, up = room(place)
+    down, up = place.room
     out = []
     for j, joint in enumerate(place.robot.variables):
         made, unit = found[j], float(place.scale[j])
@@ -279,7 +278,7 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
     return tuple(sorted(out, key=lambda joint: _standing(joint, place)))
 
 
-def _standing(joint: JointEscape, place: Place) -> tuple[float, ...]:
+def _standing(joint: JointEscape, place: Configuration) -> tuple[float, ...]:
     """Sorts: joints that restore by σ_r reached, then the others by what they gain; rounding decides nothing."""
     restores = joint.gain == place.corank
     reached = float(f"{joint.sigma_after:.9e}") if joint.sigma_after > place.floor else 0.0
@@ -287,7 +286,7 @@ def _standing(joint: JointEscape, place: Place) -> tuple[float, ...]:
 
 
 def _several(
-    place: Place, step: float, seed: int, single: tuple[JointEscape, ...]
+    place: Configuration, step: float, seed: int, single: tuple[JointEscape, ...]
 ) -> tuple[Direction | None, Direction]:
     """The best pair and the best direction; the second starts from the first and from the single joints."""
     moves = np.zeros((len(single), len(place.q)))
@@ -302,7 +301,7 @@ def _several(
     return (described[1] if pair is not None else None), described[0]
 
 
-def _described(place: Place, motions: Array) -> list[Direction]:
+def _described(place: Configuration, motions: Array) -> list[Direction]:
     """Directions with their order and rate. A motion that the limits leave no room for is shown without them."""
     lengths = np.linalg.norm(motions, axis=1)
     inside = lengths >= LEAST
@@ -329,7 +328,7 @@ def _described(place: Place, motions: Array) -> list[Direction]:
     ]
 
 
-def _slopes(place: Place, directions: Array) -> tuple[Departure, ...]:
+def _slopes(place: Configuration, directions: Array) -> tuple[Departure, ...]:
     """At a regular configuration: dσ_r/dt, with its sign (AM eq. 7)."""
     first = taylor(place.robot, place.q, place.task, directions * place.scale, 1)[1]
     r = place.generic - 1
@@ -337,7 +336,7 @@ def _slopes(place: Place, directions: Array) -> tuple[Departure, ...]:
     return tuple(Departure(0, 1, float(slope), ()) for slope in slopes)
 
 
-def _still_direction(place: Place, found: Stillness) -> Direction | None:
+def _still_direction(place: Configuration, found: Stillness) -> Direction | None:
     """The traced self-motion that restores, as a direction at q."""
     if found.tangent is None:
         return None

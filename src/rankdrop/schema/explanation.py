@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table
+from rankdrop.configuration import Rank
 from rankdrop.families.tolerant import Place
 from rankdrop.local.axes import Relation, ScrewSystem
 from rankdrop.local.circuits import Circuit
@@ -17,7 +18,6 @@ from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.second_order import LostMotion
-from rankdrop.local.verdict import Rank
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.results.explanation.data import Summary
 from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file

@@ -6,10 +6,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from rankdrop.configuration import at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import check_robot, one_configuration
-from rankdrop.local.place import check_moves
-from rankdrop.local.verdict import rank_at
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
@@ -87,9 +86,9 @@ def explain(
         how.near, how.small, how.limits, how.evaluations, how.step, how.seed, float(resolved.scale(robot)), tolerances,
         VERSION, how.frame or "", how.speed, how.turn_speed,
     )  # fmt: skip
-    rank = rank_at(robot, configuration, resolved, tolerances)
-    check_moves(robot, resolved, rank.generic_rank)
-    return _explained(Asked(robot, configuration, resolved, rank, families, source, how.coranks, settings))
+    here = at(robot, configuration, resolved, tolerances)
+    here.check_moves()
+    return _explained(Asked(here, families, source, how.coranks, settings))
 
 
 def _explained(asked: Asked) -> Explanation:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
+from rankdrop.configuration import Cause, Configuration, Rank
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
@@ -17,7 +18,6 @@ from rankdrop.local.directions import FramedDirections, Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import StraightMotion
-from rankdrop.local.verdict import Cause, Rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import SLOW, SLOW_TURN, Tolerances
@@ -106,22 +106,38 @@ class Asked:
     """A question in full: the configuration and all that is known before any part is worked out.
 
     Attributes:
-        robot, q, task: what is asked about.
-        rank: of the task Jacobian at q.
+        here: what is asked about.
         families: known families of all coranks; empty where there are none.
         source: where they come from: "catalogue", "analysis" or "on the spot".
         coranks: distances are worked out to families up to this corank.
         settings: thresholds and budgets.
     """
 
-    robot: Robot
-    q: Array
-    task: Task
-    rank: Rank
+    here: Configuration
     families: tuple[Family, ...]
     source: str
     coranks: int
     settings: ExplainSettings
+
+    @property
+    def robot(self) -> Robot:
+        """The arm."""
+        return self.here.robot
+
+    @property
+    def q(self) -> Array:
+        """(n,) the configuration [rad, m]."""
+        return self.here.q
+
+    @property
+    def task(self) -> Task:
+        """What the tool is to do."""
+        return self.here.task
+
+    @property
+    def rank(self) -> Rank:
+        """Singular values, rank, generic rank, corank, nullity."""
+        return self.here.measured
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.certify.ball import Certificate
+from rankdrop.configuration import Cause, Rank
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import Relation, relations_at
 from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
@@ -22,7 +23,6 @@ from rankdrop.local.nearest import Nearest
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Rates, StraightMotion, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
-from rankdrop.local.verdict import Cause, Rank
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
 from rankdrop.results.explanation.data import (
@@ -261,7 +261,7 @@ class Explanation:
         """The arm that was asked about."""
         return self.asked.robot
 
-    @cached_property
+    @property
     def task(self) -> Task:
         """What the tool is to do, with the length scale that was used."""
         return replace(self.asked.task, length_scale=self.asked.settings.length_scale)
@@ -323,29 +323,28 @@ class Explanation:
     def escape(self) -> Escape:
         """Which motions lead out."""
         settings = self.settings
-        return escape(
-            self.robot, self.q, self.asked.task, tolerances=settings.tolerances, seed=settings.seed, step=settings.step
-        )
+        return escape(self.asked.here, seed=settings.seed, step=settings.step)
 
     @cached_property
     def rates(self) -> Rates:
         """What motion costs the joints."""
-        return joint_rates(self.robot, self.q, turned_task(self.asked.task, self.settings.frame, self.lost))
+        task = turned_task(self.asked.task, self.settings.frame, self.lost)
+        return joint_rates(self.asked.here) if task == self.asked.task else joint_rates(self.robot, self.q, task)
 
     @cached_property
     def failures(self) -> Failures:
         """What the failure of each single joint leaves at q."""
-        return failures_at(self.robot, self.q, self.asked.task, tolerances=self.settings.tolerances)
+        return failures_at(self.asked.here)
 
     @cached_property
     def ellipsoids(self) -> Ellipsoids:
         """How motion and force compare by direction."""
-        return ellipsoids(self.robot, self.q, self.asked.task)
+        return ellipsoids(self.asked.here)
 
     @cached_property
     def redundancy(self) -> Redundancy:
         """What motions of the joints leave the tool still."""
-        return redundancy(self.robot, self.q, self.asked.task)
+        return redundancy(self.asked.here)
 
     @cached_property
     def representations(self) -> Representations:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.configuration import Cause, Rank, at
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import FamilyDistance, agreement, family_distances
 from rankdrop.families.on_the_spot import name_on_the_spot
@@ -37,7 +38,6 @@ from rankdrop.local.directions import (
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import StraightMotion, slowest_motions
-from rankdrop.local.verdict import Cause, Rank
 from rankdrop.local.ways_out import Escape, JointEscape
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import (
@@ -225,7 +225,7 @@ def blame_at(asked: Asked, q: Array, corank: int) -> Blame:
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),
         complete=few,
-        hunt=hunt(robot, q, task, asked.settings.tolerances) if corank else None,
+        hunt=hunt(robot, q, task, asked.here.tolerances) if corank else None,
     )
 
 
@@ -322,7 +322,7 @@ def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
             there = None
         if there is not None and there.distance < own:
             families, source = known_families(model, task, None, asked.settings.tolerances)
-            question = replace(asked, robot=model, task=task, families=families, source=source)
+            question = replace(asked, here=at(model, asked.q, task), families=families, source=source)
             family = incidences_at(question, np.array(there.q), there.corank)[0].family
             return family, there.distance, near
     if far.nearest is None or far.nearest_family is None:

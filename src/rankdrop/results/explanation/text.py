@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.configuration import Cause
 from rankdrop.family.record import Family
 from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.second_order import proof_of
-from rankdrop.local.verdict import Cause
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record
 from rankdrop.results.conditions_text import values_in_degrees

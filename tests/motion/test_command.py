@@ -177,9 +177,9 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     record = json.loads((tmp_path / "bad.json").read_text())
     Draft202012Validator(load_schema("path")).validate(record)
     assert [one["kind"] for one in record["remedies"]["found"]] == ["blend", "base shift"]
-    described = load_schema("path")["properties"]["remedies"]["properties"]
-    assert set(record["remedies"]) == set(described)
-    assert set(record["remedies"]["found"][0]) == set(described["found"]["items"]["properties"])
+    described = load_schema("path")["$defs"]
+    assert set(record["remedies"]) == set(described["remedies"]["properties"])
+    assert set(record["remedies"]["found"][0]) == set(described["found"]["properties"])
     np.testing.assert_array_equal(
         record["remedies"]["found"][0]["trajectory"]["q"],
         np.loadtxt(tmp_path / "good.csv", delimiter=",", skiprows=1, ndmin=2),

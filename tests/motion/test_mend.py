@@ -84,7 +84,7 @@ def test_a_flip_keeps_the_tool_path_and_is_another_branch() -> None:
 
 def test_a_tilt_turns_the_tool_about_its_tip_by_no_more_than_the_bound() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[1]
-    angle, axis = one.parameters[0].value, np.array(one.parameters[1].value)
+    angle, axis = one.parameters[0][1], np.array(one.parameters[1][1])
     assert 0.0 < angle <= TILT
     assert axis[2] == 0.0
     wanted = pose(robot, WRIST)
@@ -101,7 +101,7 @@ def test_a_tilt_turns_the_tool_about_its_tip_by_no_more_than_the_bound() -> None
 
 def test_a_shift_moves_the_base_by_no_more_than_the_bound() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[2]
-    shift = np.array(one.parameters[0].value)
+    shift = np.array(one.parameters[0][1])
     assert 0.0 < np.linalg.norm(shift) <= SHIFT * (1 + 1e-12)
     wanted = pose(robot, WRIST)
     moved = np.eye(4)

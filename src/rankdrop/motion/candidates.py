@@ -6,7 +6,7 @@ they stay from a singularity to first order; whoever takes one judges it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -37,19 +37,10 @@ Told = Callable[[int, int], None]
 """told(done, all)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A number, or some, that a remedy is made with.
-
-    Attributes:
-        name: of what.
-        value: one number, or one for each joint or axis.
-        unit: "rad", "m", "s", "rad, m" for joint values, or "" for a number without.
-    """
-
-    name: str
-    value: float | tuple[float, ...]
-    unit: str
+Parameter = tuple[str, float | tuple[float, ...], str]
+"""A number, or some, that a remedy is made with: name, value, and unit ("rad, m": joint values; "": none)."""
+Candidate = tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]
+"""Tool path, start (None: the first pose is not reached), null-space motion, what is done, and with which numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +87,11 @@ class Ranking:
         return f"{self.tried} tried: {', '.join(parts)}"
 
 
-def ranked(candidates: Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]],
-           count: int, told: Told) -> Ranking:  # fmt: skip
+def ranked(candidates: Iterable[Candidate], count: int, told: Told) -> Ranking:
     """Each candidate followed on some places of its path.
 
     Args:
-        candidates: tool path, start (None: the first pose is not reached), pull, words and parameters.
+        candidates: worked out as they are followed.
         count: how many there will be.
         told: how many are done.
     """
@@ -141,7 +131,7 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], told: Told,
     words = "from another start" if around else "from the same start"
     ranking.found.append(
         Other(tool, along(place, plan), f"the same tool path {words}, planned over the self-motions of every pose",
-              (Parameter("start", tuple(plan[0].tolist()), "rad, m"),), free, not around)
+              (("start", tuple(plan[0].tolist()), "rad, m"),), free, not around)
     )  # fmt: skip
     return True
 
@@ -166,15 +156,12 @@ def branches(tool: ToolPath, told: Told) -> Ranking:
     """Other branches of the inverse kinematics at the first pose."""
     robot, task = tool.robot, tool.task
     starts = _branches(tool)
-
-    def candidates() -> Iterator[tuple[ToolPath, Array, Pull | None, str, tuple[Parameter, ...]]]:
-        for start in starts:
-            pull = _pull(robot, task, 1.0) if robot.n > task.m else None
-            yield tool, start, pull, "another branch of the inverse kinematics runs the same tool path", (
-                Parameter("start", tuple(start.tolist()), "rad, m"),
-            )  # fmt: skip
-
-    ranking = ranked(candidates(), len(starts), told)
+    pull = _pull(robot, task, 1.0) if robot.n > task.m else None
+    words = "another branch of the inverse kinematics runs the same tool path"
+    ranking = ranked(
+        ((tool, start, pull, words, (("start", tuple(start.tolist()), "rad, m"),)) for start in starts),
+        len(starts), told,
+    )  # fmt: skip
     if starts and not ranking.found and robot.n > generic_rank(robot, task):
         _plan(ranking, tool, starts, told, around=True)
     return ranking
@@ -260,16 +247,13 @@ def null_spaces(tool: ToolPath, told: Told) -> Ranking:
     if traced is not None:
         starts = [tool.q[0], *traced[np.unique(np.linspace(0, len(traced) - 1, _ALONG).astype(int))[1:]]]
 
-    def candidates() -> Iterator[tuple[ToolPath, Array, Pull | None, str, tuple[Parameter, ...]]]:
-        for k, start in enumerate(starts):
-            for strength in _PULLS:
-                moved = "begun elsewhere on its self-motion" if k else "from the same start"
-                yield tool, start, _pull(robot, task, strength), f"the same tool path {moved}, by null-space motion", (
-                    Parameter("start", tuple(np.asarray(start).tolist()), "rad, m"),
-                    Parameter("pull to larger σ", strength, ""),
-                )  # fmt: skip
-
-    ranking = ranked(candidates(), len(starts) * len(_PULLS), told)
+    moved = ("from the same start", *["begun elsewhere on its self-motion"] * (len(starts) - 1))
+    ranking = ranked(
+        ((tool, start, _pull(robot, task, strength), f"the same tool path {words}, by null-space motion",
+          (("start", tuple(np.asarray(start).tolist()), "rad, m"), ("pull to larger σ", strength, "")))
+         for (start, words), strength in product(zip(starts, moved, strict=True), _PULLS)),
+        len(starts) * len(_PULLS), told,
+    )  # fmt: skip
     if not _plan(ranking, tool, [tool.q[0]], told, around=False) and not ranking.found:
         _plan(ranking, tool, [tool.q[0]], told, around=True)
     ranking.found.sort(key=lambda one: (not (one.kept and one.room >= _ENOUGH), -one.room))
@@ -278,34 +262,25 @@ def null_spaces(tool: ToolPath, told: Told) -> Ranking:
 
 def shifts(tool: ToolPath, most: float, told: Told) -> Ranking:
     """The base moved by up to a length [m], in directions that the task knows."""
-    ways = _ways([row for row in tool.task.rows if row < 3])
-
-    def candidates() -> Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]]:
-        for way, share in product(ways, _SHARES):
-            shift = most * share * way
-            moved = tool.shifted(translation(*(-shift)), np.eye(4))
-            yield moved, start_moved(moved), None, "the base of the arm moved, in its own axes", (
-                Parameter("base shift", tuple((shift + 0.0).tolist()), "m"),
-            )  # fmt: skip
-
-    return ranked(candidates(), len(ways) * len(_SHARES), told)
+    steps = [most * share * way for way, share in product(_ways([row for row in tool.task.rows if row < 3]), _SHARES)]
+    moved = ((tool.shifted(translation(*(-shift)), np.eye(4)), shift) for shift in steps)
+    return ranked(
+        ((path, start_moved(path), None, "the base of the arm moved, in its own axes",
+          (("base shift", tuple((shift + 0.0).tolist()), "m"),)) for path, shift in moved), len(steps), told,
+    )  # fmt: skip
 
 
 def tilts(tool: ToolPath, most: float, told: Told) -> Ranking:
     """The tool tilted about its tip by up to an angle [rad]: about axes square to Z of the tip, where the task allows.
     """
     rows = [row - 3 for row in tool.task.rows if row >= 3]
-    ways = _ways([row for row in rows if row < 2] or rows)
-
-    def candidates() -> Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]]:
-        for way, share in product(ways, _SHARES):
-            angle = most * share
-            moved = tool.shifted(np.eye(4), about_axis(way, angle))
-            yield moved, start_moved(moved), None, "the tool tilted about an axis through its tip, in its own axes", (
-                Parameter("tool tilt", angle, "rad"), Parameter("axis", tuple((way + 0.0).tolist()), ""),
-            )  # fmt: skip
-
-    return ranked(candidates(), len(ways) * len(_SHARES), told)
+    turns = [(way, most * share) for way, share in product(_ways([row for row in rows if row < 2] or rows), _SHARES)]
+    moved = ((tool.shifted(np.eye(4), about_axis(way, angle)), way, angle) for way, angle in turns)
+    return ranked(
+        ((path, start_moved(path), None, "the tool tilted about an axis through its tip, in its own axes",
+          (("tool tilt", angle, "rad"), ("axis", tuple((way + 0.0).tolist()), ""))) for path, way, angle in moved),
+        len(turns), told,
+    )  # fmt: skip
 
 
 def _ways(axes: Sequence[int]) -> list[Array]:

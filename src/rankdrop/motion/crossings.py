@@ -197,12 +197,9 @@ class _Judge:
         for low, high in zip(cuts[::2], cuts[1::2], strict=True):
             inside = (places >= low) & (places <= high)
             if high > low:
-                out.append(self._open(places[inside], q[inside]) if inside.any() else self._unseen(low, high))
-                out[-1] = replace(out[-1], start=self._place(low), end=self._place(high))
+                at = self._least(places[inside], self._sigma(q[inside]))[0] if inside.any() else (low + high) / 2
+                out.append(self._part(UNDECIDED, low, high, at, Evidence.UNFINISHED))
         return sorted(out, key=lambda one: (one.start, one.end))
-
-    def _unseen(self, low: float, high: float) -> Crossing:
-        return self._part(UNDECIDED, low, high, (low + high) / 2, Evidence.UNFINISHED)
 
     def _count(self, place: tuple[int, float]) -> float:
         return place[0] - self.sliver.stretches[0] + place[1]
@@ -280,8 +277,7 @@ class _Judge:
 
     def _still(self, places: Array, q: Array) -> Crossing:
         """No change of sign: the point of least σ."""
-        rank = generic_rank(self.robot, self.task)
-        sigma = singular_values(self.robot, q, self.task)[:, rank - 1]
+        sigma = self._sigma(q)
         length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
         limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
         if length > _LYING and bool((sigma <= limit).all()):
@@ -291,21 +287,18 @@ class _Judge:
             return self._part(TOUCHING, low, high, at, Evidence.SMALL_SIGMA)
         return self._part(UNDECIDED, low, high, at, Evidence.NO_ENCLOSURE)
 
-    def _open(self, places: Array, q: Array) -> Crossing:
-        """The work ended before the sliver was narrow."""
-        rank = generic_rank(self.robot, self.task)
-        at, _ = self._least(places, singular_values(self.robot, q, self.task)[:, rank - 1])
-        return self._part(UNDECIDED, float(places[0]), float(places[-1]), at, Evidence.UNFINISHED)
+    def _sigma(self, q: Array) -> Array:
+        """(N,) σ_r."""
+        return np.asarray(singular_values(self.robot, q, self.task)[:, generic_rank(self.robot, self.task) - 1])
 
     def _least(self, places: Array, sigma: Array) -> tuple[float, float]:
         """The place of least σ, zoomed in around the least sample."""
-        rank = generic_rank(self.robot, self.task)
         k = int(sigma.argmin())
         low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, len(places) - 1)])
         best, least = float(places[k]), float(sigma[k])
         for _ in range(12):
             near = np.linspace(low, high, 9)
-            values = singular_values(self.robot, self._at(near), self.task)[:, rank - 1]
+            values = self._sigma(self._at(near))
             k = int(values.argmin())
             if values[k] < least:
                 best, least = float(near[k]), float(values[k])

@@ -50,6 +50,11 @@ class Curve:
         basis = [comb(d, j) * s**j * (1 - s) ** (d - j) for j in range(d + 1)]
         return np.asarray(sum(b * self.control[stretch, j] for j, b in enumerate(basis)))
 
+    def split(self, position: Array) -> tuple[Index, Array]:
+        """Stretches and shares of them, of positions (N,) counted in stretches from 0."""
+        stretch = np.clip(np.floor(position), 0, len(self.control) - 1).astype(np.int64)
+        return stretch, position - stretch
+
     def slope(self, stretch: Index, share: Array) -> Array:
         """(N, n) derivative by the share: times 1/(duration of the stretch) the joint rates."""
         d = self.degree

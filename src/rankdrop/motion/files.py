@@ -15,7 +15,7 @@ from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.motion.message_file import parse_message
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError
 from rankdrop.robot.files import read_text
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Robot
 
 ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS)
 """Files that are taken for trajectories in a folder; a single file of another ending is read as CSV."""
@@ -85,27 +85,17 @@ def trajectory_bytes(made: Trajectory, robot: Robot, target: str) -> bytes:
         rows = np.column_stack([made.times, made.q]) if made.timed else made.q
         lines = [",".join(head), *(",".join(map(repr, row)) for row in rows.tolist())]
         return ("\n".join(lines) + "\n").encode()
+    times = made.times if made.timed else None
+    columns = {"q": ("positions", made.q), "qd": ("velocities", made.velocities),
+               "qdd": ("accelerations", made.accelerations), "t": ("time_from_start", times)}
+    given = {key: (word, values) for key, (word, values) in columns.items() if values is not None}
     if ending == ".npz":
-        parts: dict[str, Array] = {"q": made.q}
-        if made.timed:
-            parts["t"] = made.times
-        if made.velocities is not None:
-            parts["qd"] = made.velocities
-        if made.accelerations is not None:
-            parts["qdd"] = made.accelerations
         buffer = io.BytesIO()
-        np.savez(buffer, joint_names=np.array(names), **parts)  # type: ignore[arg-type]  # allow_pickle is no array
+        arrays = {key: values for key, (_, values) in given.items()}
+        np.savez(buffer, joint_names=np.array(names), **arrays)  # type: ignore[arg-type]  # allow_pickle is no array
         return buffer.getvalue()
     if ending == ".json":
-        return (json.dumps({"joint_names": names, "points": _points(made)}, indent=1) + "\n").encode()
+        every = zip(*(values.tolist() for _, values in given.values()), strict=True)
+        points = [dict(zip((word for word, _ in given.values()), row, strict=True)) for row in every]
+        return (json.dumps({"joint_names": names, "points": points}, indent=1) + "\n").encode()
     raise OptionError("the ending names no format", where=target, allowed=", ".join(WRITTEN))
-
-
-def _points(made: Trajectory) -> list[dict[str, object]]:
-    points: list[dict[str, object]] = [{"positions": row} for row in made.q.tolist()]
-    for key, values in (("velocities", made.velocities), ("accelerations", made.accelerations)):
-        for point, row in zip(points, [] if values is None else values.tolist(), strict=False):
-            point[key] = row
-    for point, time in zip(points, made.times.tolist() if made.timed else [], strict=False):
-        point["time_from_start"] = time
-    return points

@@ -170,7 +170,7 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
         place, q, off = _cut(robot, path, until, corners[cut], float(radius))
         if off <= most:
             tool = ToolPath(robot, check.task, path, place, q, np.zeros((0, 4, 4)), False)
-            parameters = (Parameter("radius", float(radius), "rad"), Parameter("tool off", off, "m"))
+            parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
             yield words, parameters, tool.trajectory(q, "linear"), (off, np.nan)
 
 
@@ -434,7 +434,7 @@ def _duration(check: PathCheck) -> float:
 def _lines(remedy: Remedy, *, deg: bool) -> list[str]:
     lines = [f"{remedy.kind}: {remedy.words}"]
     robot = remedy.check.robot
-    lines += [f"    {parameter.name}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
+    lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
     for what, values in remedy.gains.items():
         name, unit = GAINS[what]
         before, after = (short(value) if isfinite(value) else "not known" for value in values)
@@ -455,20 +455,17 @@ def _lines(remedy: Remedy, *, deg: bool) -> list[str]:
 
 
 def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
-    value = parameter.value
-    if parameter.unit == "rad, m" and isinstance(value, tuple):
-        parts = []
-        for joint, number in zip(robot.variables, value, strict=True):
-            angle = joint.unit == "rad"
-            shown = f"{fixed(degrees(number), 2)}°" if angle and deg else f"{fixed(number)} {joint.unit}"
-            parts.append(f"{joint.name} {shown}")
-        return ", ".join(parts)
+    _, value, unit = parameter
+    if unit == "rad, m" and isinstance(value, tuple):
+        return ", ".join(
+            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
+            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
+        )  # fmt: skip
     values = value if isinstance(value, tuple) else (value,)
-    if parameter.unit == "rad" and deg:
+    if unit == "rad" and deg:
         return f"{', '.join(short(degrees(number)) for number in values)}°"
-    unit = f" {parameter.unit}" if parameter.unit else ""
     inside = ", ".join(short(number + 0.0) for number in values)
-    return f"({inside}){unit}" if isinstance(value, tuple) else f"{inside}{unit}"
+    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
 
 
 def _percent(share: float) -> str:
@@ -483,7 +480,8 @@ def _small(value: float) -> str:
 def _record(remedy: Remedy) -> dict[str, Any]:
     made = remedy.trajectory
     return {
-        "kind": remedy.kind, "words": remedy.words, "parameters": plain(remedy.parameters),
+        "kind": remedy.kind, "words": remedy.words,
+        "parameters": [dict(zip(("name", "value", "unit"), plain(one), strict=True)) for one in remedy.parameters],
         "gains": [{"what": what, "before": plain(before), "after": plain(after), "unit": GAINS[what][1]}
                   for what, (before, after) in remedy.gains.items()],
         "verdict": remedy.check.verdict.value, "sentence": remedy.check.sentence,

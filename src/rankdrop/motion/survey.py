@@ -106,7 +106,7 @@ class Survey:
 
     def _profile(self) -> Profile:
         positions = self._positions()
-        stretch, share = self._split(positions)
+        stretch, share = self.path.split(positions)
         q = self.path.at(stretch, share)
         family, distance, self._feet = self._nearest(q, along=True)
         sigma = singular_values(self.robot, q, self.task)
@@ -133,10 +133,6 @@ class Survey:
             even = np.interp(np.linspace(0.0, until[-1], _PLACES), until[grows], np.flatnonzero(grows))
             places = np.union1d(places, even)
         return places
-
-    def _split(self, positions: Array) -> tuple[Index, Array]:
-        stretch = np.clip(np.floor(positions), 0, len(self.path.control) - 1).astype(np.int64)
-        return stretch, positions - stretch
 
     def _nearest(self, q: Array, *, along: bool = False) -> tuple[Index, Array, Array]:
         """Index of the nearest family, −1 where another point is nearer, the distance and the point; nan without."""
@@ -217,7 +213,7 @@ class Survey:
         for first, after in pairwise(cuts):
             mine = inside[first:after]
             if after < len(inside):
-                stretch, share = self._split(np.array([(at[inside[after - 1]] + at[inside[after]]) / 2]))
+                stretch, share = self.path.split(np.array([(at[inside[after - 1]] + at[inside[after]]) / 2]))
                 end = (int(stretch[0]), float(share[0]))
             else:
                 end = gap[1]
@@ -260,7 +256,7 @@ class Survey:
             mine = np.flatnonzero([part[2] == family for part in parts])
             for _ in range(_ZOOMS):
                 grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
-                q = self.path.at(*self._split(grid.reshape(-1)))
+                q = self.path.at(*self.path.split(grid.reshape(-1)))
                 feet = self._ruler.feet(q, family, near[mine].repeat(_NEAR, axis=0))
                 values = np.linalg.norm((feet - q) / self._scale, axis=1)
                 if np.isnan(values).all():
@@ -356,7 +352,7 @@ class Survey:
         return Place(stretch + 1, share, None if time is None else float(time[0]))
 
     def _place(self, position: float) -> tuple[int, float]:
-        stretch, share = self._split(np.array([position]))
+        stretch, share = self.path.split(np.array([position]))
         return int(stretch[0]), float(share[0])
 
     def _sigma(self, q: Array) -> float:

@@ -35,7 +35,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
-from rankdrop.motion.inverse import Aim, check_axes
+from rankdrop.motion.inverse import Aim, check_axes, rotation
 from rankdrop.problem import Mask
 from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.results.explanation.words import minus
@@ -412,7 +412,7 @@ class _Path:
         six[list(self.task.rows)] = s * self.along + 0.5 * s * s * self.bend
         found = self.home.copy()
         found[:3, 3] += six[:3]
-        found[:3, :3] = _turn(six[3:]) @ self.home[:3, :3]
+        found[:3, :3] = rotation(six[None, 3:])[0] @ self.home[:3, :3]
         return found
 
     def _second(self) -> Array:
@@ -470,15 +470,6 @@ def _exponent(s: Array, joints: Array) -> float:
     gap = np.linalg.norm(joints[ahead + 1] - joints[ahead - 1], axis=1)
     steps = np.abs(s[ahead + 1] - s[ahead - 1])
     return float(np.polyfit(np.log(np.abs(s[ahead])), np.log(gap / steps), 1)[0])
-
-
-def _turn(vector: Array) -> Array:
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = vector / angle
-    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k))
 
 
 def _vector(name: str, value: ArrayLike | None, task: Task) -> Array:

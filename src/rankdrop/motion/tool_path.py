@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.motion.curve import Curve, Index, curve
+from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.follow import Followed, Pull, follow
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
@@ -136,7 +136,7 @@ class ToolPath:
         return ToolPath(self.robot, self.task, self.path, place, q, poses, self.limits, self.moved)
 
     def _time(self) -> Array:
-        times = self.path.time(*_split(self.path, self.place))
+        times = self.path.time(*self.path.split(self.place))
         assert times is not None
         return times
 
@@ -193,7 +193,7 @@ def rising(robot: Robot, task: Task, q: Array, rank: int) -> tuple[Array, Array]
 
 def joints_at(path: Curve, place: Array) -> Array:
     """(K, n) configurations at places (K,)."""
-    return path.at(*_split(path, place))
+    return path.at(*path.split(place))
 
 
 def _slope(values: Array, times: Array) -> Array:
@@ -201,11 +201,6 @@ def _slope(values: Array, times: Array) -> Array:
     if len(times) > 2:
         return np.asarray(np.gradient(values, times, axis=0, edge_order=2))
     return np.asarray(np.gradient(values, times, axis=0))
-
-
-def _split(path: Curve, place: Array) -> tuple[Index, Array]:
-    stretch = np.clip(np.floor(place), 0, len(path.control) - 1).astype(np.int64)
-    return stretch, place - stretch
 
 
 def start_moved(tool: ToolPath) -> Array | None:

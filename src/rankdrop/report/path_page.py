@@ -171,8 +171,7 @@ def _data(check: PathCheck) -> dict[str, Any]:
     robot, profile, timed = check.robot, check.profile, check.curve.times is not None
     extra = [one.closest.place for one in check.stretches if one.verdict != FREE or one.closest.distance < np.inf]
     position = np.unique([*profile.position.tolist(), *(one.row + one.share for one in extra)])
-    stretch = np.clip(np.floor(position - 1.0), 0, len(check.curve.control) - 1).astype(np.int64)
-    share = position - 1.0 - stretch
+    stretch, share = check.curve.split(position - 1.0)
     q = check.curve.at(stretch, share)
     time = check.curve.time(stretch, share)
     x = position if time is None else time

@@ -173,8 +173,7 @@ def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
     mended = mend_path(rankdrop.check_path(robot, q, np.linspace(0, 0.2, 30)))
     (one,) = mended.remedies
     assert (one.kind, one.check.holds) == ("retime", True)
-    assert one.gains[1].before == pytest.approx(robot.variables[0].velocity / 5.0)
-    assert one.gains[1].after == pytest.approx(1.0)
+    assert one.gains["speed"] == (pytest.approx(robot.variables[0].velocity / 5.0), pytest.approx(1.0))
 
 
 @pytest.mark.slow

@@ -1,0 +1,188 @@
+"""Facts before words, and plain English: counts of what is left to mend, which only go down.
+
+Sentences for users are made in `text/`, `cli/`, `report/`, `viewer/` and by errors. Whoever takes one out of another
+room lowers its number here; nobody raises one.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCE = ROOT / "src" / "rankdrop"
+FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "codec"}
+"""Rooms in which sentences are made; the schema's are the meanings of entries, options' their help."""
+FEWEST = 4  # words of a sentence
+_REFUSALS = re.compile(r"Error$|^(refuse|refused|damaged|error|fail|wrong|warn|Unproven)$")
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+
+
+def words_of(node: ast.AST) -> str:
+    """The text of a literal, what is put into it as x."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(str(one.value) if isinstance(one, ast.Constant) else "x" for one in node.values)
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+
+
+def called(node: ast.Call) -> str:
+    function = node.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def sentences(tree: ast.AST) -> Iterator[str]:
+    """Texts of four words or more that are no docstring, no part of a refusal and no code."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            continue  # a docstring
+        if isinstance(node, ast.Raise) or (isinstance(node, ast.Call) and _REFUSALS.search(called(node))):
+            continue
+        text = words_of(node)
+        if text:
+            words = re.findall(r"(?<![\w\\.,>-])[A-Za-zθσ]{2,}(?![\w(\\=>-])", text)
+            if len(words) >= FEWEST and not re.search(r"[{}\\]|==", text):
+                yield text
+            continue
+        yield from sentences(node)
+
+
+SENTENCES = {
+    "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 119,
+    "motion": 138, "proof": 37, "questions": 22, "results": 190, "robot": 59, "units": 2, "verbs": 44,
+}  # fmt: skip
+"""Room -> sentences in it today."""
+
+
+@cache
+def counted_sentences() -> Counter[str]:
+    found: Counter[str] = Counter()
+    for path in SOURCE.rglob("*.py"):
+        if room_of(path) not in FACES:
+            found[room_of(path)] += sum(1 for _ in sentences(parsed(path)))
+    return found
+
+
+FOREIGN = {
+    "cli/arm.py": "options as they were typed", "cli/main.py": "options as they were typed",
+    "codec.py": "messages of msgspec, docstrings, JSON",
+    "exact/reading/grammar.py": "conditions of the user", "exact/reading/meaning.py": "conditions of the user",
+    "motion/csv_file.py": "files of the user",
+    **dict.fromkeys(("robot/files.py", "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
+                     "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
+}  # fmt: skip
+"""Modules that take texts of others apart, and whose."""
+OWN = {
+    "designs/changes.py",
+    "exact/code.py",
+    "exact/writing/mathml.py",
+    "exact/writing/notation.py",
+    "exact/writing/shortest.py",
+    "families/arm_header.py",
+    "family/naming.py",
+    "family/record.py",
+    "results/conditions_text.py",
+    "results/explanation/text.py",
+    "results/explanation/words.py",
+    "robot/ideal.py",
+    "robot/model.py",
+    "text/latex.py",
+}
+"""Modules that take a text apart that the package itself made: to be fewer."""
+
+
+def modules_with_patterns() -> set[str]:
+    found = set()
+    for path in SOURCE.rglob("*.py"):
+        names = {alias.name for node in ast.walk(parsed(path)) if isinstance(node, ast.Import) for alias in node.names}
+        if "re" in names:
+            found.add(path.relative_to(SOURCE).as_posix())
+    return found
+
+
+PHRASES = {
+    r"\b(?:is|are|was|were|be|been) told\b": 131,
+    r"\btells\b": 63,
+    r"\b(?:held|hold|holds) against\b": 26,
+    r"\blook(?:ed|s|ing)? into\b": 20,
+    r"\blook(?:ed|s|ing)? through\b": 1,
+    r"\blooked at\b": 69,
+    r"\btaken as\b": 26,
+    r"\bas it is meant\b": 1,
+    r"\bbeside\b": 113,
+    r"\bwhose own\b": 1,
+    r"\bgoes on there\b": 9,
+    r"\bhand(?:s|ed)? over\b": 4,
+    r"\basked about\b": 21,
+    r"\bis there twice\b": 6,
+    r"\bparts the\b": 4,
+    r"\bno other one\b": 12,
+    r"\babsence of a find\b": 2,
+    r"\bderived apart\b": 2,
+    r"\bin whose axes\b": 4,
+    r"\bthere is no place\b": 0,
+}
+"""Phrase (docs, output, docstrings; as a pattern) -> how often it may stand there."""
+
+
+@cache
+def prose() -> tuple[str, ...]:
+    return tuple(" ".join(text.split()) for text in texts())
+
+
+def texts() -> Iterator[str]:
+    for path in SOURCE.rglob("*.py"):
+        for node in ast.walk(parsed(path)):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+    pages = [path for path in (ROOT / "docs").rglob("*.md") if path.name != "reproduced.md"]
+    for path in [*pages, ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md"]:
+        yield path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("room", sorted({room_of(path) for path in SOURCE.rglob("*.py")} - FACES))
+def test_a_room_makes_no_more_sentences_than_before(room: str) -> None:
+    assert counted_sentences()[room] <= SENTENCES.get(room, 0), "sentences are made in text/, from facts"
+
+
+def test_a_sentence_is_recognised() -> None:
+    """The law sees sentences in returns, tuples and f-strings, and leaves out docstrings, errors and code."""
+    tree = ast.parse(
+        '''
+def f(x):
+    """The tool is at an edge of its reach."""
+    if x:
+        raise OptionError("there is no such joint here", got=x)
+    y = damaged("the witness has another corank here", "$.families")
+    z = np.einsum("pab,ca,cb->cp", x, x, x)
+    return "the tool is at an edge", (f"of {x} starts {x} have converged",), "elbow", "rankdrop.designs.measure:arms"
+'''
+    )
+    assert list(sentences(tree)) == ["the tool is at an edge", "of x starts x have converged"]
+
+
+def test_only_texts_of_others_are_taken_apart() -> None:
+    new = modules_with_patterns() - set(FOREIGN) - OWN
+    assert not new, f"{sorted(new)}: no code parses a text that the package made; texts of others are listed in FOREIGN"
+    gone = OWN - modules_with_patterns()
+    assert not gone, f"take {sorted(gone)} out of OWN: the list only gets shorter"
+
+
+@pytest.mark.parametrize("phrase", PHRASES)
+def test_a_phrase_of_the_old_dialect_gets_rarer(phrase: str) -> None:
+    pattern = re.compile(phrase, re.IGNORECASE)
+    places = sum(len(pattern.findall(text)) for text in prose())
+    assert places <= PHRASES[phrase], "see CONTRIBUTING.md on plain English: the field's verbs, and the noun in place"

@@ -86,7 +86,6 @@ FOREIGN = {
 }  # fmt: skip
 """Modules that take texts of others apart, and whose."""
 OWN = {
-    "designs/changes.py",
     "exact/code.py",
     "exact/writing/mathml.py",
     "exact/writing/notation.py",

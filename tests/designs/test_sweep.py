@@ -16,7 +16,7 @@ from jsonschema import Draft202012Validator
 import rankdrop
 from rankdrop.cli import main
 from rankdrop.designs import Designs, side_by_side, write_tables
-from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
+from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours
 from rankdrop.designs.measure import Effort, families_of, nominal_conditions, with_lengths_of
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import Asks, spec_of
@@ -182,23 +182,26 @@ def test_variants_of_every_kind_and_their_order() -> None:
     assert len(neighbours(values, [3, 3], values.min(0), values.max(0))) == 12
 
 
-def record(number: int, *keys: str, value: float = 0.0) -> dict[str, Any]:
+def record(number: int, *forms: Any, value: float = 0.0) -> dict[str, Any]:
     return {"number": number, "values": [value], "verdict": "verified", "error": None,
-            "families": [{"key": key} for key in keys], "measures": {}}  # fmt: skip
+            "families": [{"structure": form} for form in forms], "measures": {}}  # fmt: skip
 
 
 def test_splits_and_joins_are_told_as_such() -> None:
-    whole, left = "k1, dim 5: joints 2, 3, 4 coupled", "k1, dim 5: joints 2, 3 coupled"
-    right = "k1, dim 5: θ4 = 0°, 180°"
+    whole, left = (1, 5, (), (2, 3, 4)), (1, 5, (), (2, 3))
+    right = (1, 5, ((4, False, (0.0, 180.0), 0),), ())
+    names = [key_of(form) for form in (whole, left, right)]
+    assert names == ["k1, dim 5: joints 2, 3, 4 coupled", "k1, dim 5: joints 2, 3 coupled", "k1, dim 5: θ4 = 0°, 180°"]
     found = changes([record(0, whole), record(1, left, right, value=1.0)], ["x"], [(0, 1)])
-    assert [(one.kind, one.before, one.after) for one in found] == [(SPLITS, (whole,), (left, right))]
+    assert [(one.kind, one.before, one.after) for one in found] == [(SPLITS, (names[0],), tuple(names[1:]))]
     found = changes([record(0, left, right), record(1, whole, value=1.0)], ["x"], [(0, 1)])
-    assert [(one.kind, one.after) for one in found] == [(JOIN, (whole,))]
+    assert [(one.kind, one.after) for one in found] == [(JOIN, (names[0],))]
     found = changes([record(0, right), record(1, left, value=1.0)], ["x"], [(0, 1)])
     assert sorted(one.kind for one in found) == [APPEARS, VANISHES]
-    assert joints_of(whole) == {(2, True), (3, True), (4, True)}
-    pieces = record(0, "k2, dim 3: θ3 = 0°", "k2, dim 3: θ3 = 180°")
-    assert changes([pieces, record(1, "k2, dim 3: θ3 = 0°, 180°", value=1.0)], ["x"], [(0, 1)]) == []
+    half, other, both = ((2, 3, ((3, False, values, 0),), ()) for values in ((0.0,), (180.0,), (0.0, 180.0)))
+    pieces = record(0, half, other)
+    assert keys_of(pieces) == ("k2, dim 3: θ3 = 0°, 180°",)
+    assert changes([pieces, record(1, both, value=1.0)], ["x"], [(0, 1)]) == []
     assert changes([record(0, left) | {"verdict": "incomplete"}, record(1, right, value=1.0)], ["x"], [(0, 1)]) == []
 
 

@@ -1,6 +1,6 @@
 """How the families of variants differ from those of their neighbours: one appears, one vanishes, one splits, some join.
 
-Families are told apart by what does not depend on lengths (`measure.key_of`), pieces of one form taken together. A
+Families are told apart by what does not depend on lengths (`form_of`), pieces of one form taken together. A
 family *splits* where it is there on one side, and on the other two or more of the same corank and dimension are there
 instead, whose joints are among its own; the same the other way round is that families *join*. All of this compares two
 arms that were searched by sampling: a change between them lies somewhere on the way, and one that comes and goes
@@ -9,18 +9,24 @@ between two neighbours is not seen.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import degrees
 from typing import Any
 
 import numpy as np
 
-from rankdrop.robot.model import Array
+from rankdrop.family.record import Family
+from rankdrop.robot.model import Array, JointKind, Robot
 
 APPEARS, VANISHES, SPLITS, JOIN = "appears", "vanishes", "splits", "join"
-_HEAD = re.compile(r"k(\d+), dim (\d+): ")
-_JOINT = re.compile(r"(?:θ|q|joints )([\d, ]+)(?= =| coupled)")
+_RIGHT = 90.0  # degrees: values at multiples of this belong to a form, others depend on the lengths
+_ROUND = 1e-6  # degrees
+_ZERO = 1e-9  # [m]
+PinForm = tuple[int, bool, tuple[float, ...], int]
+"""(joint, whether it slides, values that do not depend on lengths [degrees, m], number of other values)."""
+Form = tuple[int, int, tuple[PinForm, ...], tuple[int, ...]]
+"""(corank, dimension, pinned joints, coupled joints) of a family."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,48 +85,69 @@ def structures(records: Sequence[Mapping[str, Any]]) -> list[Structure]:
     return found
 
 
-def keys_of(record: Mapping[str, Any]) -> tuple[str, ...] | None:
-    """The keys of a variant's families, sorted, each once; None where they were not asked for or do not hold."""
+def form_of(family: Family, robot: Robot) -> Form:
+    """What a family is, apart from the arm's lengths: corank, dimension, pinned joints, coupled joints.
+
+    Values that are multiples of 90°, and zero of a slide, belong to it; others move with the lengths, and only their
+    number does.
+    """
+    pins = []
+    for pin in sorted(family.pinned, key=lambda pin: pin.number):
+        slides = robot.variables[pin.number - 1].kind is JointKind.PRISMATIC
+        if slides:
+            kept = [0.0] if any(abs(value) <= _ZERO for value in pin.values) else []
+            others = sum(abs(value) > _ZERO for value in pin.values)
+        else:
+            angles = sorted(round(degrees(value), 6) + 0.0 for value in pin.values)
+            kept = [angle for angle in angles if abs(angle / _RIGHT - round(angle / _RIGHT)) < _ROUND]
+            others = len(angles) - len(kept)
+        pins.append((pin.number, slides, tuple(kept), others))
+    return family.corank, family.dimension, tuple(pins), tuple(family.coupled)
+
+
+def key_of(form: Form) -> str:
+    """A form in words: "k1, dim 5: θ3 = 0°, 180°; joints 4, 5 coupled"."""
+    corank, dimension, pins, coupled = form
+    parts = []
+    for number, slides, values, others in pins:
+        told = [f"{value:g}{' m' if slides else '°'}".replace("-", "−") for value in values]
+        parts.append(f"{'q' if slides else 'θ'}{number} = {', '.join(told + [f'{others} other'] * (others > 0))}")
+    tied = [f"joints {', '.join(map(str, coupled))} coupled"] if coupled else []
+    return f"k{corank}, dim {dimension}: {'; '.join([*parts, *tied]) or 'everywhere'}"
+
+
+def forms_of(record: Mapping[str, Any]) -> dict[str, Form] | None:
+    """The forms of a variant's families by their key; None where they were not asked for or do not hold.
+
+    Forms that differ by the values of pinned joints alone are taken together.
+    """
     if record.get("verdict") != "verified":
         return None
-    return tuple(sorted(_united([one["key"] for one in record["families"]])))
+    alike: dict[tuple[Any, ...], list[Form]] = {}
+    for family in record["families"]:
+        corank, dimension, pins, coupled = family["structure"]
+        form = corank, dimension, tuple((n, slides, tuple(x), m) for n, slides, x, m in pins), tuple(coupled)
+        alike.setdefault((corank, dimension, tuple(n for n, *_ in pins), form[3]), []).append(form)
+    return dict(sorted((key_of(form), form) for form in map(_union, alike.values())))
 
 
-def _united(keys: Sequence[str]) -> set[str]:
-    """Keys in which pieces that differ by the values of one pinned joint alone are taken together."""
-    found: dict[tuple[Any, ...], list[str]] = {}
-    for key in keys:
-        found.setdefault((key.partition(": ")[0], joints_of(key)), []).append(key)
-    return {alike[0] if len(set(alike)) == 1 else _union(alike) for alike in found.values()}
+def keys_of(record: Mapping[str, Any]) -> tuple[str, ...] | None:
+    """The keys of a variant's families, sorted, each once; None where they were not asked for or do not hold."""
+    forms = forms_of(record)
+    return None if forms is None else tuple(forms)
 
 
-def _union(keys: Sequence[str]) -> str:
-    head = _HEAD.match(keys[0])
-    start = head[0] if head else ""
-    parts = [key[len(start):].split("; ") for key in keys]
-    joined = []
-    for column in zip(*parts, strict=True):
-        name, _, _ = column[0].partition(" = ")
-        values = {value for part in column for value in part.partition(" = ")[2].split(", ") if value}
-        joined.append(f"{name} = {', '.join(sorted(values, key=_order))}" if values else column[0])
-    return start + "; ".join(joined)
+def _union(forms: Sequence[Form]) -> Form:
+    corank, dimension, _, coupled = forms[0]
+    pins = tuple(
+        (*column[0][:2], tuple(sorted({x for pin in column for x in pin[2]})), max(pin[3] for pin in column))
+        for column in zip(*(form[2] for form in forms), strict=True)
+    )
+    return corank, dimension, pins, coupled
 
 
-def _order(value: str) -> tuple[float, str]:
-    number = value.removesuffix("°").replace("−", "-")
-    try:
-        return float(number), value
-    except ValueError:
-        return 1e9, value
-
-
-def joints_of(key: str) -> frozenset[tuple[int, bool]]:
-    """(joint, whether it is coupled) of a key."""
-    found = set()
-    for part in key.partition(": ")[2].split("; "):
-        for match in _JOINT.finditer(part):
-            found |= {(int(x), part.endswith("coupled")) for x in match[1].split(",")}
-    return frozenset(found)
+def _joints_of(form: Form) -> set[int]:
+    return {number for number, *_ in form[2]} | set(form[3])
 
 
 def changes(
@@ -135,7 +162,7 @@ def changes(
     """
     found: list[Change] = []
     for first, second in pairs:
-        one, other = keys_of(records[first]), keys_of(records[second])
+        one, other = forms_of(records[first]), forms_of(records[second])
         if one is None or other is None or one == other:
             continue
         apart = [k for k, (a, b) in enumerate(zip(records[first]["values"], records[second]["values"], strict=True))
@@ -144,16 +171,19 @@ def changes(
         where = ("", float("nan"), float("nan")) if single is None else (
             names[single], float(records[first]["values"][single]), float(records[second]["values"][single])
         )  # fmt: skip
-        found += [Change(*what, first, second, *where) for what in _differences(set(one), set(other))]
+        found += [Change(*what, first, second, *where) for what in _differences(one, other)]
     return found
 
 
-def _differences(one: set[str], other: set[str]) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
-    gone, new = sorted(one - other), sorted(other - one)
+def _differences(
+    one: Mapping[str, Form], other: Mapping[str, Form]
+) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    forms = {**one, **other}
+    gone, new = sorted(one.keys() - other.keys()), sorted(other.keys() - one.keys())
     found: list[tuple[str, tuple[str, ...], tuple[str, ...]]] = []
     for kind, whole, parts in ((SPLITS, gone, new), (JOIN, new, gone)):
         for key in list(whole):
-            pieces = [part for part in parts if _part(part, key)]
+            pieces = [part for part in parts if _part(forms[part], forms[key])]
             if len(pieces) > 1:
                 found.append((kind, (key,), tuple(pieces)) if kind == SPLITS else (kind, tuple(pieces), (key,)))
                 whole.remove(key)
@@ -163,10 +193,8 @@ def _differences(one: set[str], other: set[str]) -> list[tuple[str, tuple[str, .
     return found + [(APPEARS, (), (key,)) for key in new]
 
 
-def _part(part: str, whole: str) -> bool:
-    a, b = _HEAD.match(part), _HEAD.match(whole)
-    inner = {joint for joint, _ in joints_of(part)} <= {joint for joint, _ in joints_of(whole)}
-    return a is not None and b is not None and a[0] == b[0] and inner
+def _part(part: Form, whole: Form) -> bool:
+    return part[:2] == whole[:2] and _joints_of(part) <= _joints_of(whole)
 
 
 def neighbours(values: Array, grid: Sequence[int] | None, low: Array, high: Array) -> list[tuple[int, int]]:

@@ -25,13 +25,14 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import degrees
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.covering import covering
+from rankdrop.codec import plain
+from rankdrop.designs.changes import form_of, key_of
 from rankdrop.designs.ranking import bits_to_text
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
@@ -51,7 +52,7 @@ from rankdrop.results.codec import restored
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_conditions
 from rankdrop.robot.drawing import Drawing, Place
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
@@ -173,9 +174,6 @@ def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
 Record = dict[str, Any]
 STARTS, FRESH = 300, 300
 """Of families that are needed but were not asked for."""
-_RIGHT = 90.0  # degrees: values at multiples of this are told, others depend on the lengths
-_ROUND = 1e-6  # degrees
-_ZERO = 1e-9  # [m]
 
 
 def measured(
@@ -231,10 +229,11 @@ def _families(
 
 
 def _family(family: Family, robot: Robot) -> Record:
-    coupled = set(family.coupled)
+    coupled, form = set(family.coupled), form_of(family, robot)
     return {
         "id": family.id,
-        "key": key_of(family, robot),
+        "key": key_of(form),
+        "structure": plain(form),
         "name": family.name,
         "corank": family.corank,
         "dimension": family.dimension,
@@ -247,33 +246,6 @@ def _family(family: Family, robot: Robot) -> Record:
         "explained": [family.explained.agree, family.explained.tested],
         "witness": list(family.witness),
     }
-
-
-def key_of(family: Family, robot: Robot) -> str:
-    """What a family is, apart from the arm's lengths: corank, dimension, pinned joints, coupled joints.
-
-    Values that are multiples of 90°, and zero of a slide, belong to it; others move with the lengths, and only their
-    number does.
-    """
-    pins = []
-    for pin in sorted(family.pinned, key=lambda pin: pin.number):
-        slides = robot.variables[pin.number - 1].kind is JointKind.PRISMATIC
-        pins.append(f"q{pin.number} = {_lengths(pin.values)}" if slides else f"θ{pin.number} = {_values(pin.values)}")
-    tied = [f"joints {', '.join(map(str, family.coupled))} coupled"] if family.coupled else []
-    return f"k{family.corank}, dim {family.dimension}: {'; '.join([*pins, *tied]) or 'everywhere'}"
-
-
-def _lengths(values: tuple[float, ...]) -> str:
-    other = sum(abs(x) > _ZERO for x in values)
-    return ", ".join((["0 m"] if other < len(values) else []) + ([f"{other} other"] if other else []))
-
-
-def _values(values: tuple[float, ...]) -> str:
-    angles = sorted(round(degrees(x), 6) for x in values)
-    told = [x for x in angles if abs(x / _RIGHT - round(x / _RIGHT)) < _ROUND]
-    other = len(angles) - len(told)
-    words = [f"{x + 0.0:g}°".replace("-", "−") for x in told]
-    return ", ".join(words + ([f"{other} other"] if other else []))
 
 
 def _near(analysis: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:

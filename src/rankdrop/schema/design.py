@@ -63,10 +63,15 @@ MEASURES = table(
     unit=(str, "", UNITS.__getitem__),
     meaning=(str, "", MEANINGS.__getitem__),
 )
+_PIN = tuple[Positive, bool, many(num("deg or m")), Count]  # type: ignore[misc,valid-type]
+_STRUCTURE = tuple[Positive, Count, many(_PIN), many(Positive)]  # type: ignore[misc,valid-type]
 ARMS_FAMILY = table(
     "arms_family",
     id=str,
-    key=str,
+    key=(str, "what the family is, apart from the arm's lengths"),
+    structure=(optional(_STRUCTURE),
+        "the same as data: corank, dimension, pinned joints, coupled joints; of a pinned joint its number, whether it "
+        "slides, values that do not depend on lengths, and how many others it has"),
     name=str,
     corank=Positive,
     dimension=Count,

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rankdrop.cli import exits
-from rankdrop.cli.main import ALIASES, COMMANDS, GROUPS, app
+from rankdrop.cli.main import ALIASES, COMMANDS, GROUPS, _options, app
 
 
 def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
@@ -73,3 +73,10 @@ def test_only_the_file_of_the_command_is_imported() -> None:
     imported = set(done.stderr.split())
     assert "rankdrop.cli.robots" in imported
     assert not imported & {f"rankdrop.cli.{name}" for name in set(COMMANDS) - {"robots"}}
+
+
+def test_only_switches_that_are_on_have_a_negative() -> None:
+    negative = {name: [word for word in _options(name) if word.startswith("--no-")] for name in COMMANDS}
+    assert {name: words for name, words in negative.items() if words} == {
+        "cover": ["--no-explain"], "report": ["--no-meshes"], "verify": ["--no-limits"], "view": ["--no-browser"],
+    }  # fmt: skip

@@ -29,7 +29,9 @@ def analyze(
     /,
     *,
     options: AnalyzeOptions = AnalyzeOptions(),
-    all: Annotated[bool, Parameter(help="Show every row of calibrated arms, not a few of each kind.")] = False,
+    all: Annotated[
+        bool, Parameter(negative=(), help="Show every row of calibrated arms, not a few of each kind.")
+    ] = False,
     latex: Annotated[str | None, Parameter(help="Write the tables as LaTeX to this file; - for stdout.")] = None,
     arm: IdealOptions = NO_IDEAL,
     output: Output = OUTPUT,

@@ -35,7 +35,6 @@ try:
         CycloptsError,
         Group,
         MissingArgumentError,
-        Parameter,
         UnknownOptionError,
         UnusedCliTokensError,
     )
@@ -102,7 +101,6 @@ app = App(
     version_flags=["--version"],
     group_commands=Group("Other", sort_key=len(GROUPS)),
     group_parameters=Group("Options", sort_key=0),
-    default_parameter=Parameter(negative=()),
     suppress_keyboard_interrupt=False,
 )
 for _place, _title in enumerate(GROUPS):

@@ -21,8 +21,10 @@ def robots(
     text: Annotated[str, Parameter(help="Only arms whose name, maker or description hold these words.")] = "",
     /,
     *,
-    json: Annotated[bool, Parameter(help="Print the list as JSON, with the source of each arm's numbers.")] = False,
-    quiet: Annotated[bool, Parameter(help="No progress.")] = False,
+    json: Annotated[
+        bool, Parameter(negative=(), help="Print the list as JSON, with the source of each arm's numbers.")
+    ] = False,
+    quiet: Annotated[bool, Parameter(negative=(), help="No progress.")] = False,
 ) -> int:
     """List the arms of the catalogue.
 

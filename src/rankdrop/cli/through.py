@@ -24,7 +24,9 @@ def through(
         help="How the direction changes along the path, d²x/ds², likewise. Default: a straight path.",
         allow_leading_hyphen=True,
     )] = None,
-    deg: Annotated[bool, Parameter(help="Angles without a unit are in degrees, and so are those printed.")] = False,
+    deg: Annotated[
+        bool, Parameter(negative=(), help="Angles without a unit are in degrees, and so are those printed.")
+    ] = False,
     path: Annotated[str | None, Parameter(
         help="Write the motion with its times to this file (.csv); - writes it to stdout.", allow_leading_hyphen=True
     )] = None,

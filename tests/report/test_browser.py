@@ -14,9 +14,11 @@ from browser.chromium import Browser, find_chromium
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import sample, singular_values
-from rankdrop.report.content import Content, arrows, content
+from rankdrop.report.content import Content, content
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
+
+from .lost import arrows
 
 pytestmark = [
     pytest.mark.browser,

@@ -14,7 +14,8 @@ from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
 from rankdrop.report.content import Content, content
-from rankdrop.report.figures import check_figures, figure_names, figures, spread_out
+from rankdrop.report.figures import check_figures, figure_names, figures, slice_figure, spread_out, workspace_figure
+from rankdrop.report.svg import angle_ticks, axis_name
 from rankdrop.results.known import shipped
 from rankdrop.task import SPACE
 
@@ -114,7 +115,7 @@ def test_the_command_writes_figures_into_a_folder(tmp_path: Path) -> None:
         (["--out", "x.docx"], "the ending names no format"),
         (["--figure", "arm"], "figures are files"),
         (["--format", "png", "--out", "one.png"], "one file holds one figure"),
-        (["--exact-seconds", "-1"], "from 0 up"),
+        (["--exact-seconds", "-1"], "at least 0"),
         (["--format", "gif"], "gif"),
     ],
 )
@@ -127,3 +128,13 @@ def test_bad_options_are_one_line(
     assert part in told
     assert len(told.strip().splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content) -> None:
+    assert angle_ticks(-3.3, 3.3) == [(k * np.pi / 2, f"{90 * k}°".replace("-", "−")) for k in range(-2, 3)]
+    assert [word for _, word in angle_ticks(0.0, 0.2)][:3] == ["0°", "2°", "4°"]
+    assert (axis_name("θ2", "rad"), axis_name("q3", "m")) == ("θ2", "q3 [m]")
+    for drawn in (slice_figure(shown.analysis.robot, shown.slices[0], shown.colours), workspace_figure(shown.workspace)):
+        axes = drawn.axes[0]
+        drawn.canvas.draw()
+        assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0

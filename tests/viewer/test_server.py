@@ -165,7 +165,7 @@ def test_a_ctrl_c_that_wakes_nothing_ends_it() -> None:
     [
         (["--host", "0.0.0.0"], "reachable from other machines"),
         (["--expose"], "not reachable from other machines"),
-        (["--port", "70000"], "there is no such port"),
+        (["--port", "70000"], "--port: this value is not allowed"),
         (["--q", "1,2,3"], "2 joint values are needed"),
         (["--trajectory", "missing.csv"], "missing.csv"),
         (["--analysis", "missing.json"], "missing.json"),

@@ -24,7 +24,6 @@ from rankdrop.families import (
     workspace,
 )
 from rankdrop.family import Family
-from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, Direction, blame, circuits_at, escape, generic_rank, make_all
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, motion, of_analysis, short
 from rankdrop.robot import Array, Mesh, Robot
@@ -208,20 +207,6 @@ def standing(analysis: Analysis, family: Family) -> str:
     if ((q >= robot.lower - _EDGE) & (q <= robot.upper + _EDGE)).all():
         return "inside"
     return "none found" if inside_limits(family, robot).holds else "outside"
-
-
-def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:
-    """The lost directions of a family as arrows in the base frame, at its witness.
-
-    Returns:
-        (3,) the reference point of the task's frame [m], and (k, 6) directions (v; ω), of length one together.
-    """
-    links = link_poses(analysis.robot, family.witness)
-    frame = analysis.task.frame
-    axes, carrier = links[frame.axes][:3, :3], links[frame.origin]
-    point = carrier[:3, :3] @ np.array(frame.point) + carrier[:3, 3]
-    turned = family.lost_directions.reshape(-1, 2, 3) @ axes.T
-    return point, turned.reshape(-1, 6)
 
 
 def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | None, str]:

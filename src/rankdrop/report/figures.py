@@ -13,17 +13,20 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.family import Family
-from rankdrop.local import Drawn, arrow_of, drawn_at, ring_about
-from rankdrop.report.content import Content, arrows
+from rankdrop.kinematics import link_poses
+from rankdrop.local import Drawn, drawn_at
+from rankdrop.report.content import Content
 from rankdrop.report.data import pieces
-from rankdrop.report.svg import angle_ticks
+from rankdrop.report.svg import angle_ticks, axis_name
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach
 from rankdrop.text import joint_symbol
+from rankdrop.viewer.scene import arrows, barrel_mesh
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +60,8 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         tone = MARKED if number in marked else BODY
         if np.any(place != middle):
             axes.plot(*np.stack([middle, place]).T, color=LINK, lw=2.5)
-        _add(axes, prism(place, axis, _RADIUS * size, _HALF * size, 4 if slides else _SIDES), tone)
+        sides = 4 if slides else _SIDES
+        _add(axes, barrel_mesh(place, axis, 2 * _HALF * size, _RADIUS * size, sides=sides), tone)
         reached = (_HALF + (0.28 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
@@ -72,24 +76,8 @@ def draw_arrow(axes: Any, start: Array, vector: Array, colour: str, size: float,
     along = vector / np.linalg.norm(vector)
     axes.plot(*np.stack([start, end - 0.9 * _HEAD * size * along]).T, color=colour, lw=2.0, ls=":" if dotted else "-",
               label=label)  # fmt: skip
-    _add(axes, cone(end, along, _WIDTH * size, _HEAD * size), colour)
-
-
-def draw_lost(axes: Any, at: Array, direction: Array, colour: str, size: float, long: float) -> Array:
-    """One lost freedom as one arrow with its ring, as `rankdrop.local.arrow_of` makes it; (3,) where it ends.
-
-    Args:
-        axes: of matplotlib, with projection="3d".
-        at: (3,) the reference point [m].
-        direction: (6,) (v; ω) in the base frame.
-        colour, size: as for `draw_arrow`.
-        long: of an arrow of length one [m].
-    """
-    arrow, axis, turns = arrow_of(direction)
-    if axis.any():
-        axes.plot(*(at + long * ring_about(axis)).T, color=colour, lw=1.3, zorder=900)
-    draw_arrow(axes, at, long * arrow, colour, size, dotted=turns)
-    return np.asarray(at + long * arrow)
+    head = barrel_mesh(end - 0.5 * _HEAD * size * along, along, _HEAD * size, _WIDTH * size, sides=_SIDES, taper=1e-3)
+    _add(axes, head, colour)
 
 
 def spread_out(drawn: Drawn, apart: float) -> Array:
@@ -110,39 +98,11 @@ def spread_out(drawn: Drawn, apart: float) -> Array:
     return places
 
 
-def prism(middle: Array, axis: Array, radius: float, half: float, sides: int) -> Array:
-    """(F, 4, 3) faces of a prism of so many sides along an axis; many sides are a cylinder."""
-    ring = _ring(axis, radius, sides)
-    low, high = middle - half * axis, middle + half * axis
-    below, above = low + ring, high + ring
-    sheath = np.array([[below[k - 1], below[k], above[k], above[k - 1]] for k in range(sides)])
-    return np.concatenate([sheath, _fan(low, below), _fan(high, above)])
-
-
-def cone(tip: Array, axis: Array, radius: float, long: float) -> Array:
-    """(F, 4, 3) faces of a cone that points along an axis."""
-    foot = tip - long * axis
-    ring = foot + _ring(axis, radius, _SIDES)
-    return np.concatenate([_fan(tip, ring), _fan(foot, ring)])
-
-
-def _fan(point: Array, ring: Array) -> Array:
-    """(F, 4, 3) triangles from a point to the sides of a ring, the last corner twice: all faces have four."""
-    return np.array([[point, ring[k - 1], ring[k], ring[k]] for k in range(len(ring))])
-
-
-def _ring(axis: Array, radius: float, sides: int) -> Array:
-    """(sides, 3) points of a circle about the origin, square to an axis."""
-    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    across /= np.linalg.norm(across)
-    turn = 2 * np.pi * (np.arange(sides) + 0.5)[:, None] / sides
-    return np.asarray(radius * (np.cos(turn) * across + np.sin(turn) * np.cross(axis, across)))
-
-
-def _add(axes: Any, faces: Array, colour: str) -> None:
+def _add(axes: Any, shape: tuple[Array, NDArray[np.uint32]], colour: str) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    axes.add_collection3d(Poly3DCollection(faces, facecolors=colour, shade=True))
+    vertices, faces = shape
+    axes.add_collection3d(Poly3DCollection(vertices[faces], facecolors=colour, shade=True))
 
 
 KINDS = ("arm", "slice", "solid", "workspace", "image", "lines")
@@ -236,7 +196,7 @@ def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
             axes.plot(*trace.points.T, "o", color=tone, ms=4, label=None if trace.curves else trace.family)
     _name_axes(robot, axes, plane.joints)
     if plane.traces:
-        axes.legend(fontsize=7, loc="upper right", framealpha=0.9)
+        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
     return drawn
 
 
@@ -252,9 +212,9 @@ def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
         axes.plot_trisurf(*solid.vertices.T, triangles=solid.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
     for k, set_name in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)):
         joint = robot.variables[solid.joints[k] - 1]
-        set_name(f"{joint_symbol(solid.joints[k], str(joint.kind))} [{joint.unit}]")
+        set_name(axis_name(joint_symbol(solid.joints[k], str(joint.kind)), joint.unit))
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_ticks([-pi, 0, pi], ["−π", "0", "π"])
+        axis.set_ticks([-pi, 0, pi], ["−180°", "0°", "180°"])
     axes.set(xlim=(-pi, pi), ylim=(-pi, pi), zlim=(-pi, pi))
     axes.set_box_aspect((1, 1, 1), zoom=0.85)
     return drawn
@@ -277,7 +237,7 @@ def workspace_figure(section: Workspace, family: str | None = None, index: int =
         points = dict(section.images)[family]
         axes.plot(*points.T, ".", ms=1.6, color=COLOURS[index % len(COLOURS)], label=family, rasterized=True)
     axes.set(xlabel=section.section.labels[0], ylabel=section.section.labels[1], aspect="equal")
-    axes.legend(fontsize=7, loc="upper right", markerscale=5)
+    axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), markerscale=5, frameon=False)
     return drawn
 
 
@@ -300,7 +260,7 @@ def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> 
         axes.tick_params(labelsize=6)
         axes.set_ylim(bottom=0)
         if analysis.robot.periodic[sweep.number - 1]:
-            axes.set_xticks([-pi, 0, pi], ["−π", "0", "π"])
+            axes.set_xticks([-pi, 0, pi], ["−180°", "0°", "180°"])
         if k == 0:
             axes.legend(fontsize=6)
     drawn.suptitle(f"{family.id}: {family.name}", fontsize=8)
@@ -314,8 +274,8 @@ def _name_axes(robot: Robot, axes: Any, joints: tuple[int, int]) -> None:
         zip(joints, (axes.set_xlabel, axes.set_ylabel), (axes.set_xticks, axes.set_yticks), strict=True)
     ):
         joint = robot.variables[number - 1]
-        set_name(f"{joint_symbol(number, str(joint.kind))} [{joint.unit}]")
-        if robot.periodic[number - 1]:
+        set_name(axis_name(joint_symbol(number, str(joint.kind)), joint.unit))
+        if joint.unit == "rad":
             ticks = angle_ticks(*ends[k])
             set_ticks([value for value, _ in ticks], [word for _, word in ticks])
 
@@ -354,12 +314,12 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     arm = drawn_at(robot, np.array(family.witness))
     size = reach(robot)
     draw_arm(axes, arm, size, blamed)
-    at, twists = arrows(analysis, family)
-    ends = [
-        draw_lost(axes, at, twist, tone, size, _ARROW * size)
-        for twist, tone in zip(twists, ARROWS * len(twists), strict=False)
-    ]
-    _framed(axes, np.vstack([arm.links, at[None], *ends]), size)
+    lost = arrows(family.lost_directions, link_poses(robot, family.witness), analysis.task, size, _ARROW)
+    for arrow, tone in zip(lost, ARROWS * len(lost), strict=False):
+        if len(arrow.ring):
+            axes.plot(*arrow.ring.reshape(-1, 3).T, color=tone, lw=1.3, zorder=900)
+        draw_arrow(axes, arrow.start, arrow.end - arrow.start, tone, size, dotted=arrow.turns)
+    _framed(axes, np.vstack([arm.links, *([arrow.start, arrow.end] for arrow in lost)]), size)
     drawn.suptitle(f"{family.id}: {family.name}", fontsize=8, y=0.96)
     return drawn
 

@@ -16,7 +16,7 @@ import numpy as np
 from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.report.content import Content
 from rankdrop.report.data import pieces
-from rankdrop.report.svg import Chart, angle_ticks, plain_ticks
+from rankdrop.report.svg import Chart, angle_ticks, axis_name, plain_ticks
 from rankdrop.report.tables import scrolled
 from rankdrop.results import sampled, unseen
 from rankdrop.robot import Array, Robot
@@ -39,13 +39,13 @@ def names_of(robot: Robot) -> list[str]:
 def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> str:
     """σ_r as a grey map (dark: small), the families as curves and dots."""
     chart = Chart((plane.x[0], plane.x[-1]), (plane.y[0], plane.y[-1]))
-    kinds = [robot.periodic[number - 1] for number in plane.joints]
+    units = [robot.variables[number - 1].unit for number in plane.joints]
     ranges = ((plane.x[0], plane.x[-1]), (plane.y[0], plane.y[-1]))
-    ticks = [angle_ticks(*ends) if turns else plain_ticks(*ends) for turns, ends in zip(kinds, ranges, strict=True)]
+    ticks = [(angle_ticks if unit == "rad" else plain_ticks)(*ends) for unit, ends in zip(units, ranges, strict=True)]
     top = max(float(plane.sigma.max()), 1e-12)
     parts = [chart.image(0.75 * (1 - plane.sigma[::2, ::2] / top) ** 3)]
     names = names_of(robot)
-    labels = tuple(f"{names[number - 1]} [{robot.variables[number - 1].unit}]" for number in plane.joints)
+    labels = tuple(axis_name(names[number - 1], unit) for number, unit in zip(plane.joints, units, strict=True))
     parts.append(chart.axes((labels[0], labels[1]), (ticks[0], ticks[1])))
     for trace in plane.traces:
         style = colour(colours[trace.family])
@@ -63,7 +63,7 @@ def projections(robot: Robot, solid: Solid, index: int) -> list[str]:
         ends = (-pi * 1.04, pi * 1.04)
         chart = Chart(ends, ends, width=250, height=250)
         lines = [piece[:, [a, b]] for line in solid.curves for piece in pieces(line)]
-        parts = [chart.axes((f"{names[a]} [rad]", f"{names[b]} [rad]"), (angle_ticks(*ends), angle_ticks(*ends)))]
+        parts = [chart.axes((names[a], names[b]), (angle_ticks(*ends), angle_ticks(*ends)))]
         parts.append(chart.path(lines, "curve", colour(index)))
         seen = f"{solid.family}: the curves seen along the third joint, {names[a]} across and {names[b]} up"
         found.append(chart.svg(parts, seen))
@@ -126,7 +126,7 @@ def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
     parts.append(
         f'<rect class="frame" x="{chart.left}" y="{chart.top}" width="{chart.width}" height="{chart.height}"/>'
     )
-    ends = ("−π", "π") if robot.periodic[sweep.number - 1] else tuple(f"{x:.2g}" for x in chart.x)
+    ends = ("−180°", "180°") if robot.periodic[sweep.number - 1] else tuple(f"{x:.2g}" for x in chart.x)
     base = chart.top + chart.height + 14
     parts.append(f'<text x="{chart.left}" y="{base}">{ends[0]}</text>')
     parts.append(f'<text x="{chart.left + chart.width}" y="{base}" text-anchor="end">{ends[1]}</text>')
@@ -202,8 +202,9 @@ def solid_section(content: Content) -> str:
         for text in projections(robot, one, content.colours[one.family]) if one.curves else []:
             figures.append(f"<figure>{text}<figcaption>{_key(content, one.family)} projected.</figcaption></figure>")
     return (
-        '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves or '
-        f'surfaces in the cube of these joints (−π … π).</p><div class="figures">{"".join(figures)}</div></section>'
+        '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves '
+        'or surfaces in the cube of these joints, −180° … 180°.</p>'
+        f'<div class="figures">{"".join(figures)}</div></section>'
     )
 
 

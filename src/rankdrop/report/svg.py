@@ -8,7 +8,7 @@ from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
-from math import pi
+from math import ceil, degrees, floor, pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,9 +103,16 @@ class Chart:
 
 
 def angle_ticks(low: float, high: float) -> list[tuple[float, str]]:
-    """Multiples of π/2 inside a range."""
-    words = {-2: "−π", -1: "−π/2", 0: "0", 1: "π/2", 2: "π"}
-    return [(k * pi / 2, word) for k, word in words.items() if low <= k * pi / 2 <= high]
+    """Angles inside a range [rad], in degrees: multiples of 90° where it is wide, else round numbers."""
+    if high - low < pi:
+        return [(radians(value), f"{word}°") for value, word in plain_ticks(degrees(low), degrees(high))]
+    quarters = range(ceil(low / (pi / 2) - 1e-9), floor(high / (pi / 2) + 1e-9) + 1)
+    return [(k * pi / 2, f"{90 * k}°".replace("-", "−")) for k in quarters]
+
+
+def axis_name(symbol: str, unit: str) -> str:
+    """What stands at an axis: angles have their unit at the ticks."""
+    return symbol if unit == "rad" else f"{symbol} [{unit}]"
 
 
 def plain_ticks(low: float, high: float, about: int = 5) -> list[tuple[float, str]]:

@@ -98,8 +98,10 @@ class Handle:
     def _moved(self, event: Any) -> None:
         if getattr(event, "client_id", None) is None:  # `shown` placed it, no hand
             return
+        from viser.transforms import SO3
+
         target = np.eye(4)
-        target[:3, :3], target[:3, 3] = matrix(np.array(self._gizmo.wxyz)), np.array(self._gizmo.position)
+        target[:3, :3], target[:3, 3] = SO3(np.array(self._gizmo.wxyz)).as_matrix(), np.array(self._gizmo.position)
         self.controls.attempt(lambda: self.pull(target))
 
     def pull(self, target: Array) -> None:
@@ -115,13 +117,3 @@ class Handle:
         if source is not self and self._gizmo.visible:
             self._gizmo.position = now.links[-1][:3, 3]
             self._gizmo.wxyz = wxyz(now.links[-1][:3, :3])
-
-
-def matrix(quaternion: Array) -> Array:
-    """(3, 3) the rotation of a quaternion (w, x, y, z)."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip

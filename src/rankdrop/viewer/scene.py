@@ -234,7 +234,7 @@ def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
     return axes, np.asarray(carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3])
 
 
-def arrows(directions: Array, links: Array, task: Task, size: float) -> tuple[Arrow, ...]:
+def arrows(directions: Array, links: Array, task: Task, size: float, share: float = LENGTH) -> tuple[Arrow, ...]:
     """One arrow for each of the directions (k, 6) of the task's frame, as `arrow_of` makes it.
 
     Args:
@@ -242,16 +242,18 @@ def arrows(directions: Array, links: Array, task: Task, size: float) -> tuple[Ar
         links: (N + 2, 4, 4) from `link_poses`.
         task: its frame.
         size: of the arm [m].
+        share: of the size that an arrow is long.
     """
     axes, point = task_frame(links, task)
+    long = share * size
     found = []
     for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
         arrow, axis, turns = arrow_of(direction)
         ring = np.empty((0, 2, 3))
         if axis.any():
-            round_about = point + LENGTH * size * ring_about(axes @ axis)
+            round_about = point + long * ring_about(axes @ axis)
             ring = np.stack([round_about[:-1], round_about[1:]], axis=1)
-        found.append(Arrow(point, point + LENGTH * size * (axes @ arrow), turns, number, ring))
+        found.append(Arrow(point, point + long * (axes @ arrow), turns, number, ring))
     return tuple(found)
 
 
@@ -289,25 +291,11 @@ def _out(frame: Array, point: Array) -> Array:
 
 
 def wxyz(turns: Array) -> Array:
-    """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3), from the largest of the four."""
-    r = np.asarray(turns, dtype=np.float64)
-    d = np.diagonal(r, axis1=-2, axis2=-1)
-    squares = np.stack([
-        1 + d.sum(axis=-1), 1 + d[..., 0] - d[..., 1] - d[..., 2], 1 - d[..., 0] + d[..., 1] - d[..., 2],
-        1 - d[..., 0] - d[..., 1] + d[..., 2],
-    ], axis=-1)  # fmt: skip
-    off = (r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1])
-    sums = (r[..., 2, 1] + r[..., 1, 2], r[..., 0, 2] + r[..., 2, 0], r[..., 1, 0] + r[..., 0, 1])
-    rows = np.stack([
-        np.stack([squares[..., 0], off[0], off[1], off[2]], axis=-1),
-        np.stack([off[0], squares[..., 1], sums[2], sums[1]], axis=-1),
-        np.stack([off[1], sums[2], squares[..., 2], sums[0]], axis=-1),
-        np.stack([off[2], sums[1], sums[0], squares[..., 3]], axis=-1),
-    ], axis=-2)  # fmt: skip
-    best = squares.argmax(axis=-1)
-    chosen = np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :]
-    chosen = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
-    return np.asarray(np.where(chosen[..., :1] < 0, -chosen, chosen))
+    """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3)."""
+    from viser.transforms import SO3
+
+    found = np.asarray(SO3.from_matrix(np.asarray(turns, dtype=np.float64)).wxyz)
+    return np.asarray(np.where(found[..., :1] < 0, -found, found))
 
 
 def turn_onto(axis: Array) -> Array:
@@ -338,13 +326,21 @@ def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArra
     return vertices, faces.astype(np.uint32)
 
 
-def barrel_mesh(centre: Array, axis: Array, length: float, radius: float) -> tuple[Array, NDArray[np.uint32]]:
-    """Vertices and triangles of a closed cylinder; its flat ends have vertices of their own, for sharp edges."""
-    around = np.linspace(0.0, 2 * np.pi, AROUND + 8, endpoint=False)
+def barrel_mesh(
+    centre: Array, axis: Array, length: float, radius: float, *, sides: int = AROUND + 8, taper: float = 1.0
+) -> tuple[Array, NDArray[np.uint32]]:
+    """Vertices and triangles of a closed cylinder; its flat ends have vertices of their own, for sharp edges.
+
+    Args:
+        centre, axis, length, radius: of the cylinder [m].
+        sides: of its outline; 4 make a box.
+        taper: radius of its far end over that of its near end: 0.001 makes a cone.
+    """
+    around = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
     n = len(around)
     circle = np.stack([radius * np.cos(around), radius * np.sin(around), np.zeros(n)], axis=-1)
     half = np.array([0.0, 0.0, length / 2])
-    low, high = circle - half, circle + half
+    low, high = circle - half, circle * taper + half
     poles = np.stack([-half, half])
     vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto(axis / np.linalg.norm(axis)).T + centre
     j = np.arange(n)

@@ -43,7 +43,7 @@ class SolidView {
     const near = (axis) => (scene.toward[axis] > 0 ? 1 : -1);
     const edge = [[0, [null, near(1) * p, -p]], [1, [near(0) * p, null, -p]], [2, [near(0) * p, -near(1) * p, null]]];
     for (const [axis, corner] of edge) {
-      for (const [x, word] of [[-p, "−π"], [0, "0"], [p, "π"]]) {
+      for (const [x, word] of [[-p, "−180°"], [0, "0°"], [p, "180°"]]) {
         const at = corner.map((c) => (c === null ? x : c * 1.1));
         scene.text(at, word, ink("--soft"), { size: 11 });
       }

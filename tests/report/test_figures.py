@@ -134,7 +134,8 @@ def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content
     assert angle_ticks(-3.3, 3.3) == [(k * np.pi / 2, f"{90 * k}°".replace("-", "−")) for k in range(-2, 3)]
     assert [word for _, word in angle_ticks(0.0, 0.2)][:3] == ["0°", "2°", "4°"]
     assert (axis_name("θ2", "rad"), axis_name("q3", "m")) == ("θ2", "q3 [m]")
-    for drawn in (slice_figure(shown.analysis.robot, shown.slices[0], shown.colours), workspace_figure(shown.workspace)):
+    plane = slice_figure(shown.analysis.robot, shown.slices[0], shown.colours)
+    for drawn in (plane, workspace_figure(shown.workspace)):
         axes = drawn.axes[0]
         drawn.canvas.draw()
         assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0

@@ -58,7 +58,7 @@ class Curve:
     def slope(self, stretch: Index, share: Array) -> Array:
         """(N, n) derivative by the share: times 1/(duration of the stretch) the joint rates."""
         d = self.degree
-        return d * Curve(np.diff(self.control, axis=1)[stretch], None).at(np.arange(len(stretch)), share)
+        return d * Curve(np.diff(self.control[stretch], axis=1), None).at(np.arange(len(stretch)), share)
 
     @cached_property
     def rates(self) -> Array | None:

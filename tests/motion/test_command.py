@@ -41,6 +41,26 @@ def saved(folder: Path, name: str, q: object) -> Path:
     return folder / name
 
 
+def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At 80 columns, for two crossings that are described, and for 40 that are listed; --full prints each of them."""
+    turn = np.sin(np.linspace(0.0, 40.0 * np.pi, 2001))[:, None]
+    base = np.array([0.3, -1.2, 1.4, -1.0, 0.0, 0.4])
+    for rows, most in ((150, 2), (2001, 40)):
+        file = saved(tmp_path, "q.npy", base + turn[40:rows] * [0.1, 0.1, 0.1, 0.1, 0.3, 0.1])
+        outputs = {}
+        for option in ((), ("--full",)):
+            assert main.run(["path", "ur5e", str(file), "--quiet", *option]) == 3
+            outputs[option] = capsys.readouterr().out
+        lines = outputs[()].splitlines()
+        title = lines.index("Singularities on the path")
+        assert title <= 12
+        assert len(lines) - title - 1 <= 15
+        assert len(lines) <= 40
+        assert max(map(len, lines)) <= 80
+        assert ("--full describes each" in outputs[()]) == (most > 2)
+        assert outputs[("--full",)].count("how: ") >= most - 1
+
+
 def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     code, out, _ = run(saved(tmp_path, "free.npy", FREE))
     assert code == 0

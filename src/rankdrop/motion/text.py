@@ -18,8 +18,9 @@ from rankdrop.units import counted_length
 if TYPE_CHECKING:
     from rankdrop.motion.record import PathCheck, Place, Stretch, ToolMotion, Violation
 
-SHOWN = 3
-"""Crossings that are described unless all are asked for, and closest configurations of free stretches."""
+DESCRIBED, LISTED = 2, 12
+"""Crossings that are described in some lines each; if there are more, so many get one line each."""
+_CLOSEST = 3  # free stretches whose closest configuration is printed
 _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
@@ -206,11 +207,14 @@ def path_sections(check: PathCheck, *, deg: bool = True, full: bool = False) -> 
     about = f"{check.robot.name}, {check.task.name}"
     sections = [Section(first, lines=tuple(others), tone=tone)]
     met = sorted((one for one in check.stretches if one.verdict != "free"), key=lambda one: one.start.position)
-    shown = met if full else met[:SHOWN]
-    if shown:
-        more = (f"and {len(met) - len(shown)} more: --full prints them",) if len(met) > len(shown) else ()
-        lines = (line for one in shown for line in _crossing_lines(one, check, deg=deg, full=full))
-        sections.append(Section("Singularities on the path", lines=(*lines, *more)))
+    if full or len(met) <= DESCRIBED:
+        lines = [line for one in met for line in _crossing_lines(one, check, deg=deg, full=full)]
+    else:
+        lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
+        more = f"and {len(met) - LISTED} more; " if len(met) > LISTED else ""
+        lines.append(f"{more}--full describes each of them")
+    if lines:
+        sections.append(Section("Singularities on the path", lines=tuple(lines)))
     free = [one for one in check.stretches if one.verdict == "free"]
     if full and free:
         sections.append(_free_section(free, check, deg=deg))
@@ -220,9 +224,7 @@ def path_sections(check: PathCheck, *, deg: bool = True, full: bool = False) -> 
 
 
 def _crossing_lines(one: Stretch, check: PathCheck, *, deg: bool, full: bool) -> Iterable[str]:
-    verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
-    name = f"{one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
-    yield f"{verb} {name}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
+    yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
     yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
     if not full:
@@ -236,6 +238,11 @@ def _crossing_lines(one: Stretch, check: PathCheck, *, deg: bool, full: bool) ->
         joint = check.robot.variables[one.slowest - 1]
         yield (f"    too fast for {joint.name}: {one.rates[one.slowest - 1]:.4g} {joint.unit}/s, its limit is "
                f"{joint.velocity:.4g}; {one.speed_factor:.3g} of the speed keeps it")  # fmt: skip
+
+
+def _crossed(one: Stretch) -> str:
+    verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
+    return f"{verb} {one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
 
 
 def _free_section(free: list[Stretch], check: PathCheck, *, deg: bool) -> Section:
@@ -255,7 +262,7 @@ def _free_section(free: list[Stretch], check: PathCheck, *, deg: bool) -> Sectio
     where = tuple(
         f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, check.robot)}: "
         f"{_joints(check.robot, one.closest.q, deg=deg)}"
-        for one in free[:SHOWN] if one.closest.distance >= _LEADS
+        for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
     )
     small: tuple[str, ...] = (
         "closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the tool's "

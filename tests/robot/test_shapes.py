@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import builtins
+import io
 from pathlib import Path
 
 import numpy as np
@@ -130,3 +132,23 @@ def test_a_xacro_file_is_drawn_as_it_was_expanded(tmp_path: Path) -> None:
     assert [(one.link, one.solid) for one in found] == [(one.link, one.solid) for one in plain]
     assert found[2].size == (3.0, 1.0, 1.0)
     assert all(np.allclose(one.pose, other.pose) for one, other in zip(found, plain, strict=True))
+
+
+def test_a_mesh_opens_no_file_that_it_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
+    from rankdrop.robot.shapes import meshes_of
+
+    (tmp_path / "secret.mtl").write_text("newmtl red\nKd 1 0 0\n", encoding="utf-8")
+    (tmp_path / "part.obj").write_text(f"mtllib secret.mtl\nusemtl red\n{TRIANGLE}", encoding="utf-8")
+    found, _ = shapes(tmp_path, '<mesh filename="part.obj"/>')
+    monkeypatch.chdir(tmp_path)
+    opened: list[str] = []
+
+    def recorded(file: object, *args: object, **more: object) -> object:
+        opened.append(str(file))
+        return io.open(file, *args, **more)  # noqa: UP020  # `open` itself is replaced
+
+    monkeypatch.setattr(builtins, "open", recorded)
+    (mesh,), notes = meshes_of(found[2:3])
+    assert (len(mesh.faces), notes) == (1, ())
+    assert not [name for name in opened if "secret" in name]

@@ -277,26 +277,10 @@ def _read(trimesh: Any, visual: Visual) -> list[Mesh]:
     kind = visual.file.suffix.lower().removeprefix(".")
     if kind == "dae":  # refuses document types and entities
         read_xml(data.decode("utf-8", "replace"), str(visual.file))
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=_Nothing())
+    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind)  # without a resolver no other file is opened
     scale = np.array(visual.size) * _unit(scene)
     parts = [part for part in scene.dump() if len(getattr(part, "faces", ())) > 0]
     return [_placed(part, visual, scale, visual.colour or _own_colour(part)) for part in parts]
-
-
-class _Nothing:
-    """A mesh may name textures and materials in other files: none is opened."""
-
-    def get(self, name: str) -> bytes:
-        raise FileNotFoundError(name)
-
-    def keys(self) -> list[str]:
-        return []
-
-    def __contains__(self, _name: object) -> bool:
-        return False
-
-    def namespaced(self, _name: str) -> _Nothing:
-        return self
 
 
 def _bytes(file: Path) -> bytes:

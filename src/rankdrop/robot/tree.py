@@ -293,30 +293,24 @@ def _most_moving(tree: Tree, base: str) -> dict[str, int]:
     return most
 
 
-@dataclass(frozen=True, slots=True)
-class _End:
-    """Where a chain ends by itself: `link` after `passed` moving joints, or before the branches of a gripper."""
-
-    link: str
-    body: dict[str, int]  # `link` and what is fixed to it, see `_fixed_together`
-    passed: int
-    gripper: list[TreeJoint]
+_End = tuple[str, dict[str, int], int, list[TreeJoint]]
+"""Where a chain ends by itself: a link, what is fixed to it, the moving joints passed, the joints of a gripper."""
 
 
 def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
     ends = _longest(tree, base)
-    tips = [_name_of_tip(tree, end.link, end.body) for end in ends]
+    tips = [_name_of_tip(tree, link, body) for link, body, _, _ in ends]
     if len(ends) > 1:
         names = [tip for tip, _ in tips]
         raise RobotError(
-            f"several chains of {_moving(ends[0].passed)} start at {base!r}", where=tree.file,
+            f"several chains of {_moving(ends[0][2])} start at {base!r}", where=tree.file,
             got=f"tips {', '.join(names)}", mend=f"name the tip: tip={names[0]!r}",
             typed=f"name the tip: --tip {shlex.quote(names[0])}",
         )
-    (end,), ((tip, why),) = ends, tips
-    parts = ", ".join(joint.name for joint in end.gripper)
+    ((_, _, passed, gripper),), ((tip, why),) = ends, tips
+    parts = ", ".join(joint.name for joint in gripper)
     left_out = f"; the gripper after it is left out ({parts})" if parts else ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(end.passed)}{why}{left_out}"
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(passed)}{why}{left_out}"
 
 
 def _longest(tree: Tree, base: str) -> list[_End]:
@@ -334,9 +328,8 @@ def _longest(tree: Tree, base: str) -> list[_End]:
     below: dict[str, list[_End]] = {}
     for link, passed in reversed(order):
         found = [end for joint in branches[link] if joint.child in reached for end in below.pop(joint.child)]
-        longest = max((end.passed for end in found), default=passed)
-        own = _End(link, bodies[link], passed, branches[link])
-        below[link] = [end for end in found if end.passed == longest] or [own]
+        longest = max((end[2] for end in found), default=passed)
+        below[link] = [end for end in found if end[2] == longest] or [(link, bodies[link], passed, branches[link])]
     return below[base]
 
 

@@ -48,7 +48,7 @@ WHOLE = {
     "questions": (1, 4),
     "report": (11, 4),
     "results": (19, 19),
-    "robot": (19, 29),
+    "robot": (18, 29),
     "schema": (7, 1),
     "sections": (1, 1),
     "solve": (1, 0),

@@ -16,7 +16,7 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.files import RANGE, Element
-from rankdrop.robot.intended import as_intended
+from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.mjcf import plain_model, robot_of
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles

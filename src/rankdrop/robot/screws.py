@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import joint_kind, turn_notes
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, read_text
-from rankdrop.robot.intended import as_intended
+from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid

@@ -15,7 +15,7 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.files import DOTS, LARGEST_TABLE
-from rankdrop.robot.intended import as_intended
+from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical

@@ -19,7 +19,7 @@ import numpy as np
 from rankdrop.errors import RobotError, visible
 from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element
-from rankdrop.robot.intended import as_intended
+from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import about_axis, times, translation

@@ -9,9 +9,8 @@ import pytest
 
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.record import Sampled
+from rankdrop.family.record import Derivation, ExactRow, Sampled
 from rankdrop.results.analysis import Analysis
 from rankdrop.text.families import conditions_of, coupled_conditions, joint_cell
 

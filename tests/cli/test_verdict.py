@@ -9,8 +9,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.family.derivation import DIFFERS, NOT_DERIVED
-from rankdrop.family.record import Check, Sampled
+from rankdrop.family.record import DIFFERS, NOT_DERIVED, Check, Sampled
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

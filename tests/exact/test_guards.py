@@ -15,7 +15,7 @@ from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.letters import covered, decided_by_numbers, doubled
 from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.family.derivation import DIFFERS
+from rankdrop.family.record import DIFFERS
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

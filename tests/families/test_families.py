@@ -286,20 +286,6 @@ def test_few_points_are_enough_for_the_pieces_they_meet():
     assert [pins(family) for family in found.families] == PA10[1]
 
 
-def test_values_on_which_d_has_too_low_a_rank_are_sharpened():
-    """7R with θ2 = ±π/2, θ4 = v: σ is of first order in one combination of the errors and of second in the other."""
-    q = pi / 2
-    rows = [
-        (0.0, -q, 0.0), (0.4, 0.0, 0.194), (0.0, -q, 0.0), (0.175, q, 0.0), (0.0, -q, 0.584), (0.0, -q, 0.0),
-        (0.0, q, 0.488),
-    ]  # fmt: skip
-    found = table(from_dh([(a, alpha, d, 0.0) for a, alpha, d in rows], convention="standard", name="offset7r"), 1)
-    assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
-    (row,) = (family for family in found.families if "double zero" in family.evidence.how)
-    assert pins(row)[2] == SQUARE
-    assert all(abs(v) not in (0.0, pi) for v in pins(row)[4])
-
-
 def test_a_helical_joint_enters_through_waves_and_powers():
     robot = open_robot("puma560")
     joints = list(robot.joints)

@@ -12,7 +12,6 @@ from rankdrop.families.fit import (
     Budget,
     FitProblem,
     circuits,
-    cutting,
     holds,
     hypersurface,
     library,
@@ -117,16 +116,6 @@ def test_circuits_are_the_minimal_bound_sets(rng):
     a = System((pin, HALF_ANGLE)).jacobian(q)
     conormal = np.linalg.pinv(a) @ a
     assert circuits(np.eye(N) - conormal, tuple(range(N))) == [(0,), (2, 3)]
-
-
-def test_cutting_tells_strangers_from_the_family(rng):
-    """Two equations that meet in more than the family: the second component is cut off by a third equation."""
-    family = [Equation((term(1.0, "sin", {2: 2}),)), Equation((term(1.0, "cos", {3: 2}), term(-0.5, "cos", {4: 2})))]
-    strangers = points_on([Equation((term(1.0, "sin", {2: 2}),)), Equation((term(1.0, "sin", {3: 2}),))], rng, 60)
-    found = cutting(fit(points_on(family, rng, 700)), strangers, (1, 2, 3))
-    assert found is not None
-    assert holds(found, points_on(family, np.random.default_rng(9), 100), 1e-8)
-    assert np.median(np.abs(found(strangers))) > 1e-3
 
 
 def test_library_spans_what_it_says(rng):

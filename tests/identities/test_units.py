@@ -14,7 +14,7 @@ from known.arms import FEW
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
-from rankdrop.family.derivation import NOT_DERIVED
+from rankdrop.family.record import NOT_DERIVED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped

@@ -60,7 +60,7 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
             return replace(derived, families=tuple(change(derived.families)))
 
         monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
-        monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *arguments: None)
+        monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *given, **options: None)
 
     return with_change
 
@@ -156,7 +156,7 @@ def test_ctrl_c_in_the_derivation_ends_the_analysis(monkeypatch: pytest.MonkeyPa
         raise KeyboardInterrupt
 
     monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", interrupting)
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *arguments: None)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "known_conditions", lambda *arguments, **options: None)
     found = analyze(open_robot("scara"), starts=100)
     assert (found.complete, found.unfinished, found.families) == (False, 1, ())
 

@@ -86,7 +86,7 @@ class Effort:
 def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
     """The families of a nominal arm in letters for its lengths; None where they are not derived, or with numbers."""
     try:
-        derived = known_conditions(robot, task)
+        derived = known_conditions(robot, task, any_tip=True)
         if derived is None:
             derived = conditions(robot, task, method="tree", seconds=SECONDS["auto"], points=0, special=False)
     except RankdropError:

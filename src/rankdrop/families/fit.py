@@ -351,29 +351,6 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
     return found
 
 
-def cutting(fit: FitProblem, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
-    """An equation that vanishes on the family but not on strangers: points that solve the equations so far, yet do not
-    belong to the family. Sparsest one of the smallest library that tells them apart.
-
-    Args:
-        fit: points, budget …
-        strangers: (N, n) such points.
-        joints: from 0; joints the equation may use.
-    """
-    for functions, train, held, null in _nulls(fit, joints):
-        basis = sparse_basis(null)
-        seen = np.abs(functions(gathered(strangers, fit.twins)[:, joints]) @ basis)  # (strangers, d)
-        told = (seen > 1e-4).mean(axis=0)
-        if told.max() < 0.2:
-            continue
-        best = int(np.flatnonzero(told > 0.9 * told.max())[0])
-        vector = refit(functions(train[:, joints]), basis[:, best], fit.tolerances)
-        equation = fit.equation(functions, vector, joints)
-        if holds(equation, held):
-            return equation
-    return None
-
-
 def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
     """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
     for functions, train, held, null in _nulls(fit, joints):

@@ -346,7 +346,6 @@ class FamilyPoints:
     Attributes:
         q: (N, n) points so far, in no special order: a fit needs them spread over the family.
         tangent: (N, n, n) projectors on the tangent space there.
-        more: how points that the search brought back are inspected; None: polished, then by D.
     """
 
     problem: Problem
@@ -356,7 +355,6 @@ class FamilyPoints:
     q: Array
     tangent: Array
     rng: np.random.Generator
-    more: Callable[[Array], Inspection] | None = None
     exhausted: bool = field(default=False)
 
     def __call__(self, count: int) -> Array:
@@ -377,7 +375,7 @@ class FamilyPoints:
         start = self.q[base] + step
         found = refine(problem.robot, start, problem.corank, task=problem.task, tolerances=problem.tolerances)
         back = found.converged
-        inspection = inspect(problem, polished(problem, back)) if self.more is None else self.more(back)
+        inspection = inspect(problem, polished(problem, back))
         same = np.array([s == self.signature for s in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, problem.rank] <= 1e-12 if len(same) else same
         off = self.linear.values(inspection.q) - np.array(self.values)

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
-from rankdrop.families.irregular import recognised
 from rankdrop.families.linear import FamilyPoints, Linear, Values, canonical, smooth
 from rankdrop.families.residual import circuit_equations
 from rankdrop.families.row import Row
+from rankdrop.families.rows import recognised
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation

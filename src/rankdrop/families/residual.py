@@ -19,7 +19,6 @@ from rankdrop.families.fit import (
     FitProblem,
     Kind,
     circuits,
-    cutting,
     holds,
     hypersurface,
     vanishing_spaces,
@@ -140,7 +139,7 @@ def residual_equations(source: FamilyPoints, budget: Budget, *, thorough: bool) 
     if reached > source.signature.residual:  # more than the signature promises: families meet here
         return None
     if reached == source.signature.residual:
-        equations = _cut(source, fit, chosen, spare, joints if thorough else ())
+        equations = _cut(source, fit, chosen, spare)
         if equations is not None:
             return equations
     return _from_ideal(source, fit, joints) if thorough and len(joints) > 1 else None
@@ -195,30 +194,15 @@ def _told(equations: list[Equation], strangers: Array) -> list[int]:
 
 
 def _cut(
-    source: FamilyPoints, fit: FitProblem, chosen: list[Equation], spare: list[Equation], joints: tuple[int, ...]
+    source: FamilyPoints, fit: FitProblem, chosen: list[Equation], spare: list[Equation]
 ) -> tuple[Equation, ...] | None:
-    """Add equations until no stranger is left: circuits not used so far, short minors, then fitted ones."""
-    asked = False
-    for _ in range(EXTRA + 2):
-        tested, strangers = _strangers(source, chosen)
-        if not tested:
-            return None
-        if not len(strangers):
-            return tuple(chosen)
-        if not asked and not _told(spare, strangers):
-            moving = tuple(j for j in source.signature.coupled if j not in source.linear.pivots)
-            more = minors(source.problem, source.linear, source.values, moving, fit.highest, source.rng)
-            spare = spare + [equation for equation in more if holds(equation, source.q)]
-            asked = True
-        told = _told(spare, strangers)
-        if told:
-            chosen.append(spare.pop(told[0]))
-            continue
-        fitted = cutting(fit, strangers, joints) if len(joints) > 1 else None
-        if fitted is None:
-            return None
-        chosen.append(fitted)
-    return None
+    """Add equations until no stranger is left: circuits not used so far, then short minors."""
+    sound = _selected(source, list(chosen), list(spare))
+    if sound is not None:
+        return sound
+    moving = tuple(j for j in source.signature.coupled if j not in source.linear.pivots)
+    more = minors(source.problem, source.linear, source.values, moving, fit.highest, source.rng)
+    return _selected(source, chosen, [*spare, *(equation for equation in more if holds(equation, source.q))])
 
 
 def _from_ideal(source: FamilyPoints, fit: FitProblem, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:

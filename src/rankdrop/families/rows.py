@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, holds
-from rankdrop.families.irregular import inspect_doubled, recognised
-from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
+from rankdrop.families.linear import SIMPLE, FamilyPoints, Linear, Values, boxes, canonical, grow, smooth
 from rankdrop.families.residual import residual_equations
 from rankdrop.families.row import Row, verified
-from rankdrop.families.signature import Inspection, Signature, inspect
+from rankdrop.families.signature import Covector, Inspection, Signature, candidates, independent, inspect
 from rankdrop.family.equation import Mask
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Check, Family, Pin, Sampled
@@ -29,8 +28,6 @@ QUICK, THOROUGH = 1.5e9, 6e9  # work for one group: circuits only, and everythin
 HARD = 8  # groups that are tried a second time, thoroughly
 FEW = 3  # points from which a fit is tried
 ROUNDING = 10.0  # times `target`: σ below this tells nothing
-MANY = 2000  # points at which second derivatives are taken: half a millisecond each
-DOUBLED = 11  # sets the random numbers of doubled families apart from those of the others
 BADLY = 0.1  # share of the points left out of fits: those that are known worst
 Groups = list[tuple[Signature, NDArray[np.int64]]]
 
@@ -57,11 +54,6 @@ def find_rows(
     groups = grouped(inspection)
     rows = _fitted(problem, inspection, groups, cover, budget, (seed, problem.corank), progress)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
-    if len(rest) >= FEW:
-        twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
-        again = membership(problem, twice.q)
-        rows += _fitted(problem, twice, grouped(twice), again, budget, (seed, problem.corank, DOUBLED), doubled=True)
-    rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     if len(rest):
         rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
     rng = np.random.default_rng([seed, problem.corank, len(groups) + 1])
@@ -76,12 +68,9 @@ def _fitted(
     budget: Budget,
     seed: tuple[int, ...],
     progress: Callable[[int, int], None] | None = None,
-    *,
-    doubled: bool = False,
 ) -> list[Row]:
-    """Rows of the groups of one inspection; `doubled`: more points are inspected as these were."""
+    """Rows of the groups of an inspection."""
     rows: list[Row] = []
-    more = partial(_doubled, problem) if doubled else None
     hard = sorted((i for i, (s, _) in enumerate(groups) if s.residual > 0), key=lambda i: -len(groups[i][1]))[:HARD]
     for step, index in enumerate([*range(len(groups)), *hard]):
         if progress is not None:
@@ -93,12 +82,8 @@ def _fitted(
             continue
         rng = np.random.default_rng([*seed, index, int(thorough)])
         if smooth(problem, inspection, left, rng):
-            rows += _rows_of(problem, signature, inspection, left, budget, rng, more, thorough=thorough)
+            rows += _rows_of(problem, signature, inspection, left, budget, rng, thorough=thorough)
     return rows
-
-
-def _doubled(problem: Problem, q: Array) -> Inspection:
-    return inspect_doubled(problem, q)[0]
 
 
 def grouped(inspection: Inspection) -> Groups:
@@ -164,17 +149,15 @@ def _rows_of(
     members: NDArray[np.int64],
     budget: Budget,
     rng: np.random.Generator,
-    more: Callable[[Array], Inspection] | None,
     *,
     thorough: bool,
 ) -> list[Row]:
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     weights = inspection.condition[members]
-    twice = "a double zero: " if more else ""
     met = linear.combinations(inspection.q[members], weights, problem.tolerances.value)
     if not signature.residual:
         found = grow(met, linear, partial(verified, problem, linear, (), 0, rng=rng))
-        return [Row(linear, sets, (), signature, f"{twice}values verified") for sets in boxes(found)]
+        return [Row(linear, sets, (), signature, "values verified") for sets in boxes(found)]
     part = budget.share(THOROUGH if thorough else QUICK)
     rows: list[Row] = []
     done: set[Values] = set()
@@ -184,7 +167,7 @@ def _rows_of(
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
         q, tangent = inspection.q[here], inspection.tangent[here]
-        source = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
+        source = FamilyPoints(problem, signature, linear, values, q, tangent, rng)
         residual = residual_equations(source, part, thorough=thorough)
         if residual is None:
             continue
@@ -192,7 +175,7 @@ def _rows_of(
         holding = partial(verified, problem, linear, residual, signature.residual, rng=rng)
         found = grow([values, *alike], linear, holding)
         done |= found
-        rows += [Row(linear, sets, residual, signature, f"{twice}fitted, then verified") for sets in boxes(found)]
+        rows += [Row(linear, sets, residual, signature, "fitted, then verified") for sets in boxes(found)]
     budget.back(part)
     return rows
 
@@ -215,6 +198,95 @@ def without_contained(problem: Problem, rows: list[Row], rng: np.random.Generato
         elif outside:
             kept += [replace(row, sets=sets) for sets in boxes(outside)]
     return kept
+
+
+WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
+SHARED = 5  # points that must share a value
+GROUPS = 8  # groups of points that are tried, large ones first
+
+
+def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
+    """Rows with linear conditions only, from the values that points share.
+
+    For families on which D vanishes more than it should: where the condition is a square, D does not see it (det J of
+    the Stanford arm is q3²·sin θ2·sin θ5 up to a constant: D = 0 all over q3 = 0), and points are known to √`target`
+    only. But the values that unit covectors and small whole-number covectors take do not scatter: those that many
+    points share are conditions, and a direct test of the rank at these values decides.
+
+    Args:
+        problem: the arm, and the corank.
+        q: (N, n) singular points that no row explains.
+        rng: for the direct tests.
+    """
+    if len(q) < SHARED:
+        return []
+    n = problem.n
+    moving = [int(j) for j in np.flatnonzero(~problem.idle)]
+    units = np.eye(n, dtype=np.int64)[moving]
+    angles = [j for j in moving if problem.robot.periodic[j]]
+    covectors = np.concatenate([units, candidates(tuple(angles), n)])
+    shared = np.stack([_shared(Linear.of(problem.robot, [tuple(m)]).values(q)[:, 0]) for m in covectors], axis=1)
+    patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
+    rows: list[Row] = []
+    for label in np.argsort(-counts, kind="stable")[:GROUPS]:
+        conditions = independent(covectors[patterns[label]])
+        if conditions and counts[label] >= SHARED:
+            rows += _rows_of_values(problem, conditions, q[inverse.reshape(-1) == label], rng)
+    return rows
+
+
+def _rows_of_values(
+    problem: Problem, conditions: tuple[Covector, ...], q: Array, rng: np.random.Generator
+) -> list[Row]:
+    linear = Linear.of(problem.robot, conditions)
+    met = linear.combinations(q, np.ones(len(q)), WIDTH)
+    sharp = [_solved_values(problem, linear, values, q[members]) for values, members in met.items()]
+    found = grow(sharp, linear, partial(verified, problem, linear, (), 0, rng=rng))
+    signature = _linear_signature(linear)
+    return [Row(linear, sets, (), signature, "shared values, verified") for sets in boxes(found)]
+
+
+def _solved_values(problem: Problem, linear: Linear, values: Values, q: Array) -> Values:
+    """The values that are not simple, right to rounding: solved for with the simple ones put at their places.
+
+    Where D is not zero but of too low a rank, σ is of first order in some combination of the errors.
+    """
+    vague = [i for i, v in enumerate(values) if linear.periodic[i] and abs(v / SIMPLE - round(v / SIMPLE)) > 1e-12]
+    if not vague:
+        return values
+    rng = np.random.default_rng(0)
+    at = linear.place(q[:16].copy(), np.repeat(np.array([values]), len(q[:16]), axis=0), rng)
+    pivots = [linear.pivots[i] for i in range(len(linear))]
+    moves = np.zeros((problem.n, len(vague)))  # what one value drags along
+    moves[pivots] = np.linalg.inv(linear.covectors[:, pivots].astype(np.float64))[:, vague]
+    for _ in range(4):
+        local = problem.block(at)
+        f = np.asarray(local.f).reshape(-1)
+        slope = np.asarray(local.d).reshape(len(f), problem.n) @ moves
+        at = at - np.linalg.lstsq(slope, f, rcond=1e-6)[0] @ moves.T
+    sharp = linear.values(at[:1])[0]
+    return tuple(canonical(float(sharp[i])) if i in vague else v for i, v in enumerate(values))
+
+
+def _linear_signature(linear: Linear) -> Signature:
+    n = linear.covectors.shape[1]
+    single = np.count_nonzero(linear.covectors, axis=1) == 1
+    pinned = tuple(int(np.flatnonzero(m)[0]) for m in linear.covectors[single])
+    coupled = tuple(int(j) for j in np.flatnonzero(linear.covectors[~single].any(axis=0)))
+    free = tuple(j for j in range(n) if j not in pinned and j not in coupled)
+    relations = tuple(tuple(int(x) for x in m) for m in linear.covectors[~single])
+    return Signature(len(linear), pinned, free, coupled, relations, ())
+
+
+def _shared(values: Array) -> Mask:
+    """(N,) whether at least `SHARED` points have a value within `WIDTH`."""
+    order = np.argsort(values, kind="stable")
+    labels: NDArray[np.int64] = np.empty(len(values), dtype=np.int64)
+    labels[order] = np.concatenate([[0], np.cumsum(np.diff(values[order]) > WIDTH)])
+    ends = labels[order[0]] != labels[order[-1]] and values[order[0]] + 2 * np.pi - values[order[-1]] < WIDTH
+    if ends:
+        labels[labels == labels[order[-1]]] = labels[order[0]]
+    return np.asarray(np.bincount(labels)[labels] >= SHARED)
 
 
 VALUES = 12  # values of a pinned joint that are listed at most

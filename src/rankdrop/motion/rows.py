@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families.anywhere import QUICK
-from rankdrop.families.measured import Ruler, at_least
+from rankdrop.families.measured import QUICK, Ruler, at_least
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.motion.record import VERDICTS

@@ -11,8 +11,7 @@ import numpy as np
 
 from rankdrop import _core
 from rankdrop.errors import RankdropError
-from rankdrop.families.anywhere import QUICK
-from rankdrop.families.measured import Ruler
+from rankdrop.families.measured import QUICK, Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.which import families_at

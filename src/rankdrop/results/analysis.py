@@ -14,8 +14,7 @@ import numpy as np
 from rankdrop.codec import shown
 from rankdrop.errors import ResultFileError
 from rankdrop.families.share import Near
-from rankdrop.family.derivation import Derivation
-from rankdrop.family.record import CorankSummary, Family
+from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import (
     Record,

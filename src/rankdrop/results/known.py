@@ -228,13 +228,16 @@ def to_stored(conditions: Conditions) -> Record:
     return record
 
 
-def is_of(record: Record, robot: Robot, task: Task) -> bool:
-    """Whether a stored derivation is that of this arm and task: kinds, screws, frames and home pose, letters, rows."""
+def is_of(record: Record, robot: Robot, task: Task, *, any_tip: bool = False) -> bool:
+    """Whether a stored derivation is that of this arm and task: kinds, screws, frames and home pose, letters, rows.
+
+    With `any_tip` frames and home pose may be others where the task has all six rows: conditions do not depend on them,
+    sentences on lost motions do.
+    """
     mine, own = _arm(robot), record["arm"]
     exact = all(mine[key] == own[key] for key in ("kinds", "lengths")) and _task(task) == own["task"]
-    return exact and all(
-        np.abs(np.array(mine[key]) - own[key]).max() <= _SAME for key in ("screws", "frames", "home")
-    )
+    keys = ("screws",) if any_tip and task.m == 6 else ("screws", "frames", "home")
+    return exact and all(np.abs(np.array(mine[key]) - own[key]).max() <= _SAME for key in keys)
 
 
 def _arm(robot: Robot) -> Record:
@@ -358,24 +361,27 @@ def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
     return ring.half.from_dict(found)
 
 
-def shipped_conditions_record(robot: Robot, task: Task) -> Record | None:
+def shipped_conditions_record(robot: Robot, task: Task, *, any_tip: bool = False) -> Record | None:
     """The shipped conditions of this arm and task as they stand in their file, or None; see `known_conditions`."""
-    for name in candidates(robot):
+    for name in candidates(robot, tip=not any_tip or task.m < 6):
         record = _record(name)
-        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, task):
+        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, task, any_tip=any_tip):
             return record
     return None
 
 
 def known_conditions(
-    robot: Robot, task: str | Task | None = None, *, anew: Callable[[], Conditions] | None = None
-) -> Conditions | None:
+    robot: Robot, task: str | Task | None = None, *, anew: Callable[[], Conditions] | None = None,
+    any_tip: bool = False,
+) -> Conditions | None:  # fmt: skip
     """The shipped conditions of this arm, or None: another arm or task, or made by code with other `ANSWERS`.
 
     Args:
         robot: any arm.
         task: as in `resolve_task`; the length scale plays no part.
         anew: derives them once more, for `Conditions.test`.
+        any_tip: an arm that differs in its tool and in its link frames only is known too where the task has all six
+            rows; sentences on lost motions are then those of the shipped arm, for callers that make their own.
 
     Returns:
         Conditions of `robot` itself, with its names; equal in all else to what a derivation gives.
@@ -390,7 +396,7 @@ def known_conditions(
         True
     """
     resolved = resolve_task(task, robot)
-    record = shipped_conditions_record(robot, resolved)
+    record = shipped_conditions_record(robot, resolved, any_tip=any_tip)
     return None if record is None else from_stored(record, robot, resolved, anew=anew)
 
 

@@ -14,9 +14,8 @@ from rankdrop.exact.family import Assumption
 from rankdrop.exact.reading.lint import Difference, Example, LintResult
 from rankdrop.exact.writing.notation import Step
 from rankdrop.families.share import Near
-from rankdrop.family.derivation import Derivation, ExactRow
 from rankdrop.family.equation import Term
-from rankdrop.family.record import Check, CorankSummary, Unseen
+from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
 from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 
 SETTINGS = table(

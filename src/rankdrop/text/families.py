@@ -22,9 +22,8 @@ import numpy as np
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
-from rankdrop.family.derivation import Derivation
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Check, CorankSummary, Family, Pin
+from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section

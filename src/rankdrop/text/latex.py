@@ -10,8 +10,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
-from rankdrop.family.derivation import Derivation, ExactRow
-from rankdrop.family.record import CorankSummary, Family
+from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family
 from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
 

@@ -11,8 +11,18 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families, posed
-from rankdrop.family.derivation import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, Derivation, ExactRow
-from rankdrop.family.record import Contradiction, CorankFamilies, family_out_of_units
+from rankdrop.family.record import (
+    AGREES,
+    ASKED,
+    DIFFERS,
+    INTERRUPTED,
+    NOT_DERIVED,
+    Contradiction,
+    CorankFamilies,
+    Derivation,
+    ExactRow,
+    family_out_of_units,
+)
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.results.analysis import Analysis, Settings
@@ -60,7 +70,7 @@ def derive(
         return None, None
     seconds = SECONDS[exact]
     try:
-        derived = None if fresh or seed else known_conditions(robot, task)
+        derived = None if fresh or seed else known_conditions(robot, task, any_tip=True)
         if derived is None:
             from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from rankdrop.exact.writing.condition import AnglePin
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.schema import load_schema
@@ -190,3 +192,16 @@ def test_joints_that_start_elsewhere_are_told(capsys: pytest.CaptureFixture[str]
     monkeypatch.setenv("COLUMNS", "140")
     assert main.run(["analyze", "z1", "--starts", "1500", "--quiet", "--exact", "on"]) == exits.FINE
     assert "there θ3 = q3 + 2.8" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_family_on_which_the_rank_drops_twice_over_is_listed() -> None:
+    """7R with θ2 = ±π/2, θ4 = v: σ is of first order in one combination of the errors and of second in the other."""
+    q = pi / 2
+    rows = [(0.0, -q, 0.0), (0.4, 0.0, 0.194), (0.0, -q, 0.0), (0.175, q, 0.0), (0.0, -q, 0.584), (0.0, -q, 0.0),
+            (0.0, q, 0.488)]  # fmt: skip
+    found = analyze(from_dh([(*row, 0.0) for row in rows], convention="standard", name="offset7r"), starts=500)
+    assert found.verified
+    first = found.of_corank(1)[0]
+    assert [one.number for one in first.pinned] == [2, 4]
+    assert sorted(first.pinned[0].values) == [-q, q]
+    assert first.soundness.holds

@@ -325,3 +325,11 @@ def test_an_error_repeats_at_most_200_characters_of_a_value() -> None:
         quantity("1" + "+1" * 5000, "angle", where="here")
     assert len(str(caught.value)) < 400
     assert len(str(RobotError("wrong", got="x" * 5000))) < 250
+
+
+@pytest.mark.parametrize("name", ["a" * 201, "\u3042" * 70])
+def test_a_name_too_long_for_a_file_is_refused(name: str) -> None:
+    with pytest.raises(RobotError, match=r"the name is too long; got .*allowed: at most 200 bytes"):
+        robot_from_toml(f'name = "{name}"\n{DH}{ROW}', file="a.toml")
+    assert robot_from_toml(f'name = "{name[:60]}"\n{DH}{ROW}', file="a.toml").name == name[:60]
+

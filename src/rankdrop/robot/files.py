@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from rankdrop.errors import RobotError
+from rankdrop.errors import RobotError, visible
 
 LARGEST_FILE = 50 * 2**20
 """Bytes of an XML file, a trajectory or a result; the largest robot descriptions in use are below 1 MB."""
@@ -41,6 +41,8 @@ LARGEST_ARRAY = 500 * 2**20
 """Bytes of an array in NumPy's files; a million rows of twenty joints have a third of it."""
 LONGEST_HEAD = 200
 """Characters of the name of a column."""
+LONGEST_NAME = 200
+"""Bytes of the name of a robot, a joint or a link: files are named after arms."""
 LONGEST_TEXT = 200
 """Characters of a number as text: arithmetic with its unit."""
 
@@ -105,6 +107,11 @@ def read_text(path: Path, *, largest: int | None = None) -> str:
             "this is not text in UTF-8", where=f"{where}, line {line}", got=f"byte 0x{data[error.start]:02x}",
             mend="save the file as UTF-8",
         ) from None
+
+
+def name_of_file(path: Path) -> str:
+    """The name of an arm whose file gives none."""
+    return visible(path.stem)[: LONGEST_NAME // 4]
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.jobs.limited import run_limited
-from rankdrop.robot.files import MOST_BODIES, RANGE, allowed_range, read_text, read_xml
+from rankdrop.robot.files import MOST_BODIES, RANGE, allowed_range, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import translation
@@ -58,7 +58,7 @@ def from_mjcf(
     root = read_xml(read_text(file), str(file), most=MOST_BODIES)  # limits on size and depth, no document types
     if find_spec("mujoco") is None:
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file")
-    name = root.attributes.get("model", visible(file.stem))
+    name = root.attributes.get("model", name_of_file(file))
     model = run_limited(compile_file, str(file), as_written, file=file, parser="MuJoCo")
     return robot_of(model, name, str(file), base, tip, as_written=as_written)
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import HIDDEN, RobotError
-from rankdrop.robot.files import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
+from rankdrop.robot.files import LARGEST_LENGTH, LONGEST_NAME, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.quantities import checked_lengths, degrees_text
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
 from rankdrop.robot.transform import from_xyz_rpy, norm, times
@@ -263,10 +263,12 @@ def check_joints(moving: int, where: str, *, steps: int = 0) -> None:
 
 
 def _check_name(name: str, where: str) -> None:
-    """Refuse names that steer a terminal or break its lines; they are printed a hundred times."""
+    """Refuse names that steer a terminal or break its lines, and those too long for the name of a file."""
     if "\n" in name or "\t" in name or name.translate(HIDDEN) != name:
         raise RobotError("the name has a control character", where=where, got=repr(name[:80]),
                          allowed="what can be printed in one line", mend="rename it")  # fmt: skip
+    if len(name.encode("utf-8", "surrogatepass")) > LONGEST_NAME:
+        raise RobotError("the name is too long", got=name, allowed=f"at most {LONGEST_NAME} bytes", mend="shorten it")
 
 
 def _check_size(place: Array, where: str, what: str) -> None:

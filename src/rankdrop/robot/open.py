@@ -13,8 +13,8 @@ from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
 
-from rankdrop.errors import RobotError, UnknownRobotError, visible
-from rankdrop.robot.files import read_text, read_xml
+from rankdrop.errors import RobotError, UnknownRobotError
+from rankdrop.robot.files import name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import link_lengths
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
@@ -166,7 +166,7 @@ def _read_xacro(file: RobotFile) -> Robot:
 
 
 def _read_toml(file: RobotFile) -> Robot:
-    return robot_from_toml(file.text, file=str(file.path), default_name=visible(file.path.stem),
+    return robot_from_toml(file.text, file=str(file.path), default_name=name_of_file(file.path),
                            as_written=file.as_written)  # fmt: skip
 
 
@@ -179,7 +179,7 @@ def _holds_screws(file: RobotFile) -> bool:
 def _read_screws(file: RobotFile) -> Robot:
     from rankdrop.robot.screws import from_screw_list
 
-    return from_screw_list(file.path, name=visible(file.path.stem), as_written=file.as_written)
+    return from_screw_list(file.path, name=name_of_file(file.path), as_written=file.as_written)
 
 
 def _read_mjcf(file: RobotFile) -> Robot:

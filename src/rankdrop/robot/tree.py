@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.errors import RobotError, visible
+from rankdrop.errors import RobotError
 from rankdrop.robot.dh import turn_notes
-from rankdrop.robot.files import Element
+from rankdrop.robot.files import Element, name_of_file
 from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
@@ -446,7 +446,7 @@ def chain_robot(
             pose = motion.to_zero(pose)
             joints.append(Joint(step.name, motion.kind, screw, motion.lower, motion.upper, motion.velocity, pose,
                                 motion.mimic, step.child))  # fmt: skip
-    name = tree.name or visible(Path(tree.file).stem)
+    name = tree.name or name_of_file(Path(tree.file))
     notes = [*ends.notes, *notes, *turn_notes(joints, units=False)]
     found = Robot(name, tuple(joints), times(pose, frames[1]), source=Source(source, tree.file), base=ends.base,
                   tip=ends.tip, notes=tuple(notes), about=f"{ends.base} to {ends.tip}")  # fmt: skip

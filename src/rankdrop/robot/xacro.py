@@ -19,9 +19,9 @@ from os import PathLike
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.jobs.limited import run_limited
-from rankdrop.robot.files import Element, read_text, read_xml
+from rankdrop.robot.files import Element, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
 from rankdrop.robot.urdf import from_urdf
 
@@ -253,7 +253,7 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
 
     substitution_args._eval_find = substitution_args._eval_dict["find"] = folder_of
     name = root.attributes.get("name", "")
-    plain = name if name and "$" not in name else visible(file.name.partition(".")[0])
+    plain = name if name and "$" not in name else name_of_file(Path(file.name.partition(".")[0]))
     # An include, not the text: xacro then resolves the file's own includes relative to it.
     whole = (
         f'<robot name={quoteattr(plain)} xmlns:xacro="http://www.ros.org/wiki/xacro">'

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.local.second_order import proof_of
+from rankdrop.results.explanation.words import PROOF
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.explain import explain
 
@@ -204,8 +204,8 @@ def test_the_proof_stands_in_the_full_output_alone(run: Any) -> None:
     assert "u · dJ(Δ)Δ is definite" in full
     assert "u · dJ" not in plain
     found = explain(open_robot("ur5e"), [0, -1.0, 0, 0.7, 0.9, 0], evaluations=0)
-    assert proof_of(found.escape.avoidable_words)
-    assert proof_of(found.escape.boundary_words)
+    assert found.escape.avoidable_reason in PROOF
+    assert found.escape.boundary_reason in PROOF
 
 
 def test_degrees_are_suspected_before_the_verdict(run: Any) -> None:

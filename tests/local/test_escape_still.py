@@ -12,8 +12,9 @@ from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import Displacement, determined_by_pose
-from rankdrop.local.second_order import definite, forms, null_basis, proof_of, trace, vanishing
+from rankdrop.local.second_order import definite, forms, null_basis, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
+from rankdrop.results.explanation.words import PROOF, avoidable_words, boundary_words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -56,10 +57,10 @@ def test_puma_types_and_boundary() -> None:
     assert [found.types[0].type for found in (wrist, shoulder, elbow)] == [2, 1, 1]
     assert [found.boundary for found in (wrist, shoulder, elbow)] == [None, True, True]
     assert [found.avoidable for found in (wrist, shoulder, elbow)] == [False, False, False]
-    assert "(no proof)" in wrist.avoidable_words
-    assert elbow.avoidable_words == "you cannot leave it with the tool held still"
-    assert "is definite" in proof_of(elbow.avoidable_words)
-    assert "not decided" in wrist.boundary_words
+    assert "(no proof)" in avoidable_words(wrist)
+    assert avoidable_words(elbow) == "you cannot leave it with the tool held still"
+    assert "is definite" in PROOF[elbow.avoidable_reason]
+    assert "not decided" in boundary_words(wrist)
 
 
 def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
@@ -76,8 +77,8 @@ def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
     assert found.types[0].type == 2
     assert found.boundary is None
     assert found.avoidable is False
-    assert "not decided" in found.boundary_words
-    assert "(no proof)" in found.avoidable_words
+    assert "not decided" in boundary_words(found)
+    assert "(no proof)" in avoidable_words(found)
 
 
 def reachable(robot: Robot, q: Array, lost: Array, size: float) -> bool:
@@ -143,7 +144,7 @@ def test_pa10_wrist_and_elbow_differ_in_what_a_self_motion_can_do() -> None:
     elbow = escape(robot, [0.1, 0.5, 0.7, 0, 0.9, 0.4, 0.2])
     assert elbow.still is None
     assert elbow.avoidable is False  # an extended arm can only turn about its own line
-    assert "(no proof)" in elbow.avoidable_words
+    assert "(no proof)" in avoidable_words(elbow)
 
 
 @pytest.mark.slow_at("rrrrrrr", "rrrrrrrr")

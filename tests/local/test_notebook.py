@@ -23,7 +23,7 @@ def test_every_joint_stands_in_the_ways_out() -> None:
     found = escape(PA10, [0.0] * 7)
     page = found._repr_html_()
     assert all(f"{one.number} {one.joint}" in page for one in found.single)
-    assert found.boundary_words in page.replace("&#x27;", "'")
+    assert f"at an edge of the reach: not known ({found.boundary_reason})" in page
 
 
 def test_the_projector_is_shown_entry_by_entry() -> None:

@@ -49,7 +49,6 @@ from .rates import slowest_motions as slowest_motions
 from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .redundant import self_motion as self_motion
-from .second_order import proof_of as proof_of
 from .ways_out import Direction as Direction
 from .ways_out import Escape as Escape
 from .ways_out import JointEscape as JointEscape

@@ -11,6 +11,8 @@ from typing import Any
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section, html
 
+_ANSWER = {True: "yes", False: "no", None: "not known"}
+
 
 def escape_html(found: Any) -> str:
     """An `Escape`: per joint what it does alone, then the pair, the best direction and the self-motion in words."""
@@ -25,8 +27,8 @@ def escape_html(found: Any) -> str:
     direction = ", ".join(f"{x:+.4g}" for x in found.best_direction.delta)
     after = (
         f"best direction Δq = ({direction}) [rad, m]: σ = {found.best_direction.sigma_after:.4g}",
-        found.avoidable_words,
-        found.boundary_words,
+        f"with the tool held still: {_ANSWER[found.avoidable]} ({found.avoidable_reason})",
+        f"at an edge of the reach: {_ANSWER[found.boundary]} ({found.boundary_reason})",
     )
     corank = f"corank {found.corank}"
     return html([Section("Ways out", corank, columns=columns, rows=rows, texts=(0, 1, 6), after=after)])

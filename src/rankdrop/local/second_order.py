@@ -18,6 +18,7 @@ at once: steps ahead, each put back to where the end effector was (`displacement
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,13 @@ _APART = 0.05  # unit vectors nearer than this, up to sign, are the same directi
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
 
 
+StillReason = Literal["always moves", "definite", "rows", "no tangent", "regular", "left", "stayed", "stayed so far",
+                      "too small", "untraced"]  # fmt: skip
+"""Why a singularity can be left with the tool held still ("left"), or cannot, or is not known to be."""
+EdgeReason = Literal["open", "never whole", "several", "both signs", "one sign", "flat"]
+"""What decides whether the tool is at an edge of its reach: the sign of the form on the null space, or why not."""
+
+
 @dataclass(frozen=True, slots=True)
 class LostMotion:
     """One lost direction at second order.
@@ -49,13 +57,11 @@ class LostMotion:
         type: 1 where the end effector can move along it at second order by Δ in the null space; 2 where not: it is
             left only by internal motion.
         form: eigenvalues of u · dJ(Δ)Δ on the null space, ascending, u of unit length in the scaled task [1/rad].
-        words: the same in words.
     """
 
     direction: tuple[float, ...]
     type: int
     form: tuple[float, ...]
-    words: str
 
 
 def null_derivative(place: Configuration, basis: Array) -> Array:
@@ -135,7 +141,7 @@ def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
     return kept
 
 
-def boundary(place: Configuration, each: Array) -> tuple[bool | None, str]:
+def boundary(place: Configuration, each: Array) -> tuple[bool | None, EdgeReason]:
     """Whether q maps to the boundary of the workspace, and why; from the form on the null space, corank 1 only.
 
     The form's kernel holds the null motions that are tangent to the same singular family (D vanishes on them, for D is
@@ -143,16 +149,16 @@ def boundary(place: Configuration, each: Array) -> tuple[bool | None, str]:
     """
     if not place.corank:
         full = place.generic == place.task.m
-        return (False, _OPEN) if full else (None, _NEVER_OPEN)
+        return (False, "open") if full else (None, "never whole")
     if place.corank > 1 or place.generic < place.task.m:
-        return None, _SEVERAL
+        return None, "several"
     eigenvalues = np.linalg.eigvalsh(each[0])
     up, down = bool(eigenvalues[-1] > FLAT), bool(eigenvalues[0] < -FLAT)
     if up and down:
-        return False, _INSIDE
+        return False, "both signs"
     if up or down:
-        return True, _EDGE
-    return None, _FLAT_FORM
+        return True, "one sign"
+    return None, "flat"
 
 
 def _kernel(each: Array) -> Array:
@@ -164,36 +170,7 @@ def _kernel(each: Array) -> Array:
 def _lost_motion(row: Array, form: Array) -> LostMotion:
     eigenvalues = np.linalg.eigvalsh(form)
     kind = 1 if np.abs(eigenvalues).max(initial=0.0) > FLAT else 2
-    words = _SLOWLY if kind == 1 else _INTERNAL
-    return LostMotion(tuple(float(x) for x in row), kind, tuple(float(x) for x in eigenvalues), words)
-
-
-_OPEN = "no direction of the tool is lost"
-_NEVER_OPEN = "whether the tool is at an edge of its reach is not decided where the arm never makes the whole task"
-_SEVERAL = "whether the tool is at an edge of its reach is not decided where several directions are lost"
-_INSIDE = "the tool is not at an edge of its reach: it can go on to both sides"
-_EDGE = "the tool is at an edge of its reach: it can go back, not on"
-_FLAT_FORM = "whether the tool is at an edge of its reach is not decided here"
-_SLOWLY = "the tool moves along the lost direction only like the square of the joint motion"
-_INTERNAL = "the tool moves along the lost direction only after a motion of the joints that leaves it still"
-_HELD = "you cannot leave it with the tool held still"
-_TRACED = (
-    "no way to leave it with the tool held still was found: every such motion that was traced stays singular (no proof)"
-)
-_PROOFS = {
-    _SEVERAL: "the test at second order is for one lost direction of a task that the arm can make in full",
-    _INSIDE: "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
-    _EDGE: "u · dJ(Δ)Δ has one sign over the null motions Δ, u the lost direction (near q only)",
-    _FLAT_FORM: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
-    _SLOWLY: "u · dJ(Δ)Δ ≠ 0 for some null motion Δ, u the lost direction",
-    _INTERNAL: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
-    _HELD: "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end effector",
-}
-
-
-def proof_of(words: str) -> str:
-    """Why one of the sentences of this module holds, with the formula; empty where the sentence says all."""
-    return _PROOFS.get(words, "")
+    return LostMotion(tuple(float(x) for x in row), kind, tuple(float(x) for x in eigenvalues))
 
 
 def _symmetric(matrices: Array) -> Array:
@@ -241,7 +218,7 @@ class Stillness:
         sigma_after: σ_r there.
         error: largest task error on the way.
         within_limits: the whole trace stays inside the limits.
-        avoidable, words: see `Escape`.
+        avoidable, reason: see `Escape`.
         forms: (m − rank, s, s) the forms on the null space.
     """
 
@@ -254,7 +231,7 @@ class Stillness:
     error: float
     within_limits: bool
     avoidable: bool | None
-    words: str
+    reason: StillReason
     forms: Array
 
 
@@ -269,14 +246,14 @@ def find_still(place: Configuration, basis: Array, step: float, seed: int) -> St
     """
     each = forms(place, basis)
     if not basis.shape[1]:
-        return _none(each, False, "every joint motion moves the tool")
+        return _none(each, False, "always moves")
     if place.corank and definite(each, seed):
-        return _none(each, False, _HELD)
+        return _none(each, False, "definite")
     if not determined_by_pose(place.task):
-        return _none(each, None, "ways out with the tool held still are not looked for with these rows in this frame")
+        return _none(each, None, "rows")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):
-        return _none(each, None, "no way out with the tool held still was found; that is no proof that there is none")
+        return _none(each, None, "no tangent")
     tangents, promise = _chosen(place, vectors @ basis.T)
     traced = trace(place, tangents, max(step, _LENGTH))
     return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
@@ -358,31 +335,25 @@ def _judged(
     best = int(np.argmax(value))
     sigma = traced.sigma[best]
     order, rate = _along(sigma, float(promise[best]), float(traced.length[best]))
-    can = "you can leave it" if place.corank else "the joints can move"
-    outside = "" if inside[best] else "; outside the joint limits"
-    words = (
-        f"{can} with the tool held still: σ_r = {sigma[-1]:.3g} after {traced.length[best]:.3g} rad, the tool "
-        f"where it was to {max(1e-12, float(traced.error[best])):.0e}{outside}"
-    )
     avoidable = True if place.corank else None
     return Stillness(
         tangents[best], int(traced.ranks[best]) - place.rank, order, rate, float(traced.length[best]), float(sigma[-1]),
-        float(traced.error[best]), bool(inside[best]), avoidable, words, each,
+        float(traced.error[best]), bool(inside[best]), avoidable, "left", each,
     )  # fmt: skip
 
 
 def _stays(place: Configuration, each: Array, traced: Trace, complete: bool) -> Stillness:
     """No trace restores the rank: say whether those were all there are."""
     if not place.corank:
-        return _none(each, None, "there is no singularity to leave")
+        return _none(each, None, "regular")
     stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
     if complete and stayed and traced.valid.all():
-        return _none(each, False, _TRACED)
+        return _none(each, False, "stayed")
     if stayed and traced.valid.any():
-        return _none(each, None, "motions with the tool held still that were traced stay singular; there may be others")
+        return _none(each, None, "stayed so far")
     if traced.valid.any():
-        return _none(each, None, "not told whether it can be left with the tool held still: σ_r is too small there")
-    return _none(each, None, "no motion with the tool held still could be traced; that is no proof that there is none")
+        return _none(each, None, "too small")
+    return _none(each, None, "untraced")
 
 
 def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
@@ -395,5 +366,5 @@ def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
     return order, float(sigma[1]) / quarter**order
 
 
-def _none(each: Array, avoidable: bool | None, words: str) -> Stillness:
-    return Stillness(None, 0, None, 0.0, 0.0, 0.0, 0.0, False, avoidable, words, each)
+def _none(each: Array, avoidable: bool | None, reason: StillReason) -> Stillness:
+    return Stillness(None, 0, None, 0.0, 0.0, 0.0, 0.0, False, avoidable, reason, each)

@@ -22,7 +22,16 @@ from rankdrop.local import departure as finite_motions
 from rankdrop.local.bracket import brackets
 from rankdrop.local.departure import Departure, departures, taylor, unlocked
 from rankdrop.local.notebook import escape_html
-from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
+from rankdrop.local.second_order import (
+    EdgeReason,
+    LostMotion,
+    Stillness,
+    StillReason,
+    boundary,
+    find_still,
+    lost_motions,
+    null_basis,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
@@ -48,9 +57,6 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
     depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
-
-
-_NEARBY = "q is only near a singularity; if it were one"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,12 +133,13 @@ class Escape:
         best_pair: two joints; None for an arm with one.
         best_direction: all joints.
         still: a self-motion that restores the rank, traced; its `delta` is the tangent at q, `step` its length.
-        avoidable: True: such a self-motion was traced. False: there is none, as `avoidable_words` says why. None: none
-            was found, which is no proof.
-        avoidable_words: the same in words.
+        avoidable: True: such a self-motion was traced. False: there is none. None: none was found, which is no proof.
+        avoidable_reason: what says so.
+        still_error: largest task error on the way of `still`, translations over the length scale; 0 for none.
         types: each lost direction at second order.
         boundary: True: q maps to the boundary of the workspace, near q; False: to its interior; None: undecided.
-        boundary_words: the same in words.
+        boundary_reason: what says so.
+        nearby: q is only near a singularity: both answers hold if it were one.
         floor: a singular value at or below it does not count as regained.
     """
 
@@ -142,10 +149,12 @@ class Escape:
     best_direction: Direction
     still: Direction | None
     avoidable: bool | None
-    avoidable_words: str
+    avoidable_reason: StillReason
+    still_error: float
     types: tuple[LostMotion, ...]
     boundary: bool | None
-    boundary_words: str
+    boundary_reason: EdgeReason
+    nearby: bool
     floor: float
 
     def _repr_html_(self) -> str:
@@ -197,11 +206,11 @@ def escape(
     single = _single(place, step)
     stillness = find_still(place, basis, step, seed)
     pair, best = _several(place, step, seed, single)
-    avoidable, words = stillness.avoidable, stillness.words
-    edge, edge_words = boundary(place, stillness.forms)
-    if place.corank and place.sigma[place.rank] > tolerances.singular:  # q itself is regular: denials hold elsewhere
+    avoidable = stillness.avoidable
+    edge, edge_reason = boundary(place, stillness.forms)
+    nearby = bool(place.corank and place.sigma[place.rank] > place.tolerances.singular)
+    if nearby:  # q itself is regular: denials hold elsewhere
         avoidable, edge = avoidable or None, None
-        words, edge_words = f"{_NEARBY}: {words}", f"{_NEARBY}: {edge_words}"
     found = Escape(
         corank=place.corank,
         single=single,
@@ -209,10 +218,12 @@ def escape(
         best_direction=best,
         still=_still_direction(place, stillness),
         avoidable=avoidable,
-        avoidable_words=words,
+        avoidable_reason=stillness.reason,
+        still_error=stillness.error,
         types=lost_motions(place, basis),
         boundary=edge,
-        boundary_words=edge_words,
+        boundary_reason=edge_reason,
+        nearby=nearby,
         floor=place.floor,
     )
     return found if place is here else _out_of_metres(found, here.robot)

@@ -85,8 +85,22 @@ DIRECTION = table(
     sigma_after=num("1", ge=0),
     measured_gain=int,
 )
-LOST_MOTION = table("lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")))
-ESCAPE = table("escape", of=Escape, corank=Count, floor=num("1", ge=0))
+LOST_MOTION = table(
+    "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")), words=str
+)
+ESCAPE = table(
+    "escape",
+    of=Escape,
+    corank=Count,
+    floor=num("1", ge=0),
+    types=many(LOST_MOTION),
+    avoidable_words=str,
+    avoidable_reason=optional(str),
+    still_error=optional(num("1", ge=0)),
+    boundary_words=str,
+    boundary_reason=optional(str),
+    nearby=optional(bool),
+)
 _ASKED: dict[str, Any] = {
     "robot": ROBOT,
     "settings": (ESCAPE_SETTINGS, "what was asked for"),

@@ -54,6 +54,7 @@ from rankdrop.results.explanation.text import (
     sentence_of,
     summary_lines,
 )
+from rankdrop.results.explanation.words import escape_to_dict
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
@@ -116,7 +117,7 @@ def _ways(explanation: Explanation) -> Record:
     return {
         "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
         "blame": plain(explanation.blame),
-        "escape": plain(explanation.escape),
+        "escape": escape_to_dict(explanation.escape),
     }
 
 

@@ -18,7 +18,6 @@ from rankdrop.family.record import Family
 from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.rates import DirectionRates, StraightMotion
-from rankdrop.local.second_order import proof_of
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record
 from rankdrop.results.conditions_text import values_in_degrees
@@ -26,9 +25,13 @@ from rankdrop.results.explanation.data import Summary
 from rankdrop.results.explanation.failures import failures_table
 from rankdrop.results.explanation.parts import IDLE, NO_RATE, SHARE, turned_task
 from rankdrop.results.explanation.words import (
+    LOST_TYPE,
+    PROOF,
     angle,
     angle_below,
+    avoidable_words,
     below,
+    boundary_words,
     degrees_hint,
     fixed,
     minus,
@@ -463,14 +466,16 @@ def _out(explanation: Explanation, full: bool) -> Section:
     if full or not helpful:
         after.append(f"best direction: {_direction(explanation, out.best_direction)}")
     if full or out.avoidable is not None:
-        after.append(_sentence(out.avoidable_words))
-    for words in dict.fromkeys(one.words for one in out.types if full):
-        which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
-        one = words if len(out.types) == 1 else words.replace("the lost direction", _which_of(which, len(out.types)))
+        after.append(_sentence(avoidable_words(out)))
+    for kind in dict.fromkeys(one.type for one in out.types if full):
+        which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
+        one = LOST_TYPE[kind]
+        if len(out.types) > 1:
+            one = one.replace("the lost direction", _which_of(which, len(out.types)))
         slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
         after.append(_sentence(f"{slowly}{one}"))
     if full or out.boundary is not None:
-        after.append(_sentence(out.boundary_words))
+        after.append(_sentence(boundary_words(out)))
     columns: tuple[str, ...] = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
     if not full:
         columns, rows = (columns[0], *columns[3:5]), tuple((row[0], *row[3:5]) for row in rows)
@@ -482,8 +487,10 @@ def _out(explanation: Explanation, full: bool) -> Section:
 def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Why the sentences on ways out hold, with the formulas."""
     out = explanation.escape
-    said = (out.avoidable_words, *(one.words for one in out.types), out.boundary_words)
-    lines = tuple(f"{_sentence(words)} {proof_of(words)}" for words in dict.fromkeys(said) if proof_of(words))
+    said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
+    said |= {one.type: LOST_TYPE[one.type] for one in out.types}
+    said[out.boundary_reason] = boundary_words(out)
+    lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
     if lines and explanation.rank.corank:
         yield Section("Why", "for the ways out", lines)
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from math import ceil, degrees, floor, inf, isinf, log10, pi
+from typing import Any
 
 import numpy as np
 
+from rankdrop.codec import plain
 from rankdrop.local.directions import Screw
+from rankdrop.local.ways_out import Escape
 from rankdrop.robot.model import Array, Robot
 
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
@@ -125,3 +128,69 @@ def numbers(members: Sequence[int]) -> str:
 def plural(word: str, count: int) -> str:
     """ "motion" or "motions"."""
     return word if count == 1 else f"{word}s"
+
+
+_NEARBY = "q is only near a singularity; if it were one"
+_STILL = {
+    "always moves": "every joint motion moves the tool",
+    "definite": "you cannot leave it with the tool held still",
+    "rows": "ways out with the tool held still are not looked for with these rows in this frame",
+    "no tangent": "no way out with the tool held still was found; that is no proof that there is none",
+    "regular": "there is no singularity to leave",
+    "stayed": "no way to leave it with the tool held still was found: every such motion that was traced stays singular "
+    "(no proof)",
+    "stayed so far": "motions with the tool held still that were traced stay singular; there may be others",
+    "too small": "not told whether it can be left with the tool held still: σ_r is too small there",
+    "untraced": "no motion with the tool held still could be traced; that is no proof that there is none",
+}
+_EDGE = {
+    "open": "no direction of the tool is lost",
+    "never whole": "whether the tool is at an edge of its reach is not decided where the arm never makes the whole "
+    "task",
+    "several": "whether the tool is at an edge of its reach is not decided where several directions are lost",
+    "both signs": "the tool is not at an edge of its reach: it can go on to both sides",
+    "one sign": "the tool is at an edge of its reach: it can go back, not on",
+    "flat": "whether the tool is at an edge of its reach is not decided here",
+}
+LOST_TYPE = {
+    1: "the tool moves along the lost direction only like the square of the joint motion",
+    2: "the tool moves along the lost direction only after a motion of the joints that leaves it still",
+}
+"""What the type of a lost motion means."""
+PROOF: dict[str | int, str] = {
+    "definite": "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end "
+    "effector",
+    "several": "the test at second order is for one lost direction of a task that the arm can make in full",
+    "both signs": "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
+    "one sign": "u · dJ(Δ)Δ has one sign over the null motions Δ, u the lost direction (near q only)",
+    "flat": "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+    1: "u · dJ(Δ)Δ ≠ 0 for some null motion Δ, u the lost direction",
+    2: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+}
+"""Why a sentence on ways out holds, with the formula: by its reason, or by the type of a lost motion."""
+
+
+def avoidable_words(out: Escape) -> str:
+    """Whether the singularity can be left with the tool held still."""
+    words = _STILL.get(out.avoidable_reason, "")
+    if out.still is not None:
+        can = "you can leave it" if out.corank else "the joints can move"
+        outside = "" if out.still.within_limits else "; outside the joint limits"
+        words = (
+            f"{can} with the tool held still: σ_r = {out.still.sigma_after:.3g} after {out.still.step:.3g} rad, "
+            f"the tool where it was to {max(1e-12, out.still_error):.0e}{outside}"
+        )
+    return f"{_NEARBY}: {words}" if out.nearby else words
+
+
+def boundary_words(out: Escape) -> str:
+    """Whether the tool is at an edge of its reach."""
+    words = _EDGE[out.boundary_reason]
+    return f"{_NEARBY}: {words}" if out.nearby else words
+
+
+def escape_to_dict(out: Escape) -> dict[str, Any]:
+    """Ways out as data, with the sentences on them."""
+    types = [{**plain(one), "words": LOST_TYPE[one.type]} for one in out.types]
+    said = {"avoidable_words": avoidable_words(out), "boundary_words": boundary_words(out)}
+    return {**plain(out), **said, "types": types}

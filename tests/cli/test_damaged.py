@@ -136,7 +136,6 @@ LIES: dict[str, tuple[Place, Callable[[Any], Any], str]] = {
     "a link that is not there": (("robot", "frame", "axes"), set_to(40), ROBOT + r"frame.axes: .*no such link"),
     "a scale of kilometres": (("settings", "length_scale"), set_to(1e5), ROBOT + r"task: .*length scale"),
     "complete, and not": (("unfinished",), set_to(2), r"\$.unfinished: "),
-    "matched with nothing": (("exact", "matches", 0, "families"), set_to(["k6.f9"]), r"\$.exact.matches: .*no such"),
     "near another family": (("near", "families", 0, "id"), set_to("k6.f9"), r"\$.near.families: "),
     "a verdict of its own": (("robot", "n"), set_to(7), ROBOT + r"n: .*got 7; allowed: 4"),
 }  # fmt: skip

@@ -73,8 +73,8 @@ def test_the_text_holds_no_infinity_and_rows_of_numbers_stay_on_a_line(found: An
     ("damage", "words"),
     [
         (lambda record: record.update(schema="rankdrop/analysis/2"), "allowed: rankdrop/analysis/1"),
-        (lambda record: record.pop("families"), "no entry 'families'"),
-        (lambda record: record["families"][0].pop("witness"), "no entry 'witness'"),
+        (lambda record: record.pop("families"), "required field families"),
+        (lambda record: record["families"][0].pop("witness"), "required field witness"),
         (lambda record: record["families"][0]["equations"].append("q1"), "disagree"),
         (lambda record: record["robot"]["chain"][0].update(screw=[1, 2]), "$.robot.chain[0].screw: "),
         (lambda record: record.update(coranks=3), "$.coranks: "),

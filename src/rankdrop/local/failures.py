@@ -105,6 +105,7 @@ def failures_at(
 
     Example:
         >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("almarkhi4")
         >>> q = [0.0, np.pi, np.pi, np.pi - np.arctan(1 / np.sqrt(2))]
         >>> found = failures_at(arm, q, resolve_task("position", arm, length_scale=1.0))

@@ -192,6 +192,7 @@ def escape(
 
     Example:
         >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
         >>> out = escape(open_robot("rcrrrr"), [0] * 7, resolve_task(None, open_robot("rcrrrr"), length_scale=1.0))
         >>> [(joint.number, joint.order, round(joint.rate, 4)) for joint in out.single if joint.gain]
         [(4, 1, 2.0713), (3, 1, 0.7036)]

@@ -162,7 +162,7 @@ def check_path(
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> found = check_path(open_robot("planar3r"), [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]], [0.0, 2.0])
-        >>> found.verdict, [round(float(x), 9) for x in found.crossings[0].closest.q]
+        >>> str(found.verdict), [round(float(x), 9) for x in found.crossings[0].closest.q]
         ('crossing', [0.433333333, 0.0, 0.233333333])
     """
     check_robot(robot)

@@ -89,7 +89,7 @@ BROKEN = {
     "a.csv|t,x,y,z\n1,0,0,0\n0.5,0,0,0": r"a\.csv, line 3, column 't': time does not go on",
     'a.json|{"poses": [{"position": [0, 0]}]}': r"a\.json, pose 1: the position has not 3 numbers",
     'a.json|{"poses": [{"position": [0, 0, "1"]}]}': r"a\.json, pose 1: the position has a value that is no finite num",
-    'a.json|[{"position": [0, 0, 1]}, {"position": [0, 0, 1], "rpy": [0, 0, 0]}]': r"a\.json, pose 2: the pose is told",
+    'a.json|[{"position": [0, 0, 1]}, {"position": [0, 0, 1], "rpy": [0, 0, 0]}]': r"a\.json, pose 2: the pose has ano",
     'a.json|[{"position": [0, 0, 1]}, {}]': r"a\.json, pose 2: there is no position",
     'a.json|{"length": "cm", "poses": [{"position": [0, 0, 1]}]}': r"a\.json: there is no such unit of length; got cm",
     "a.json|[": r"a\.json, line 1: this is not JSON",

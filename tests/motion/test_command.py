@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
 from rankdrop.errors import ResultFileError
-from rankdrop.motion.many import judge
+from rankdrop.motion.many import check_chunk
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
@@ -174,7 +174,7 @@ def test_a_file_that_changes_while_others_are_judged_is_told(tmp_path: Path) -> 
     plan = {"robot": robot_to_dict(arm, task, 3), "length_scale": 1.0, "analysis": None, "options": {}, "reading": {},
             "files": [["a.npy", str(file), "0" * 64]]}  # fmt: skip
     with pytest.raises(ResultFileError, match=r"a\.npy: the file is not what it was when the job began"):
-        judge(plan, 0)
+        check_chunk(plan, 0)
 
 
 def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
@@ -191,7 +191,7 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
                          "--json", tmp_path / "bad.json")  # fmt: skip
     assert code == 3  # of the path as it is
-    assert "Remedies: blend, base shift (judged again: free, proven)." in out
+    assert "Remedies: blend, base shift (checked again: free, proven)." in out
     assert "flip: 1 tried" in out
     assert "good.csv: mended by blend, checked again: free" in " ".join(err.split())
     record = json.loads((tmp_path / "bad.json").read_text())
@@ -222,7 +222,7 @@ def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch
     monkeypatch.setattr("rankdrop.motion.remedies.shifts", stop)
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv")
     assert code == 130
-    assert "Remedies: blend (judged again: free, proven), interrupted: not all kinds were tried." in out
+    assert "Remedies: blend (checked again: free, proven), interrupted: not all kinds were tried." in out
     assert "interrupted: what was proven so far holds" in " ".join(err.split())
     assert (tmp_path / "good.csv").exists()
 

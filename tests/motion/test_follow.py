@@ -143,7 +143,7 @@ def test_bad_input_is_refused() -> None:
     robot = open_robot("ur5")
     with pytest.raises(ConfigurationError, match="poses"):
         follow(robot, np.eye(4), np.zeros(6))
-    with pytest.raises(TaskError, match="does not tell"):
+    with pytest.raises(TaskError, match="does not determine"):
         follow(robot, np.eye(4)[None], np.zeros(6), Task("part", (0, 1), Frame(2, -1)))
     far = np.eye(4)[None].copy()
     far[0, 0, 3] = 100.0

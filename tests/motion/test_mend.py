@@ -232,7 +232,7 @@ def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
     assert found.verdict == "crossing"
     mended = mend_path(found, blend=0.5, tool_tilt=TILT)
     assert [one.kind for one in mended.remedies] == ["blend"]
-    assert "cannot be followed: the pose of the tip does not tell" in mended.notes[0]
+    assert "cannot be followed: the pose of the tip does not determine" in mended.notes[0]
 
 
 def test_interrupted_it_keeps_what_is_done() -> None:

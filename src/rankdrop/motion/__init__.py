@@ -1,4 +1,4 @@
-"""Paths: read, judged between their samples, and how near they come to a singularity."""
+"""Paths: read, checked between their samples, and how near they come to a singularity."""
 
 import lazy_loader
 

@@ -50,7 +50,7 @@ def is_bag(path: Path) -> bool:
 def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = False) -> Trajectory:
     """A trajectory from one topic of a bag.
 
-    Messages of other publishers, with none of the arm's joints, are passed over, and told. Several plans follow each
+    Messages of other publishers, with none of the arm's joints, are ignored, with a note. Several plans follow each
     other as a controller takes them: one that begins before the plan before it has ended takes its place from there.
 
     Args:
@@ -139,7 +139,7 @@ def _check_database(file: Path) -> None:
     with file.open("rb") as stream:
         head = stream.read(100)
     if not head.startswith(b"SQLite format 3\0") or len(head) < 100 or head[24:28] != head[92:96]:
-        return  # another kind of file, or one whose head does not tell: the reader says what it is
+        return  # another kind of file, or one whose head does not say: the reader says what it is
     page = int.from_bytes(head[16:18])
     page = 65536 if page == 1 else page
     promised, there = page * int.from_bytes(head[28:32]), file.stat().st_size
@@ -170,8 +170,8 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
     found: dict[str, list[Any]] = {}
     for one in connections:
         found.setdefault(one.topic, []).append(one)
-    told = [f"{key} ({_KINDS.get(found[key][0].msgtype, found[key][0].msgtype)})" for key in sorted(found)]
-    every = ", ".join(told[:_LISTED]) + (f" and {len(told) - _LISTED} more" if len(told) > _LISTED else "")
+    listed = [f"{key} ({_KINDS.get(found[key][0].msgtype, found[key][0].msgtype)})" for key in sorted(found)]
+    every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
     if topic is not None:
         asked = found.get(topic) or found.get(f"/{topic}")
         if asked is None:
@@ -210,7 +210,7 @@ class _Rows:
     qdd: list[Array | None] = field(default_factory=list)
     stamps: list[tuple[int, int]] = field(default_factory=list)
     after: list[int] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
     others: set[str] = field(default_factory=set)
     passed: int = 0
     plans: int = 0
@@ -228,7 +228,7 @@ class _Rows:
         self.qdd.append(None)
         self.stamps.append((_nanoseconds(message.header.stamp), recorded))
         self.after.append(0)
-        self.told.append(at)
+        self.places.append(at)
 
     def plan(self, message: Any, recorded: int) -> None:
         """A JointTrajectory: a row for each point."""
@@ -248,7 +248,7 @@ class _Rows:
                 kept.append(self._values(values, places, width, here, what) if len(values) else None)
             self.stamps.append(stamp)
             self.after.append(_nanoseconds(point.time_from_start))
-            self.told.append(here)
+            self.places.append(here)
 
     def _places(self, names: list[str], at: str) -> list[int] | None:
         """Where the arm's joints stand in a message; None where it has none of them."""
@@ -294,7 +294,7 @@ class _Rows:
             notes.append(f"{len(again)} rows are repeated word for word and count once")
             kept = [k for k in kept if k not in set(again)]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
-        checked_times(times, [self.told[k] for k in kept])
+        checked_times(times, [self.places[k] for k in kept])
         parts = {"t": times, "q": np.array([self.q[k] for k in kept])}
         for key, values in (("qd", self.qd), ("qdd", self.qdd)):
             if all(values[k] is not None for k in kept):  # every row has them
@@ -308,7 +308,7 @@ class _Rows:
         """Rows of plans, without those that a later plan has replaced."""
         kept: list[int] = []
         for k, start in enumerate(starts):
-            if k == 0 or self.told[k].rpartition(",")[0] != self.told[k - 1].rpartition(",")[0]:  # a plan begins
+            if k == 0 or self.places[k].rpartition(",")[0] != self.places[k - 1].rpartition(",")[0]:  # a plan begins
                 kept = [one for one in kept if when[one] < start]
             kept.append(k)
         return kept

@@ -1,6 +1,6 @@
 """Other joint paths for a tool path: other branches, self-motions at its beginning, the base or the tool moved.
 
-Each is a start and what follows from it. They are looked at on some places of the path first, and ranked by how far
+Each is a start and what follows from it. They are followed at some places of the path first, and ranked by how far
 they stay from a singularity to first order; whoever takes one judges it.
 """
 
@@ -33,8 +33,8 @@ _PULLED = 0.3  # σ_r at which the pull has its full size
 _SHARES = (1.0, 0.5)  # of a bound
 _ENOUGH = 0.05  # first-order distance at which a path that keeps its start goes before wider ones that do not [rad]
 
-Told = Callable[[int, int], None]
-"""told(done, all)."""
+Progress = Callable[[int, int], None]
+"""report(done, all)."""
 
 
 Parameter = tuple[str, float | tuple[float, ...], str]
@@ -52,7 +52,7 @@ class Other:
         run: the joint path at the places of such a tool path.
         words: what is done.
         parameters: what with.
-        room: the least first-order distance from a singularity on the places looked at [rad].
+        room: the least first-order distance from a singularity at these places [rad].
         kept: it begins where the path does.
     """
 
@@ -87,17 +87,17 @@ class Ranking:
         return f"{self.tried} tried: {', '.join(parts)}"
 
 
-def ranked(candidates: Iterable[Candidate], count: int, told: Told) -> Ranking:
+def ranked(candidates: Iterable[Candidate], count: int, report: Progress) -> Ranking:
     """Each candidate followed on some places of its path.
 
     Args:
         candidates: worked out as they are followed.
         count: how many there will be.
-        told: how many are done.
+        report: how many are done.
     """
     ranking = Ranking(0, [], {})
     for k, (tool, start, pull, words, parameters) in enumerate(candidates):
-        told(k, count)
+        report(k, count)
         ranking.tried += 1
         look = tool.coarse()
         rank = generic_rank(tool.robot, tool.task)
@@ -113,7 +113,7 @@ def ranked(candidates: Iterable[Candidate], count: int, told: Told) -> Ranking:
                   float(room(tool.robot, tool.task, found.q, rank).min()), bool((start == tool.q[0]).all()))
         )  # fmt: skip
     ranking.found.sort(key=lambda one: -one.room)
-    told(count, count)
+    report(count, count)
     return ranking
 
 
@@ -121,10 +121,10 @@ def _following(start: Array, pull: Pull | None) -> Run:
     return lambda tool: tool.followed(start, pull)
 
 
-def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], told: Told, *, around: bool) -> bool:
+def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
     """One more for a ranking, planned over all self-motions; whether there is one."""
     ranking.tried += 1
-    place, plan, free = planned(tool, np.array(starts), told, around=around)
+    place, plan, free = planned(tool, np.array(starts), report, around=around)
     if not len(plan):
         ranking.ended["plan"] = ranking.ended.get("plan", 0) + 1
         return False
@@ -152,7 +152,7 @@ def _turned(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) ->
     return found, start
 
 
-def branches(tool: ToolPath, told: Told) -> Ranking:
+def branches(tool: ToolPath, report: Progress) -> Ranking:
     """Other branches of the inverse kinematics at the first pose."""
     robot, task = tool.robot, tool.task
     starts = _branches(tool)
@@ -160,10 +160,10 @@ def branches(tool: ToolPath, told: Told) -> Ranking:
     words = "another branch of the inverse kinematics runs the same tool path"
     ranking = ranked(
         ((tool, start, pull, words, (("start", tuple(start.tolist()), "rad, m"),)) for start in starts),
-        len(starts), told,
+        len(starts), report,
     )  # fmt: skip
     if starts and not ranking.found and robot.n > generic_rank(robot, task):
-        _plan(ranking, tool, starts, told, around=True)
+        _plan(ranking, tool, starts, report, around=True)
     return ranking
 
 
@@ -206,7 +206,7 @@ def _self_motion(tool: ToolPath) -> Array | None:
     for direction in (null, -null):
         try:
             traced = self_motion(robot, tool.q[0], task, length=30.0, direction=direction, limits=tool.limits)
-        except RankdropError:  # the start is singular, or the task is not told by the pose
+        except RankdropError:  # the start is singular, or the task is not determined by the pose
             return None
         parts.append(traced.q)
         if traced.ended == CLOSED:
@@ -235,7 +235,7 @@ def _pull(robot: Robot, task: Task, strength: float) -> Pull | None:
     return pull
 
 
-def null_spaces(tool: ToolPath, told: Told) -> Ranking:
+def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
     """The same tool path with other null-space motion: from the same start, planned over the self-motions; pulled to
     larger σ; begun elsewhere on the self-motion.
     """
@@ -252,25 +252,25 @@ def null_spaces(tool: ToolPath, told: Told) -> Ranking:
         ((tool, start, _pull(robot, task, strength), f"the same tool path {words}, by null-space motion",
           (("start", tuple(np.asarray(start).tolist()), "rad, m"), ("pull to larger σ", strength, "")))
          for (start, words), strength in product(zip(starts, moved, strict=True), _PULLS)),
-        len(starts) * len(_PULLS), told,
+        len(starts) * len(_PULLS), report,
     )  # fmt: skip
-    if not _plan(ranking, tool, [tool.q[0]], told, around=False) and not ranking.found:
-        _plan(ranking, tool, [tool.q[0]], told, around=True)
+    if not _plan(ranking, tool, [tool.q[0]], report, around=False) and not ranking.found:
+        _plan(ranking, tool, [tool.q[0]], report, around=True)
     ranking.found.sort(key=lambda one: (not (one.kept and one.room >= _ENOUGH), -one.room))
     return ranking
 
 
-def shifts(tool: ToolPath, most: float, told: Told) -> Ranking:
+def shifts(tool: ToolPath, most: float, report: Progress) -> Ranking:
     """The base moved by up to a length [m], in directions that the task knows."""
     steps = [most * share * way for way, share in product(_ways([row for row in tool.task.rows if row < 3]), _SHARES)]
     moved = ((tool.shifted(translation(*(-shift)), np.eye(4)), shift) for shift in steps)
     return ranked(
         ((path, start_moved(path), None, "the base of the arm moved, in its own axes",
-          (("base shift", tuple((shift + 0.0).tolist()), "m"),)) for path, shift in moved), len(steps), told,
+          (("base shift", tuple((shift + 0.0).tolist()), "m"),)) for path, shift in moved), len(steps), report,
     )  # fmt: skip
 
 
-def tilts(tool: ToolPath, most: float, told: Told) -> Ranking:
+def tilts(tool: ToolPath, most: float, report: Progress) -> Ranking:
     """The tool tilted about its tip by up to an angle [rad]: about axes square to Z of the tip, where the task allows.
     """
     rows = [row - 3 for row in tool.task.rows if row >= 3]
@@ -279,7 +279,7 @@ def tilts(tool: ToolPath, most: float, told: Told) -> Ranking:
     return ranked(
         ((path, start_moved(path), None, "the tool tilted about an axis through its tip, in its own axes",
           (("tool tilt", angle, "rad"), ("axis", tuple((way + 0.0).tolist()), ""))) for path, way, angle in moved),
-        len(turns), told,
+        len(turns), report,
     )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ _CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a c
 _HALVINGS = 60
 _SAME = 1e-5  # zeros of two functions nearer to each other are one crossing: rounding blurs touching ones so far [rad]
 _SPOTS = 12  # touched configurations around which a condition is looked for: some 0.1 s each
-_LYING = 1e-3  # slivers longer than this, singular wherever looked at, lie in the singular set [rad]
+_LYING = 1e-3  # slivers longer than this, singular at every point evaluated, lie in the singular set [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Crossing:
         q: (n,) configuration: at the zero, where σ_r is least, or in the middle [rad, m].
         sigma: (min(m, n),) singular values there [1].
         corank: at q, by the tolerance; 0 where undecided.
-        lies: σ_r is zero within the tolerance wherever it was looked at from start to end, which are apart.
+        lies: σ_r is zero within the tolerance at every point evaluated from start to end, which are apart.
         evidence: how it is known.
         condition: left-hand side of the condition that changes its sign; "" for other evidence.
     """

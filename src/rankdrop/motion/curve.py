@@ -148,7 +148,7 @@ def halves(control: Array) -> Array:
 
 
 def largest(control: Array, measure: Callable[[Array], Array], enough: float) -> tuple[Array, Array]:
-    """(P, n) each: the largest value that a convex measure of curves takes at points looked at, and a bound for it.
+    """(P, n) each: the largest value that a convex measure of curves takes at points evaluated, and a bound for it.
 
     Args:
         control: (P, d + 1, n) control points.

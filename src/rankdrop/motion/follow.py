@@ -83,7 +83,7 @@ def follow(
 
     Args:
         robot: the arm.
-        poses: (T, 4, 4) of the tip in the base frame [m]; rows that the task leaves free are not looked at.
+        poses: (T, 4, 4) of the tip in the base frame [m]; rows that the task leaves free are ignored.
         start: (n,) configuration near the first pose [rad, m]; Newton brings it there.
         task: name, `Task`, or None for the task the arm is made for.
         limits: end at joint limits.

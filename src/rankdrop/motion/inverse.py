@@ -26,7 +26,7 @@ _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
 _LONGEST = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
 _WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SAME = 1e-6  # solutions nearer than this are one [rad]
-_REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be told apart
+_REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
 _FULL = (0, 1, 2, 3, 4, 5)
 
 
@@ -45,10 +45,10 @@ class Aim:
 
     Args:
         robot: the arm.
-        task: from `resolve_task`, told by the pose of the tip.
+        task: from `resolve_task`, determined by the pose of the tip.
 
     Raises:
-        TaskError: the pose of the tip does not tell what the task wants.
+        TaskError: the pose of the tip does not determine what the task wants.
     """
 
     def __init__(self, robot: Robot, task: Task) -> None:
@@ -60,7 +60,7 @@ class Aim:
             or (axes not in (0, last) and task.rows not in ((0, 1, 2), (3, 4, 5)))
         ):
             raise TaskError(
-                "the pose of the tip does not tell what this task wants", got=task.frame,
+                "the pose of the tip does not determine what this task wants", got=task.frame,
                 allowed="axes of the base or the tip, origin at the tip",
             )  # fmt: skip
         point = (0.0, 0.0, 0.0) if whole or min(task.rows) >= 3 else task.frame.point
@@ -199,12 +199,12 @@ def solutions(robot: Robot, task: Task, target: Array, *, starts: int, seed: int
 
     Args:
         robot, task: as many joints as rows, in the unit of length that is wanted.
-        target: (4, 4) pose of the tip; what the task leaves free is not looked at.
+        target: (4, 4) pose of the tip; what the task leaves free is ignored.
         starts, seed: random starts; the same seed gives the same solutions.
         also: (k, n) further starts.
 
     Returns:
-        (k, n), angles in (−π, π], in lexicographic order of rounded values. Limits are not looked at.
+        (k, n), angles in (−π, π], in lexicographic order of rounded values. Limits are ignored.
     """
     begin = sample(robot, task, starts, seed, limits=False)
     if also is not None:
@@ -239,7 +239,7 @@ def distinct(
 
 
 def regular(robot: Robot, task: Task, q: Array) -> bool:
-    """Whether a configuration (n,) is far enough from the singular set for its solution to be told from others."""
+    """Whether a configuration (n,) is far enough from the singular set for its solution to be separated from others."""
     return bool(singular_values(robot, q, task)[-1] > _REGULAR)
 
 

@@ -1,4 +1,4 @@
-"""Many paths of one arm: a job in chunks, one for each file (`rankdrop.jobs`), told as a table, worst first."""
+"""Many paths of one arm: a job in chunks, one for each file (`rankdrop.jobs`), shown as a table, worst first."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def check_files(
     scheduler: str | None = None,
     report: Callable[[str, int, int], None] | None = None,
 ) -> list[Record]:
-    """Every file judged, worst first, each for itself, so that one that cannot be read does not stop the others.
+    """Every file checked, worst first, each for itself, so that one that cannot be read does not stop the others.
 
     Args:
         robot, task, analysis: as for `check_path`.
@@ -145,9 +145,9 @@ def check_files(
         "reading": plain(reading),
         "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
     }
-    job = Job("paths", "rankdrop.motion.many:judge", plan, len(names), len(names))
+    job = Job("paths", "rankdrop.motion.many:check_chunk", plan, len(names), len(names))
     quick = not workers and scheduler is None and sum(map(_size, names)) <= _HERE
-    tell = report or (lambda label, done, total: None)
+    show = report or (lambda label, done, total: None)
     done: list[Record] = []
 
     def each(chunk: int, content: bytes) -> None:
@@ -155,7 +155,7 @@ def check_files(
 
     try:
         for _ in finish(job, Engine(workers, scheduler, quick), folder=out, each=each,
-                        report=lambda count, total: tell("paths judged", count, total)):  # fmt: skip
+                        report=lambda count, total: show("paths checked", count, total)):  # fmt: skip
             pass
     except KeyboardInterrupt:
         pass  # the table says how many of the files there are in it
@@ -163,13 +163,13 @@ def check_files(
     return sorted(done, key=lambda one: (order.index(one["verdict"]), _nearest(one), one["file"]))
 
 
-def _nearest(told: Record) -> float:
-    known = told["nearest_rad"]
+def _nearest(record: Record) -> float:
+    known = record["nearest_rad"]
     return float("inf") if known is None else float(known)
 
 
-def judge(plan: Record, chunk: int) -> bytes:
-    """One file, as workers judge it.
+def check_chunk(plan: Record, chunk: int) -> bytes:
+    """One file, as workers check it.
 
     Raises:
         ResultFileError: it is not what it was when the job began.
@@ -217,7 +217,7 @@ def _parts(file: Path) -> list[Path]:
 
 
 def _digest(file: Path) -> str:
-    """SHA-256 of what a file holds; "" where it cannot be read, which is told when it is judged."""
+    """SHA-256 of what a file holds; "" where it cannot be read, which is an error when it is checked."""
     whole = sha256()
     try:
         for one in _parts(file):
@@ -252,11 +252,11 @@ def many_section(many: Sequence[Record]) -> Section:
 
 def paths_to_dict(robot: Robot, many: Sequence[Record]) -> Record:
     """For a file: each path in short."""
-    told = ("file", "verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
+    keys = ("file", "verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
     return {
         **heading(SCHEMA),
         "robot": robot.name,
         "paths": [
-            {**{key: one[key] for key in told}, "complete": one["verdict"] != _BAD} for one in many
+            {**{key: one[key] for key in keys}, "complete": one["verdict"] != _BAD} for one in many
         ],
     }

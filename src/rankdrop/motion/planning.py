@@ -49,14 +49,14 @@ _OFF = 0.1  # of a configuration between layers from the curve through them [rad
 
 
 def planned(
-    tool: ToolPath, starts: Array, told: Callable[[int, int], None], *, around: bool
+    tool: ToolPath, starts: Array, report: Callable[[int, int], None], *, around: bool
 ) -> tuple[Array, Array, float]:
     """The best joint path that was found for a tool path.
 
     Args:
         tool: the tool's path.
         starts: (S, n) configurations at its first pose.
-        told: how many layers are done, of how many.
+        report: how many layers are done, of how many.
         around: begin anywhere on their self-motions.
 
     Returns:
@@ -71,7 +71,7 @@ def planned(
         now = _around(layers, aim, now)
     made = [now]
     for k in range(1, len(layers.place)):
-        told(k, len(layers.place))
+        report(k, len(layers.place))
         now = _onward(layers, aim, now, k)
         if not len(now[0]):
             return layers.place[:k], np.empty((0, tool.robot.n)), 0.0

@@ -154,7 +154,7 @@ def _from_rows(text: str, name: str, *, deg: bool) -> Poses:
     return Poses(Path(name).name, _matrices(values, turn, table.places()), table.times(time), bool(turn), unused)
 
 
-def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
+def _matrices(values: Array, turn: tuple[str, ...], places: list[str]) -> Array:
     """(N, 4, 4) from rows of x, y, z and what turns.
 
     Raises:
@@ -163,11 +163,11 @@ def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
     measures = ["length"] * 3 + ["angle" if turn == _ANGLES else "number"] * len(turn)
     beyond = np.abs(values) > [RANGE[measure] for measure in measures]
     for i, column in np.argwhere(beyond)[:1]:
-        raise TrajectoryError("the value is too large", where=told[i], got=f"{values[i, column]:g}",
+        raise TrajectoryError("the value is too large", where=places[i], got=f"{values[i, column]:g}",
                               allowed=allowed_range(measures[column]))  # fmt: skip
     made = np.tile(np.eye(4), (len(values), 1, 1))
     if turn == _QUATERNION:
-        made[:, :3, :3] = turned_by(values[:, 3:], told)
+        made[:, :3, :3] = turned_by(values[:, 3:], places)
     elif turn:
         made = np.array([from_xyz_rpy((0.0, 0.0, 0.0), row[3:].tolist()) for row in values])
     made[:, :3, 3] = values[:, :3]
@@ -215,16 +215,16 @@ def _from_objects(found: Any, name: str, *, deg: bool) -> Poses:
         values.append(row)
         kinds.append(kind)
         times.append(_numbers([entry["time"]], "t", where, "time")[0] if "time" in entry else None)
-    told = [f"{name}, pose {number}" for number in range(1, len(rows) + 1)]
+    places = [f"{name}, pose {number}" for number in range(1, len(rows) + 1)]
     for i in [i for i, kind in enumerate(kinds) if kind != kinds[0]][:1]:
-        raise TrajectoryError("the pose is told in another way than the first", where=told[i], got=kinds[i] or "none",
+        raise TrajectoryError("the pose has another form than the first", where=places[i], got=kinds[i] or "none",
                               allowed=kinds[0] or "a position alone")  # fmt: skip
     without = [i for i, time in enumerate(times) if time is None]
     if without and len(without) < len(times):
-        raise TrajectoryError("the pose has no time", where=told[without[0]])
+        raise TrajectoryError("the pose has no time", where=places[without[0]])
     turn = {"orientation": _QUATERNION, "rpy": _ANGLES, "": ()}[kinds[0]]
-    when = None if without else checked_times(np.array(times, dtype=np.float64), told)
-    return Poses(Path(name).name, _matrices(np.array(values), turn, told), when, bool(turn), ())
+    when = None if without else checked_times(np.array(times, dtype=np.float64), places)
+    return Poses(Path(name).name, _matrices(np.array(values), turn, places), when, bool(turn), ())
 
 
 def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:

@@ -24,9 +24,9 @@ Progress = Callable[[int, int], None]
 NARROW = 1e-9  # a piece no joint moves further on is not halved: rounding decides there [rad; slides scaled]
 _WIDE = 1.0  # boxes with a longer half diagonal are halved unseen [rad]
 _ALONG = 0.5  # curves with a shorter half chord get the bound along them [rad]
-_BATCH = 4096  # pieces looked at together
+_BATCH = 4096  # pieces enclosed together
 _LOOKS = 64  # samples that a setting is chosen by
-_HOPELESS = 2.0  # σ_r at or below this many times the rounding allowance cannot be told from zero
+_HOPELESS = 2.0  # σ_r at or below this many times the rounding allowance cannot be separated from zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class _Spent:
         self.spent += count
         return True
 
-    def tell(self, open_stretches: int) -> None:
+    def report(self, open_stretches: int) -> None:
         """Say how many stretches are decided; whoever listens may press Ctrl-C."""
         try:
             if self.progress is not None:
@@ -131,15 +131,15 @@ def prove(
         robot: the arm.
         settings: from `settings_for`; the one that sees farthest along the path is taken.
         path: the curve.
-        singular: where σ_r, as the setting has it, is below this at every point looked at, a stretch lies in the
+        singular: where σ_r, as the setting has it, is below this at every point evaluated, a stretch lies in the
             singular set and is not halved down.
         evaluations: enclosures to be spent at most; what is left over then is a sliver that is not finished.
-        progress: told how many stretches are decided.
+        progress: called with how many stretches are decided.
     """
     setting = chosen(robot, settings, path)
     work = _Spent(evaluations, len(path.control), progress)
     left = _runs(robot, setting, path, work)
-    work.tell(len(left))
+    work.report(len(left))
     _halve(Along(robot, setting), _whole(path, left), work, singular)
     return Proof(tuple(_joined(work.left)), work.spent, setting, not work.interrupted)
 
@@ -212,7 +212,7 @@ def _whole(path: Curve, stretches: Index) -> Pieces:
 def _halve(along: Along, pieces: Pieces, work: _Spent, singular: float) -> None:
     """Halve pieces of single stretches until they are free or narrow."""
     while len(pieces):
-        work.tell(len(np.unique(pieces.stretch)))
+        work.report(len(np.unique(pieces.stretch)))
         kept = []
         for i in range(0, len(pieces), _BATCH):
             part = pieces[i : i + _BATCH]

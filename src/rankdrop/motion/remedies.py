@@ -53,7 +53,7 @@ GAINS = {"distance": ("distance to the nearest singularity known", "rad"), "spee
 
 @dataclass(frozen=True, eq=False)
 class Remedy:
-    """A path that was mended and judged again.
+    """A path that was mended and checked again.
 
     Attributes:
         kind: one of `KINDS`.
@@ -63,11 +63,11 @@ class Remedy:
         trajectory: the new path; in time where the old one is.
         interpolate: between its rows.
         check: the new judgement: free, proven, with the distance asked for kept. Of retime, which keeps the path, it
-            may be any; that kind is judged by its limits.
+            may be any; that kind is accepted by its limits.
         usage: shares of the rate and acceleration limits that it nowhere exceeds, at most 1; None without times or
             limits.
         off: how far the tool is from the path meant, at most, in the middle between two of its rows [m], [rad];
-            at the rows it is on it. Of a blend: from the old path, anywhere it was looked at.
+            at the rows it is on it. Of a blend: from the old path, at sampled points.
         retimed: it has a new time law as well, because the old one would break limits.
     """
 
@@ -121,7 +121,7 @@ class Mending:
             return f"Remedies: none was found{stopped}; that is no proof that there is none."
         free = [one.kind for one in self.remedies if one.check.clear]
         kept = [one.kind for one in self.remedies if not one.check.clear]
-        parts = [f"{', '.join(free)} (judged again: free, proven)"] if free else []
+        parts = [f"{', '.join(free)} (checked again: free, proven)"] if free else []
         parts += [f"{', '.join(kept)} (limits kept; it still meets a singularity)"] if kept else []
         return f"Remedies: {'; '.join(parts)}{stopped}."
 
@@ -216,7 +216,7 @@ Progressed = Callable[[int, int], None]
 Progress = Callable[[str, int, int], None]
 """progress(kind, done, all)."""
 
-_JUDGED = 4  # candidates of a kind that are judged, widest first
+_CHECKED = 4  # candidates of a kind that are checked, widest first
 _KEPT = 1e-9  # of a limit: above it by less is within it
 
 
@@ -230,7 +230,7 @@ def mend_path(
     progress: Progress | None = None,
     **given: Any,
 ) -> Mending:
-    """Remedies of a judged path: computed, and judged again as `check_path` judged the path itself.
+    """Remedies of a checked path: computed, and checked again as `check_path` checked the path itself.
 
     null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
@@ -246,7 +246,7 @@ def mend_path(
 
     Args:
         found: the judgement; its settings are those of the new ones.
-        analysis: families, where `found` was judged with an analysis.
+        analysis: families, where `found` was checked with an analysis.
         acceleration: () or (n,) limits [rad/s², m/s²]; None: none. Arms state none of their own.
         options: how far the path may be changed; its fields are taken as keywords as well.
         progress: called with the kind, and how much of it is done.
@@ -316,10 +316,10 @@ class _Mender:
         """Every kind that changes the path."""
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
         kinds: list[tuple[str, str, Callable[[Progressed], Ranking]]] = [
-            (NULL, "joint motion that leaves the tool where it is", lambda told: null_spaces(tool, told)),
-            (FLIP, "other posture at the first pose", lambda told: branches(tool, told)),
-            (TILT, "rotation in the task", lambda told: tilts(tool, most.tool_tilt, told)),
-            (SHIFT, "translation in the task", lambda told: shifts(tool, most.base_shift, told)),
+            (NULL, "joint motion that leaves the tool where it is", lambda report: null_spaces(tool, report)),
+            (FLIP, "other posture at the first pose", lambda report: branches(tool, report)),
+            (TILT, "rotation in the task", lambda report: tilts(tool, most.tool_tilt, report)),
+            (SHIFT, "translation in the task", lambda report: shifts(tool, most.base_shift, report)),
         ]
         unwanted = {kind for kind, bound in ((TILT, most.tool_tilt), (SHIFT, most.base_shift)) if not bound}
         try:
@@ -340,7 +340,7 @@ class _Mender:
             self.progress(kind, done, count)
 
     def _proposals(self, ranking: Ranking) -> Iterator[Proposal]:
-        for other in ranking.found[:_JUDGED]:
+        for other in ranking.found[:_CHECKED]:
             tool, followed = other.tool.refined(other.run)
             if followed.complete:
                 made = tool.trajectory(followed.q, self.interpolate)
@@ -350,7 +350,7 @@ class _Mender:
         """The first proposal that is proven free becomes the remedy of its kind."""
         for words, parameters, plainly, off in proposals:
             made, again = self._in_time(plainly)
-            check = self._judged(made)
+            check = self._checked_again(made)
             if check.clear:
                 self._add(kind, words, parameters, made, check, off, again=again)
                 return True
@@ -374,7 +374,7 @@ class _Mender:
             self.notes.append(f"{RETIME}: the limits could not be kept everywhere")
             return
         words = "the same path in a new time, never faster than before and slower where a limit asks for it"
-        check = self._judged(made)
+        check = self._checked_again(made)
         self._add(RETIME, words, (), made, check, (0.0, 0.0), again=True)
         self._report(RETIME, 1, 1)
 
@@ -394,7 +394,7 @@ class _Mender:
         path = curve(made.q, made.times, made.velocities, made.accelerations, self.interpolate)
         return usage(path, *self.limits)
 
-    def _judged(self, made: Trajectory) -> PathCheck:
+    def _checked_again(self, made: Trajectory) -> PathCheck:
         check = check_path(
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
             accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
@@ -440,7 +440,7 @@ def _lines(remedy: Remedy, *, deg: bool) -> list[str]:
         before, after = (short(value) if isfinite(value) else "not known" for value in values)
         if not np.isnan(values).all():
             lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
-    lines.append(f"    judged again: {remedy.check.sentence}")
+    lines.append(f"    checked again: {remedy.check.sentence}")
     if remedy.usage is not None:
         retimed = "new time law; " if remedy.retimed and remedy.kind != RETIME else ""
         used = [f"{_percent(share)} of the {what} limits" for share, what in

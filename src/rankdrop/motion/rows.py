@@ -1,4 +1,4 @@
-"""A judged path row by row, as a table: for notebooks, databases and plots of one's own."""
+"""A checked path row by row, as a table: for notebooks, databases and plots of one's own."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FORMATS = (".parquet", ".json", ".csv")
 
 @dataclass(frozen=True, eq=False)
 class PathRows:
-    """The rows of a judged path.
+    """The rows of a checked path.
 
     Attributes:
         columns: name -> (T,) numbers or words; every name ends in its unit, where it has one.
@@ -65,7 +65,7 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
 
     Args:
         check: from `check_path` or `check_poses`.
-        analysis: the families that it was judged with; else from the catalogue.
+        analysis: the families that it was checked with; else from the catalogue.
     """
     robot, task, curve = check.robot, check.task, check.curve
     count = check.rows

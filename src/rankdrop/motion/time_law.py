@@ -220,7 +220,7 @@ def through(
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
     work = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length)
-    found = work.judged()
+    found = work.classified()
     joints = out_of_metres(robot, found.joints) if len(found.joints) else found.joints
     return Through(robot, resolved, at, direction, curved, found.kind, found.order, work.outside, found.side,
                    found.times, found.s, joints, found.off, found.rate, found.exponent)  # fmt: skip
@@ -267,7 +267,7 @@ class _Path:
         lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
         self.outside = lost if abs(lost) > _NOTHING else 0.0
 
-    def judged(self) -> _Found:
+    def classified(self) -> _Found:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
             return _Found(REGULAR, 1)

@@ -161,3 +161,18 @@ def test_the_deviation_of_a_straight_joint_motion_is_below_its_bound(name: str, 
         assert off <= away[0] * (1 + 1e-9)
         assert np.arccos(np.clip(cosine, -1, 1)).max() <= turned[0] + 1e-7
         assert away[0] <= 40 * off + 1e-9  # and no bound for nothing
+
+
+def test_a_free_axis_of_the_tool_is_compared_by_its_direction(rng: np.random.Generator) -> None:
+    """Rows differ by a turn about Z of the tip, which the task leaves free; the bound is of the direction of Z."""
+    robot = open_robot("ur5")
+    bound = TipDeviation(Aim(robot, resolve_task("tool-axis-free", robot)))
+    start = rng.uniform(-1.0, 1.0, 6)
+    q = np.stack([start, start + rng.normal(size=6) * 0.01])
+    ends = pose(robot, q + [[0, 0, 0, 0, 0, 0.7], [0, 0, 0, 0, 0, -0.4]])
+    away, turned = bound.bound(q, ends)
+    share = np.linspace(0, 1, 101)
+    now, wanted = pose(robot, q[0] + share[:, None] * (q[1] - q[0])), poses_at(ends, share)
+    cosine = (now[:, :3, 2] * wanted[:, :3, 2]).sum(axis=1)
+    assert np.arccos(np.clip(cosine, -1.0, 1.0)).max() <= turned[0] < 0.2
+    assert np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1).max() <= away[0] < 1e-3

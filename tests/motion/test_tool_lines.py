@@ -169,7 +169,7 @@ def test_a_free_axis_of_the_tool_is_compared_by_its_direction(rng: np.random.Gen
     bound = TipDeviation(Aim(robot, resolve_task("tool-axis-free", robot)))
     start = rng.uniform(-1.0, 1.0, 6)
     q = np.stack([start, start + rng.normal(size=6) * 0.01])
-    ends = pose(robot, q + [[0, 0, 0, 0, 0, 0.7], [0, 0, 0, 0, 0, -0.4]])
+    ends = pose(robot, q + np.outer([0.7, -0.4], [0, 0, 0, 0, 0, 1]))
     away, turned = bound.bound(q, ends)
     share = np.linspace(0, 1, 101)
     now, wanted = pose(robot, q[0] + share[:, None] * (q[1] - q[0])), poses_at(ends, share)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,14 +13,12 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.determinants import ClosedInverse
 from rankdrop.exact.writing.notation import Latex, Python, latex_name
 from rankdrop.exact.writing.value import FOLDED, form_of, text_of
-from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, text
+from rankdrop.schema import Result
+from rankdrop.sections import Section
 from rankdrop.task import ROWS, Task
 from rankdrop.tolerances import DEFAULT
-from rankdrop.units import heading
 
-SCHEMA = "rankdrop/jacobian/1"
 _WIDTH = 76  # characters up to which a matrix stands as a table
 
 
@@ -58,7 +57,7 @@ class Agreement:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LinkJacobian:
+class LinkJacobian(Result):
     """The Jacobian in the axes of a link.
 
     Attributes:
@@ -87,6 +86,7 @@ class LinkJacobian:
     numbers: Numbers | None
     checks: tuple[Agreement, ...]
     chain: Chain
+    FILE: ClassVar[str] = "jacobian"
 
     @property
     def holds(self) -> bool:
@@ -95,9 +95,6 @@ class LinkJacobian:
 
     def __repr__(self) -> str:
         return f"<LinkJacobian of {self.robot.name}: frame {self.frame}, about {_point(self.at)}>"
-
-    def __str__(self) -> str:
-        return text(self.sections())
 
     def texts(self) -> tuple[tuple[str, ...], ...]:
         """The entries as text, row by row: s2 is sin θ2, c23 is cos(θ2 + θ3)."""
@@ -123,31 +120,16 @@ class LinkJacobian:
         said = [rf"${', '.join(lengths)}$"] if lengths else []
         return "\n".join(["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in found), *said, ""])
 
-    def to_dict(self) -> Record:
-        """Plain data: see docs/json.md."""
-        closed, code = self.closed, Python(shifts=self.shifts)
-        return {
-            **heading(SCHEMA),
-            "robot": robot_to_dict(self.robot, self.task, min(self.task.m, self.robot.n)),
-            "frame": self.frame,
-            "at": self.at,
-            "rows": [ROWS[r] for r in self.task.rows],
-            "letters": dict(self.letters),
-            "shifts": list(self.shifts),
-            "matrix": [list(row) for row in self.texts()],
-            "latex": self.latex() if self.rows else "",
-            "shortest": [{"terms": terms, "frame": k, "at": at} for terms, k, at in self.shortest],
-            "inverse": None if closed is None else {
-                "determinant": closed.determinant.text(),
-                "entries": [
-                    [{"text": x.text(), "latex": x.latex(), "python": x.code(code)} for x in row]
-                    for row in closed.entries
-                ],
-            },
-            "numbers": plain(self.numbers),
-            "checks": plain(self.checks),
-            "holds": self.holds,
-        }  # fmt: skip
+    @property
+    def arm(self) -> tuple[Robot, Task, int]:
+        """Arm, task and the largest rank, for their entry in a file."""
+        return self.robot, self.task, min(self.task.m, self.robot.n)
+
+    @property
+    def inverse_code(self) -> list[list[tuple[Any, Python]]]:
+        """The entries of the inverse, each with the notation of its code."""
+        code = Python(shifts=self.shifts)
+        return [] if self.closed is None else [[(x, code) for x in row] for row in self.closed.entries]
 
     def sections(self, *, most: int | None = FOLDED) -> tuple[Section, ...]:
         """In words.

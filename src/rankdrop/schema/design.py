@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
+from rankdrop.task import ROWS
 from rankdrop.version import VERSION
 
-SHORTEST = table("shortest", terms=int, frame=int, at=int | None)
-ENTRIES = table("entries", text=str, latex=str, python=str)
-INVERSE = table("inverse", determinant=str, entries=(many(many(ENTRIES)), "one list per joint"))
+SHORTEST = table(
+    "shortest",
+    terms=(int, "in all entries", itemgetter(0)),
+    frame=(int, "whose axes are taken", itemgetter(1)),
+    at=(int | None, "on whose origin the reference point is; null for the tip", itemgetter(2)),
+)
+ENTRIES = table(
+    "entries",
+    text=(str, "", lambda entry: entry[0].text()),
+    latex=(str, "", lambda entry: entry[0].latex()),
+    python=(str, "", lambda entry: entry[0].code(entry[1])),
+)
+INVERSE = table(
+    "inverse",
+    determinant=(str, "", lambda jacobian: jacobian.closed.determinant.text()),
+    entries=(many(many(ENTRIES)), "one list per joint", attrgetter("inverse_code")),
+)
 NUMBERS = table(
     "numbers",
     q=many(num("joint")),
@@ -28,16 +44,17 @@ CHECKS = table(
 JACOBIAN_FILE = file(
     "jacobian",
     "The Jacobian seen from a link: written by `rankdrop jacobian --json`.",
-    robot=ROBOT,
+    robot=(ROBOT, "", attrgetter("arm")),
     frame=(Positive, "link whose axes are taken"),
     at=(int | None, "link on whose frame's origin the reference point is; null for the tip"),
-    rows=(many(str), "of the task, vx … wz"),
+    rows=(many(str), "of the task, vx … wz", lambda one: [ROWS[row] for row in one.task.rows]),
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
-    matrix=(many(many(str)), "entries as text, one list per row; empty where numbers alone were asked for"),
-    latex=(str, "matrix, determinant and inverse as displayed formulas"),
+    matrix=(many(many(str)), "entries as text, one list per row; empty where numbers alone were asked for",
+        lambda one: one.texts()),
+    latex=(str, "matrix, determinant and inverse as displayed formulas", lambda one: one.latex() if one.rows else ""),
     shortest=(many(SHORTEST), "terms of all axes and reference points, the shortest first"),
-    inverse=(INVERSE | None, "in closed form; null where it was not asked for"),
+    inverse=(INVERSE | None, "in closed form; null where it was not asked for", lambda one: one.closed and one),
     numbers=(NUMBERS | None,
         "at the configuration of --q; the inverse is null where it was not asked for, and at singular "
         "configurations"),

@@ -61,8 +61,8 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 
 SENTENCES = {
-    "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 119,
-    "motion": 138, "proof": 37, "questions": 22, "results": 190, "robot": 59, "units": 2, "verbs": 44,
+    "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 92,
+    "motion": 138, "proof": 37, "questions": 22, "results": 219, "robot": 59, "units": 2, "verbs": 44,
 }  # fmt: skip
 """Room -> sentences in it today."""
 
@@ -114,17 +114,17 @@ def modules_with_patterns() -> set[str]:
 
 PHRASES = {
     r"\b(?:is|are|was|were|be|been) told\b": 131,
-    r"\btells\b": 63,
+    r"\btells\b": 62,
     r"\b(?:held|hold|holds) against\b": 26,
     r"\blook(?:ed|s|ing)? into\b": 20,
     r"\blook(?:ed|s|ing)? through\b": 1,
     r"\blooked at\b": 69,
-    r"\btaken as\b": 26,
+    r"\btaken as\b": 27,
     r"\bas it is meant\b": 1,
     r"\bbeside\b": 113,
     r"\bwhose own\b": 1,
     r"\bgoes on there\b": 9,
-    r"\bhand(?:s|ed)? over\b": 4,
+    r"\bhand(?:s|ed)? over\b": 5,
     r"\basked about\b": 21,
     r"\bis there twice\b": 6,
     r"\bparts the\b": 4,

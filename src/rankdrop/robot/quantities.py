@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
 from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
+from operator import add, mul, neg, pos, sub, truediv
 from typing import Any
 
 from rankdrop.errors import RobotError
@@ -106,24 +107,20 @@ def _from_text(text: str, measure: str, where: str, rate: bool) -> float:
         raise _error("the text is not a quantity", repr(text), measure, where, rate) from None
 
 
+_SIGNS: dict[type, Callable[[float], float]] = {ast.USub: neg, ast.UAdd: pos}
+_OPERATORS: dict[type, Callable[[float, float], float]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
+
+
 def _evaluate(node: ast.expr) -> float:
     match node:
         case ast.Constant(value=int() | float() as number):
             return _float(number)
         case ast.Name(id="pi"):
             return pi
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -_evaluate(operand)
-        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return _evaluate(operand)
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return _evaluate(left) + _evaluate(right)
-        case ast.BinOp(left=left, op=ast.Sub(), right=right):
-            return _evaluate(left) - _evaluate(right)
-        case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return _evaluate(left) * _evaluate(right)
-        case ast.BinOp(left=left, op=ast.Div(), right=right):
-            return _evaluate(left) / _evaluate(right)
+        case ast.UnaryOp(op=sign, operand=operand) if type(sign) in _SIGNS:
+            return _SIGNS[type(sign)](_evaluate(operand))
+        case ast.BinOp(left=left, op=operator, right=right) if type(operator) in _OPERATORS:
+            return _OPERATORS[type(operator)](_evaluate(left), _evaluate(right))
         case ast.Call(func=ast.Name(id="sqrt"), args=[operand], keywords=[]):
             return sqrt(_evaluate(operand))
     raise ValueError

@@ -196,63 +196,60 @@ def _form(document: dict[str, Any], where: Where) -> str:
     )
 
 
+_Simple = tuple[JointKind, Array, str]
+"""Kind, (6,) linear-first screw and ending of the name of a simple joint."""
+
+
 def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place) -> dict[str, Any]:
     columns: dict[str, list[Any]] = {key: [] for key in ("screws", "kinds", "names", "lower", "upper", "velocity")}
     for i, joint in enumerate(joints):
         where = place("joints", i)
         check_keys(joint, _SCREW_KEYS, where)
-        kinds, screws, endings = _simple_joints(joint, order, where)
+        parts = _given_screw(joint, order, where) if "screw" in joint else _from_axis(joint, where)
         name = joint_name(joint, i + 1, where)
-        for part, (kind, screw, ending) in enumerate(zip(kinds, screws, endings, strict=True)):
-            own = _part(joint, part, len(kinds), where)
-            columns["screws"].append(screw)
-            columns["kinds"].append(kind)
-            columns["names"].append(name + ending)
-            for key, value in limits(own, kind, where).items():
+        for number, (kind, screw, ending) in enumerate(parts):
+            own = {"screws": screw, "kinds": kind, "names": name + ending}
+            own |= limits(_part(joint, number, len(parts), where), kind, where)
+            for key, value in own.items():
                 columns[key].append(value)
     return columns
 
 
-def _simple_joints(joint: dict[str, Any], order: str | None, where: Where) -> tuple[list[JointKind], Array, list[str]]:
-    """Kinds, (k, 6) linear-first screws and name endings of the simple joints that one entry stands for."""
-    if "screw" in joint:
-        return _given_screw(joint, order, where)
+def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
+    """The simple joints that one entry with an axis or a centre stands for."""
     word = joint.get("kind", "revolute")
     if word not in _KEYS_OF:
         joint_kind(word, where("kind"), ("cylindrical", "spherical"))
         word = joint_kind(word, where("kind")).value
-    allowed = (*_KEYS_OF[word], "kind", "name", "lower", "upper", "velocity")
-    check_keys(joint, allowed, where)
-    try:
-        return _from_axis(word, joint, where)
-    except RobotError as error:
-        if error.where is not None:
-            raise
-        raise relocate(error, where("")) from None
-
-
-def _from_axis(word: str, joint: dict[str, Any], where: Where) -> tuple[list[JointKind], Array, list[str]]:
+    check_keys(joint, (*_KEYS_OF[word], "kind", "name", "lower", "upper", "velocity"), where)
     axis = _vector(joint, "axis", "number", where) if word != "spherical" else []
     point = _vector(joint, "point", "length", where) if word != "prismatic" else []
-    if word == "cylindrical":
-        return [JointKind.PRISMATIC, JointKind.REVOLUTE], cylindrical(axis, point), ["_slide", "_turn"]
-    if word == "spherical":
-        axes = joint.get("axes", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
-        if not isinstance(axes, list) or len(axes) != 3:
-            raise RobotError("axes is three axes", where=where("axes"), got=repr(axes), allowed="[[…], […], […]]")
-        rows = [_vector({"axes": row}, "axes", "number", where) for row in axes]
-        return [JointKind.REVOLUTE] * 3, spherical(point, rows), ["_1", "_2", "_3"]
-    if word == "prismatic":
-        return [JointKind.PRISMATIC], prismatic(axis)[None], [""]
-    if word == "helical":
+    try:
+        if word == "cylindrical":
+            slide, turn = cylindrical(axis, point)
+            return [(JointKind.PRISMATIC, slide, "_slide"), (JointKind.REVOLUTE, turn, "_turn")]
+        if word == "spherical":
+            turns = spherical(point, _axes(joint.get("axes", [[1, 0, 0], [0, 1, 0], [0, 0, 1]]), where))
+            return [(JointKind.REVOLUTE, turn, f"_{number}") for number, turn in enumerate(turns, 1)]
+        if word == "prismatic":
+            return [(JointKind.PRISMATIC, prismatic(axis), "")]
+        if word == "revolute":
+            return [(JointKind.REVOLUTE, revolute(axis, point), "")]
         if "pitch" not in joint:
             raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
         pitch = quantity(joint["pitch"], "length", where=where("pitch"))
-        return [JointKind.HELICAL], helical(axis, point, pitch)[None], [""]
-    return [JointKind.REVOLUTE], revolute(axis, point)[None], [""]
+        return [(JointKind.HELICAL, helical(axis, point, pitch), "")]
+    except RobotError as error:
+        raise (error if error.where is not None else relocate(error, where(""))) from None
 
 
-def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> tuple[list[JointKind], Array, list[str]]:
+def _axes(given: Any, where: Where) -> list[list[float]]:
+    if not isinstance(given, list) or len(given) != 3:
+        raise RobotError("axes is three axes", where=where("axes"), got=repr(given), allowed="[[…], […], […]]")
+    return [_vector({"axes": row}, "axes", "number", where) for row in given]
+
+
+def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> list[_Simple]:
     check_keys(joint, ("kind", "screw", "name", "lower", "upper", "velocity"), where)
     if order is None:
         raise RobotError(
@@ -266,7 +263,7 @@ def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> tupl
         only = from_screws(screw[None], order=order, kinds=kinds).joints[0]  # type: ignore[arg-type]
     except RobotError as error:
         raise relocate(error, where("screw")) from None
-    return [only.kind], only.screw[None], [""]
+    return [(only.kind, only.screw, "")]
 
 
 def _part(joint: dict[str, Any], part: int, count: int, where: Where) -> dict[str, Any]:

@@ -35,7 +35,7 @@ def test_every_file_of_tests_that_a_page_names_is_there() -> None:
 
 
 def test_every_room_is_in_the_table_of_rooms() -> None:
-    table = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = (HERE.parent / "docs" / "rooms.md").read_text(encoding="utf-8")
     rooms = {place.name for place in (HERE.parent / "src" / "rankdrop").iterdir() if any(place.glob("*.py"))}
     assert {room for room in rooms if f"`{room}/`" not in table} == set()
 

@@ -253,3 +253,24 @@ def test_a_tool_point_is_understood_in_millimetres_and_degrees(command: str, run
     other = run(command, *UR5E, "--tcp", "0 0 0.12 0 0 pi/2rad", "--frame", "tool").out
     assert "0.63 vx + 0.333 vy + 0.702 vz" in " ".join(one.split())
     assert one == other
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (("ur5", "--deg", "--q", "0", "-60", "0", "10"), "Numbers of one option need commas or quotes: --q 0,-60,0"),
+        (("planar2r", "--q", "0,5; 1,25"), "fix: write decimals with points: 0.5; 1.25"),
+        (("ur5", "--q", "0,0,0,0,0,0", "--tcp", "0,0,120"), "--tcp: a tool point so far from the tip is a slip"),
+        (("ur5", "--q", "0,0,0,0,0,0", "--tcp", "0,0,120"), "fix: in millimetres: --tcp=0mm,0mm,120mm"),
+    ],
+)
+def test_slips_of_the_hand_are_recognised(line: tuple[str, ...], said: str, run: Any) -> None:
+    ended = run("explain", *line)
+    assert (ended.code, ended.out) == (2, "")
+    assert said in ended.err
+
+
+def test_radians_that_are_taken_as_degrees_are_noted(run: Any) -> None:
+    words = ("explain", "planar2r", "--deg", "--evaluations", "0", "--q")
+    assert "note: angles up to 1.571 look like radians" in run(*words, "0,1.5708").err
+    assert run(*words, "0,90").err == run(*words, "0,3").err == ""

@@ -11,12 +11,36 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, OUTPUT, ROBOT, IdealOptions, Output, command
+from rankdrop.cli.arm import (
+    NO_IDEAL,
+    OUTPUT,
+    ROBOT,
+    IdealOptions,
+    Output,
+    arm_section,
+    command,
+    ideal_sections,
+    near_line,
+    of_ideal,
+    open_ideal,
+)
+from rankdrop.cli.terminal import (
+    BAD,
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    results,
+    show,
+    verdict_line,
+    write_json,
+    write_text,
+)
 from rankdrop.questions import AnalyzeOptions
+from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.results import Analysis
-    from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
 
@@ -50,8 +74,6 @@ def analyze(
     Exit code 3: a singular point is not explained, a family is not sound, or the exact conditions differ.
     """
     from rankdrop import analyze as run
-    from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json, write_text
 
     check_targets({"--json": output.json, "--latex": latex})
     begun = monotonic()
@@ -88,9 +110,7 @@ def _print(
 ) -> None:  # fmt: skip
     from rich.text import Text
 
-    from rankdrop.cli.arm import arm_section, near_line, of_ideal
     from rankdrop.cli.table import corank_section
-    from rankdrop.cli.terminal import BAD, print_sections, results, show, verdict_line
     from rankdrop.results import sampled, unseen
     from rankdrop.text import agreement, legend, near_overview
 

@@ -11,14 +11,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from inspect import cleandoc
-from math import radians
+from math import degrees, pi, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter, Token
 
+from rankdrop.cli.terminal import say
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.options import Options, hints, meta_of, option, plain_type, unit_of
+from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from cyclopts.help import HelpEntry, HelpPanel
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
     from rankdrop.results import Verdict
     from rankdrop.robot import Robot
-    from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised, Nearby, Side
 
@@ -36,6 +37,8 @@ _WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
 _LONGEST_NUMBER = 100
 _LAST = ("The arm", "Output")
 _MEASURES = {"rad": "angle", "m": "length"}
+_LONGEST_TOOL = 10.0  # [m]
+_WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
 
@@ -56,12 +59,23 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool, option: str = "--
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
             allowed=", ".join(f"{joint.name} [{_unit(joint.unit, deg=deg)}]" for joint in joints),
-            mend=f'write them as {option}="0,0.5,…"',
+            mend=_pointed(text, len(joints)) or f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
-    return [
+    values = [
         value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg)
         for word, joint in zip(words, joints, strict=True)
     ]
+    typed = [degrees(abs(x)) for x, joint in zip(values, joints, strict=True) if joint.unit == "rad"]
+    if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
+        say(f"note: angles up to {max(typed):.4g} look like radians and are taken as degrees")
+    return values
+
+
+def _pointed(text: str, count: int) -> str | None:
+    """The fix of a list whose decimals are written with commas, 0,5; 1,2 …; None for any other list."""
+    words = re.split(r"\s*;\s*|\s+", text.strip())
+    commas = all(re.fullmatch(r"[-+−]?\d+(,\d+)?\D*", word) for word in words)
+    return "write decimals with points: " + "; ".join(words).replace(",", ".") if commas and len(words) == count else None
 
 
 def split_values(text: str) -> list[str]:
@@ -253,8 +267,14 @@ def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
         raise OptionError("a tool point is three lengths, then three angles if the tool is turned", where="--tcp",
                           got=f"{len(words)} numbers in {text!r}", allowed="x,y,z or x,y,z,roll,pitch,yaw [m, rad]",
                           mend='write it as --tcp="0,0,120mm"')  # fmt: skip
+    lengths = [value_of(word, "m", "--tcp", deg=deg) for word in words[:3]]
+    if max(map(abs, lengths)) > _LONGEST_TOOL:
+        millimetres = ",".join(f"{word}mm" for word in words[:3])
+        raise OptionError("a tool point so far from the tip is a slip of the unit", where="--tcp", got=f"{text} [m]",
+                          allowed=f"up to {_LONGEST_TOOL:g} m",
+                          mend=f"in millimetres: --tcp={millimetres}")  # fmt: skip
     return (
-        [value_of(word, "m", "--tcp", deg=deg) for word in words[:3]],
+        lengths,
         [value_of(word, "rad", "--tcp", deg=deg) for word in words[3:]] or [0.0, 0.0, 0.0],
     )
 

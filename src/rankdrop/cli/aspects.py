@@ -7,7 +7,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command, open_arm, parse_configuration
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, say, write_json, write_text
 
 
 @command
@@ -55,8 +56,6 @@ def aspects(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm, parse_configuration
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, say, write_json, write_text
     from rankdrop.motion import NOT_FOUND, aspects_of
 
     check_targets({"--json": json, "--path": path}, {"--path": (".csv",)})

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from rankdrop.cli.terminal import STDOUT, write_json
+
 if TYPE_CHECKING:
     from rankdrop.certify import ModelTolerance
     from rankdrop.results import Explanation
@@ -55,7 +57,6 @@ def in_words(record: dict[str, Any]) -> str:
 def save_certificate(record: dict[str, Any] | None, target: str) -> None:
     """Write a certificate where something was proven; to stdout when `target` is "-"."""
     from rankdrop.certify import write_certificate
-    from rankdrop.cli.terminal import STDOUT, write_json
 
     if record is not None and target == STDOUT:
         write_json(record, target)

@@ -9,6 +9,8 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import OUTPUT, Output, command
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, write_json
+from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
 
@@ -82,7 +84,6 @@ def compare(
 
     Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
     """
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, write_json
     from rankdrop.designs import asks_of, side_by_side
 
     check_targets({"--json": output.json})
@@ -100,7 +101,6 @@ def compare(
 
 
 def _three(text: str | None, option: str) -> list[float | str]:
-    from rankdrop.errors import OptionError
 
     words = [] if text is None else [word.strip() for word in text.split(",")]
     if len(words) != 3:

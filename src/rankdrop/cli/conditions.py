@@ -13,14 +13,38 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole, command
-from rankdrop.errors import OptionError, RankdropError
+from rankdrop.cli.arm import (
+    IDEAL,
+    NO_OPTIONS,
+    ArmOptions,
+    Whole,
+    arm_section,
+    command,
+    ideal_sections,
+    near_line,
+    of_ideal,
+    open_ideal,
+    parse_configuration,
+)
+from rankdrop.cli.terminal import (
+    INDENT,
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    results,
+    show,
+    verdict_line,
+    write_json,
+    write_text,
+)
+from rankdrop.errors import OptionError, RankdropError, RobotError
+from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.exact import Chain, Flags
     from rankdrop.results import Conditions, Record, Verdict
     from rankdrop.robot import Robot
-    from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
 
@@ -108,8 +132,6 @@ def conditions(
         quiet: No progress.
     """
     from rankdrop import conditions as run
-    from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json, write_text
     from rankdrop.exact import exact_chain
     from rankdrop.results import steps_text
 
@@ -154,7 +176,6 @@ def lengths_of(text: str) -> str | dict[str, float]:
     Raises:
         OptionError: neither.
     """
-    from rankdrop.errors import RobotError
     from rankdrop.robot import quantity
 
     if "=" not in text:
@@ -195,8 +216,6 @@ def _print(
     conditions: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
     moved: Sequence[Section], beside: Sequence[Section],
 ) -> None:  # fmt: skip
-    from rankdrop.cli.arm import arm_section, near_line
-    from rankdrop.cli.terminal import INDENT, print_sections, results, show, verdict_line
     from rankdrop.results import arm_lines
 
     console = results()
@@ -280,7 +299,6 @@ class Question:
         return sections, {**record, **verdict.to_dict()}, verdict
 
     def _q(self, text: str, option: str = "") -> list[float]:
-        from rankdrop.cli.arm import parse_configuration
 
         return parse_configuration(text, self.robot, deg=self.deg, option=option)
 
@@ -300,6 +318,5 @@ def _tested(conditions: Conditions, condition: str) -> tuple[Section, Record | N
 
 
 def _section(title: str, lines: tuple[str, ...], summary: str = "") -> Section:
-    from rankdrop.sections import Section
 
     return Section(title, summary, lines)

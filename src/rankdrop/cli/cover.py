@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command, open_arm
+from rankdrop.cli.certificates import save_certificate
+from rankdrop.cli.terminal import (
+    STDOUT,
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    say,
+    write_json,
+    write_text,
+)
+from rankdrop.errors import OptionError, RobotError
 
 if TYPE_CHECKING:
     from rankdrop.results import Covered
@@ -70,10 +83,6 @@ def cover(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.terminal import STDOUT, check_targets, hand_over, reporter, write_json, write_text
-    from rankdrop.errors import OptionError
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
     from rankdrop.verbs import how_far
@@ -103,17 +112,13 @@ def cover(
 
 
 def _check_out(out: str | None) -> None:
-    from rankdrop.cli.terminal import STDOUT
-    from rankdrop.errors import OptionError
 
     if out == STDOUT:
         raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
 
 
 def _check_certificate(certificate: str | None, out: str | None) -> None:
-    from pathlib import Path
 
-    from rankdrop.errors import OptionError
 
     if certificate is None:
         return
@@ -123,7 +128,6 @@ def _check_certificate(certificate: str | None, out: str | None) -> None:
 
 
 def _proven(result: Covered, out: str) -> dict[str, Any]:
-    from pathlib import Path
 
     from rankdrop.certify import covering_certificate
 
@@ -131,7 +135,6 @@ def _proven(result: Covered, out: str) -> dict[str, Any]:
 
 
 def _angle(text: str) -> float:
-    from rankdrop.errors import OptionError, RobotError
     from rankdrop.robot import quantity
 
     try:
@@ -141,13 +144,11 @@ def _angle(text: str) -> float:
 
 
 def _print(result: Covered) -> None:
-    from rankdrop.cli.terminal import print_sections
 
     print_sections(result.sections())
 
 
 def _code(result: Covered, out: str | None) -> int:
-    from rankdrop.cli.terminal import say
 
     if result.complete:
         return exits.FINE if result.holds else exits.UNEXPLAINED

@@ -6,14 +6,28 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, NO_TOOL, ROBOT, IdealOptions, Output, Q, ToolOptions, command
+from rankdrop.cli.arm import (
+    NO_IDEAL,
+    NO_TOOL,
+    ROBOT,
+    IdealOptions,
+    Output,
+    Q,
+    ToolOptions,
+    command,
+    near_line,
+    open_ideal,
+    parse_configuration,
+)
+from rankdrop.cli.certificates import in_words, model_tolerance, of_place, save_certificate
+from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, results, show, write_json
 from rankdrop.options import Options, option
 from rankdrop.questions import ExplainOptions
+from rankdrop.sections import Section
 from rankdrop.tolerances import EVALUATIONS
 
 if TYPE_CHECKING:
     from rankdrop.results import Explanation
-    from rankdrop.sections import Section
     from rankdrop.verbs import Here, Idealised
 
 
@@ -79,11 +93,7 @@ def explain(
     found; 3: none. 2: bad input.
     """
     from rankdrop import explain as run
-    from rankdrop.cli.arm import open_ideal, parse_configuration
-    from rankdrop.cli.certificates import in_words, model_tolerance, of_place, save_certificate
-    from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, write_json
     from rankdrop.results import Analysis
-    from rankdrop.sections import Section
     from rankdrop.tolerances import DEFAULT
     from rankdrop.verbs import here
 
@@ -117,8 +127,6 @@ def explain(
 def _sections(
     found: Explanation, made: Idealised | None, beside: Here | None, output: Parts
 ) -> tuple[Section, ...] | list[Section]:
-    from rankdrop.cli.arm import near_line
-    from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 
     if output.only == "nearest":
@@ -153,7 +161,6 @@ def _procedure(found: Explanation, seed: int) -> Any:
 
 
 def _print_procedure(procedure: Any) -> None:
-    from rankdrop.cli.terminal import results, show
     from rankdrop.local import render
 
     show(results(), [] if procedure is None else ["", render(procedure)])

@@ -11,15 +11,37 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command, whole
+from rankdrop.cli.arm import (
+    NO_OPTIONS,
+    OUTPUT,
+    ROBOT,
+    ArmOptions,
+    Output,
+    arm_section,
+    command,
+    open_arm,
+    parse_configuration,
+    whole,
+)
+from rankdrop.cli.terminal import (
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    results,
+    show,
+    write_bytes,
+    write_json,
+    write_text,
+)
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import SearchOptions
+from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.families import Search
     from rankdrop.robot import Robot
-    from rankdrop.sections import Section
     from rankdrop.task import Task
 
 _SHOWN = 5
@@ -76,8 +98,6 @@ def find(
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
         rankdrop find ur5 --corank 1 --starts 10_000_000 --store cloud
     """
-    from rankdrop.cli.arm import arm_section, open_arm
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, results, show, write_json
     from rankdrop.results import find_to_dict
 
     check_targets(
@@ -125,7 +145,6 @@ def _search(robot: Robot, task: Task, corank: int, options: SearchOptions, where
 def _stored(
     robot: Robot, task: Task, corank: int, options: SearchOptions, where: Where, output: Output, report: Any
 ) -> int:
-    from rankdrop.cli.terminal import write_text
     from rankdrop.results import store_cloud
 
     if options.method != "lm":
@@ -166,7 +185,6 @@ def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, d
         ConfigurationError: neither one number per joint nor the number of a random start.
         OptionError: no random start has this number.
     """
-    from rankdrop.cli.arm import parse_configuration
     from rankdrop.families import MOST_STARTS
     from rankdrop.local import sample
     from rankdrop.units import in_units, out_of_units, task_in_units
@@ -183,7 +201,6 @@ def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, d
 
 def _save(search: Search, target: str, *, history: bool) -> None:
     """The outcome, or its history, in the format that the ending of the file names."""
-    from rankdrop.cli.terminal import write_bytes, write_json
     from rankdrop.results import find_to_csv, find_to_dict, find_to_npz, history_to_csv, history_to_npz
 
     csv = target.lower().endswith(".csv")
@@ -261,7 +278,6 @@ def _drawn(search: Search, seconds: float) -> Section:
 
 def _table(search: Search, title: str, lines: list[str]) -> Section:
     """The first few converged configurations, rad above deg, with the lines below."""
-    from rankdrop.sections import Section
     from rankdrop.text import joint_symbol
 
     kinds = [str(joint.kind) for joint in search.robot.variables]

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command, open_arm, parse_configuration
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, write_json, write_text
+from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
 
@@ -52,10 +54,7 @@ def jacobian(
     Exit code 0: all checks hold; 3: one fails, or there is no inverse because the configuration is singular; 2: bad
     input.
     """
-    from rankdrop.cli.arm import open_arm, parse_configuration
     from rankdrop.cli.conditions import lengths_of
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, write_json, write_text
-    from rankdrop.errors import OptionError
     from rankdrop.verbs import link_jacobian
 
     check_targets({"--latex": options.latex, "--json": output.json})

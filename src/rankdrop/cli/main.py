@@ -244,6 +244,8 @@ def _in_our_words(error: CycloptsError) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, UnusedCliTokensError):
         text = f"unexpected argument {', '.join(error.unused_tokens or [])}."
+        if error.unused_tokens and all(re.match(r"[-+−]?[\d.]", word) for word in error.unused_tokens):
+            text += ' Numbers of one option need commas or quotes: --q 0,-60,0 or --q "0 -60 0".'
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         text = _missing(error)
     command = error.command_chain[0] if error.command_chain else ""

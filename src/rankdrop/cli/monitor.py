@@ -8,7 +8,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions, command
+from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions, command, open_arm
+from rankdrop.cli.terminal import check_target, reporter, write_text
 from rankdrop.options import Options, option
 
 
@@ -49,8 +50,6 @@ def monitor(
     Exit code 0: written; 2: bad input.
     """
     from rankdrop import Monitor, analyze
-    from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.terminal import check_target, reporter, write_text
     from rankdrop.results import Analysis, known_analysis
 
     check_target(header, "--header")

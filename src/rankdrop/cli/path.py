@@ -7,9 +7,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output, command
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output, command, open_arm, parse_configuration
+from rankdrop.cli.certificates import model_tolerance, save_certificate
+from rankdrop.cli.terminal import (
+    STDOUT,
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    say,
+    write_bytes,
+    write_json,
+    write_text,
+)
+from rankdrop.errors import OptionError
 from rankdrop.motion import PathOptions, RemedyOptions
 from rankdrop.options import Options, option
+from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.certify import ModelTolerance
@@ -147,9 +161,6 @@ def path(
             with poses.
         tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
     """
-    from rankdrop.cli.arm import open_arm, parse_configuration
-    from rankdrop.cli.certificates import model_tolerance
-    from rankdrop.cli.terminal import STDOUT, check_targets, hand_over, reporter, say, write_json, write_text
     from rankdrop.jobs import progress_of
     from rankdrop.motion import FORMATS, WRITTEN, FileReading, check_files, check_format, many_section, paths_to_dict
     from rankdrop.results import Analysis
@@ -192,7 +203,6 @@ def path(
                               workers=many.workers, scheduler=many.scheduler, report=report)  # fmt: skip
     for line in (line for one in checked for line in one["said"]):
         say(line)
-    from rankdrop.cli.terminal import print_sections
 
     hand_over(lambda: print_sections([many_section(checked)]),
               (output.json, lambda target: write_json(paths_to_dict(model, checked), target)))  # fmt: skip
@@ -205,7 +215,6 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
     Raises:
         OptionError: none is named, or a folder holds none.
     """
-    from rankdrop.errors import OptionError
     from rankdrop.motion import ENDINGS, is_bag, trajectories_in
 
     if robot is None or not names:
@@ -226,7 +235,6 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
     Raises:
         OptionError: of several files, remedies or an output of one path are asked for.
     """
-    from rankdrop.errors import OptionError
 
     asked = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
     for name in (["--remedies"] if mend.wanted else []) + asked:
@@ -248,10 +256,7 @@ def _hand_over_one(
     output: PathOutput, fixed: str | None, file: Path,
 ) -> int:  # fmt: skip
     """Print and write one path; the exit code."""
-    from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.terminal import hand_over, print_sections, say, write_bytes, write_json, write_text
     from rankdrop.motion import path_certificate, path_rows, proven_for_near_arms, rows_file
-    from rankdrop.sections import Section
 
     sections = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
     kept = near is not None and result.complete and result.clear and proven_for_near_arms(result, near)
@@ -291,7 +296,6 @@ def _hand_over_one(
 
 def _write_fixed(mending: Mending, target: str) -> None:
     """The mended path as a file, and a line that says so."""
-    from rankdrop.cli.terminal import say, write_bytes
     from rankdrop.motion import trajectory_bytes
 
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
@@ -304,7 +308,6 @@ def _write_fixed(mending: Mending, target: str) -> None:
 
 
 def _worst(many: list[dict[str, Any]], asked: int, out: str | None) -> int:
-    from rankdrop.cli.terminal import say
 
     if len(many) < asked:
         kept = f"; finished files are kept in {out}: run the same command to continue" if out else "; --out keeps them"

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output, command
+from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output, command, open_ideal
+from rankdrop.cli.terminal import Report, check_different, check_target, reporter, say, write_bytes, write_json
+from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
-    from rankdrop.cli.terminal import Report
     from rankdrop.report.content import Content
     from rankdrop.results import Analysis
     from rankdrop.robot import Mesh
@@ -50,8 +51,6 @@ class ReportOptions(Options):
         Raises:
             OptionError: nothing can be written there; found before the work.
         """
-        from rankdrop.cli.terminal import check_target
-        from rankdrop.errors import OptionError
 
         paper = self.format != "html"
         out = self.out or f"{default}-figures" if paper else self.out or f"{default}.html"
@@ -90,8 +89,6 @@ def report(
     Exit code 3: a part of the analysis is not explained, not sound or contradicted; the page says which in its first
     line.
     """
-    from rankdrop.cli.terminal import check_different, check_target, reporter, say, write_json
-    from rankdrop.errors import OptionError
     from rankdrop.report.content import content
     from rankdrop.report.figures import check_figures
 
@@ -130,8 +127,6 @@ def _analysis(
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop import analyze
-    from rankdrop.cli.arm import open_ideal
-    from rankdrop.errors import OptionError
     from rankdrop.results import Analysis, known_analysis
 
     if robot.lower().endswith(_ANALYSIS):
@@ -147,8 +142,6 @@ def _analysis(
 
 def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
     """The files that were written."""
-    from rankdrop.cli.terminal import write_bytes
-    from rankdrop.errors import OptionError
     from rankdrop.report.figures import figure_names, figures
     from rankdrop.report.page import page
 
@@ -170,8 +163,6 @@ def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
 
 def _meshes(analysis: Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[Mesh, ...]:
     """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
-    from rankdrop.cli.terminal import say
-    from rankdrop.errors import MissingExtraError
     from rankdrop.report.data import simplified
     from rankdrop.robot import meshes_of, visuals_of
 

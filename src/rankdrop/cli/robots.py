@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import command
+from rankdrop.cli.terminal import STDOUT, results, show, write_json
 
 if TYPE_CHECKING:
     from rankdrop.robot import CatalogEntry
@@ -40,7 +41,6 @@ def robots(
     """
     from dataclasses import asdict
 
-    from rankdrop.cli.terminal import STDOUT, write_json
     from rankdrop.robot import search_catalog
 
     entries = search_catalog(text)
@@ -56,7 +56,6 @@ def _print(entries: Sequence[CatalogEntry], text: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from rankdrop.cli.terminal import results, show
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     table.add_column("name", no_wrap=True)

@@ -9,6 +9,19 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import OUTPUT, Output, command
+from rankdrop.cli.terminal import (
+    STDOUT,
+    check_targets,
+    hand_over,
+    kept,
+    print_sections,
+    reporter,
+    say,
+    write_bytes,
+    write_json,
+    write_text,
+)
+from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
 
@@ -67,18 +80,6 @@ def sweep(
     same command continues; 2: bad input.
     """
     from rankdrop import sweep as run
-    from rankdrop.cli.terminal import (
-        STDOUT,
-        check_targets,
-        hand_over,
-        kept,
-        print_sections,
-        reporter,
-        say,
-        write_bytes,
-        write_json,
-        write_text,
-    )
     from rankdrop.designs import write_tables
     from rankdrop.jobs import progress_of
     from rankdrop.report.design_page import design_figure, design_page
@@ -121,9 +122,7 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
     Raises:
         OptionError: no specification, or no folder for what needs one.
     """
-    from rankdrop.cli.terminal import STDOUT
     from rankdrop.designs import check_tables
-    from rankdrop.errors import OptionError
 
     if spec is None:
         raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER")

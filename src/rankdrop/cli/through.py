@@ -7,7 +7,19 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, Q, command, numbers_of
+from rankdrop.cli.arm import (
+    NO_OPTIONS,
+    OUTPUT,
+    ROBOT,
+    ArmOptions,
+    Output,
+    Q,
+    command,
+    numbers_of,
+    open_arm,
+    parse_configuration,
+)
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, say, write_json, write_text
 
 
 @command
@@ -45,8 +57,6 @@ def through(
 
     Exit code 0: trackable; 3: not, or undecided; 2: bad input.
     """
-    from rankdrop.cli.arm import open_arm, parse_configuration
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, say, write_json, write_text
     from rankdrop.motion import through as judge
 
     check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, arm_section, command, open_arm
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, results, show, write_json
 from rankdrop.questions import TolerantOptions
 
 
@@ -27,8 +28,6 @@ def tolerant(
 
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
     """
-    from rankdrop.cli.arm import arm_section, open_arm
-    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, results, show, write_json
     from rankdrop.families import most_tolerant
     from rankdrop.results import tolerant_sections, tolerant_to_dict
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command, open_arm, parse_configuration
+from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, write_json
+from rankdrop.errors import OptionError
 
 if TYPE_CHECKING:
     from rankdrop.certify import Verified
@@ -82,7 +85,6 @@ def verify(
         quiet: No progress.
     """
     from rankdrop.certify import verify as check
-    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json
 
     check_targets({"--json": json})
     asked = _asked(about, arm)
@@ -99,11 +101,8 @@ def verify(
 
 def _asked(about: AboutOptions, arm: ArmOptions) -> Any:
     """What the claim is compared with, as `rankdrop.certify.asked_about` gives it."""
-    from pathlib import Path
 
     from rankdrop.certify import asked_about
-    from rankdrop.cli.arm import open_arm, parse_configuration
-    from rankdrop.errors import OptionError
     from rankdrop.motion import holds_poses, read_trajectory
 
     if about.robot is None:
@@ -121,6 +120,5 @@ def _asked(about: AboutOptions, arm: ArmOptions) -> Any:
 
 
 def _print(verified: Verified) -> None:
-    from rankdrop.cli.terminal import print_sections
 
     print_sections(verified.sections())

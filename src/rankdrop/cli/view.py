@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, fields
+from shlex import join
+from time import sleep
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions, command
+from rankdrop.cli.arm import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions, command, open_arm, parse_configuration
+from rankdrop.cli.terminal import say
+from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
@@ -66,7 +70,6 @@ def view(
 
     Exit code 0: ended by Ctrl-C; 2: bad input.
     """
-    from rankdrop.cli.terminal import say
 
     _check_host(options.host, expose=options.expose)
     viewer = _viewer(robot, options, tool, arm)
@@ -90,7 +93,6 @@ def view(
 def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions) -> Viewer:
     import numpy as np
 
-    from rankdrop.cli.arm import open_arm, parse_configuration
     from rankdrop.motion import read_trajectory
     from rankdrop.results import Analysis
     from rankdrop.viewer.server import Viewer, Wishes
@@ -116,7 +118,6 @@ def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions
 
 def _command(robot: str, arm: ArmOptions, frame: str | None, tcp: str | None) -> str:
     """What was typed of the arm, its task and its tool: the same arm opens, not another one of the same file."""
-    from shlex import join
 
     given = {"frame": frame, "tcp": tcp} | {field.name: getattr(arm, field.name) for field in fields(arm)}
     words = ["rankdrop", "view", robot]
@@ -132,7 +133,6 @@ def _command(robot: str, arm: ArmOptions, frame: str | None, tcp: str | None) ->
 
 
 def _check_host(host: str, *, expose: bool) -> None:
-    from rankdrop.errors import OptionError
 
     local = host in {"localhost", "::1"} or host.startswith("127.")
     if not local and not expose:
@@ -153,7 +153,6 @@ def _open_browser(url: str) -> None:
 
 def _wait() -> None:
     """Until Ctrl-C, in pieces: a signal that comes as a wait begins is noticed only when that wait ends."""
-    from time import sleep
 
     while True:
         sleep(0.5)

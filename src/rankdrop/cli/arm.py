@@ -75,7 +75,8 @@ def _pointed(text: str, count: int) -> str | None:
     """The fix of a list whose decimals are written with commas, 0,5; 1,2 …; None for any other list."""
     words = re.split(r"\s*;\s*|\s+", text.strip())
     commas = all(re.fullmatch(r"[-+−]?\d+(,\d+)?\D*", word) for word in words)
-    return "write decimals with points: " + "; ".join(words).replace(",", ".") if commas and len(words) == count else None
+    fits = commas and len(words) == count
+    return f"write decimals with points: {'; '.join(words).replace(',', '.')}" if fits else None
 
 
 def split_values(text: str) -> list[str]:

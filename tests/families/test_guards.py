@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
-from rankdrop.families.linear import Linear, polished
+from rankdrop.families.genuine import polished
+from rankdrop.families.linear import Linear
 from rankdrop.families.row import Row, elsewhere, soundness, verified
 from rankdrop.families.rows import membership, on_row
 from rankdrop.families.search_record import unseen
@@ -18,8 +19,10 @@ from rankdrop.families.signature import Signature, inspect
 from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.units import in_units
 
 STRAIGHT = (0.0, pi)
 
@@ -103,6 +106,21 @@ def test_equations_are_solved_together_from_anywhere() -> None:
     _, strangers = elsewhere(at, linear, [()], equations, {}, np.random.default_rng(0))
     assert len(strangers) > 0
     assert np.allclose(np.sin(strangers[:, [0, 2, 4]] - (0.7, 0.4, 0.9)), 0, atol=1e-9)
+
+
+def test_regular_solutions_at_special_places_count_against_a_derived_family() -> None:
+    """The same equations as those of a derived family: random starts call them sound, the table does not."""
+    robot = in_units(open_robot("puma560"))
+    wrist = next(one for one in shipped("puma560").families if one.id == "k1.f3")
+    equations = tuple(wrist_times(joint, value) for joint, value in ((0, 0.7), (2, 0.4), (4, 0.9)))
+    wide = replace(wrist, pinned=(), coupled=(1, 3, 5), free=(2, 4, 6), equations=equations)
+    cloud = search(robot, 1, starts=200)
+    for one, holds in ((wrist, True), (wide, False)):
+        found = families_module.families(cloud, known=[one], wanted=100)
+        row = found.families[0]
+        assert (row.id, row.name) == (wrist.id, wrist.name)
+        assert row.soundness.holds == holds
+        assert row.soundness.tested > 50
 
 
 def wrist_times(joint: int, value: float) -> Equation:

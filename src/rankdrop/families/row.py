@@ -219,6 +219,11 @@ def row_of(problem: Problem, family: Family) -> Row:
     return replace(row, sets=tuple(sets))
 
 
+def stated_row(problem: Problem, family: Family) -> Row:
+    """The conditions of a derived family as they are stated: joints that they pin in effect are not taken out."""
+    return _row(problem, family, {one.number - 1: one.values for one in family.pinned})
+
+
 def _pinned_row(problem: Problem, family: Family) -> Row:
     """`row_of` without limits.
 
@@ -226,7 +231,7 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
     stay coupled where not every combination of the values belongs to the family.
     """
     exact = {one.number - 1: one.values for one in family.pinned}
-    row = _row(problem, family, exact)
+    row = stated_row(problem, family)
     if not row.residual:
         return row
     each = max(SAMPLED // len(row.combinations), 2)

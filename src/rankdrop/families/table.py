@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.genuine import not_singular, polished
-from rankdrop.families.row import Row, elsewhere, row_of, soundness, witness
+from rankdrop.families.row import Row, elsewhere, row_of, soundness, stated_row, witness
 from rankdrop.families.rows import Membership, find_rows, leftovers, membership, on_any
 from rankdrop.families.search_record import Outcome, Search, none_found, unseen
 from rankdrop.families.searching import search
@@ -194,12 +194,13 @@ def _tested(
     found: dict[Row, Tested] = {}
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, problem.corank, 7, i])
-        sound, _ = soundness(problem, row.system, row.signature.rank, rng, exact=row.family is not None)
+        stated = row if row.family is None else stated_row(problem, row.family)
+        sound, _ = soundness(problem, stated.system, row.signature.rank, rng, exact=row.family is not None)
         points, room = _generic(problem, row, inspection.q[cover(row)], rng)
         fitted_badly = row.family is None and not sound.holds
         if fitted_badly or (not len(points) and (row.family is None or problem.limits)):
             continue
-        count, regular = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
+        count, regular = elsewhere(problem, stated.linear, stated.combinations, stated.residual, marks, rng)
         whole = Check(sound.tested + count, sound.agree + count - len(regular))
         found[row] = Tested(whole, points, room)
     return found

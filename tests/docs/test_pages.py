@@ -67,3 +67,17 @@ def test_python_prints_what_is_shown(page: Path) -> None:
 
 def test_there_is_something_to_check() -> None:
     assert len(SHOWN) > 6
+
+
+MESSAGES = [
+    (page.stem, command)
+    for page in sorted(DOCS.glob("messages/*.md"))
+    for command in re.findall(r"^rankdrop explain .*$", page.read_text(encoding="utf-8"), re.MULTILINE)
+]
+
+
+@pytest.mark.parametrize(("page", "command"), MESSAGES)
+def test_the_example_of_a_controllers_message_is_near_a_singularity(
+    page: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main.run(shlex.split(command)[1:]) in (3, 4), f"{page}: {capsys.readouterr().out[:200]}"

@@ -144,7 +144,7 @@ def _value_words(value: float, unit: str) -> str:
 
 def _short_name(name: str) -> str:
     """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
-    return name.partition(":")[0].partition(" (")[0].partition(",")[0]
+    return name.partition(":")[0].partition(" (")[0].partition(", with")[0]
 
 
 def _what_is_lost(explanation: Explanation, summary: Summary) -> str:

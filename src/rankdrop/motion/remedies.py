@@ -261,7 +261,7 @@ def mend_path(
         >>> from rankdrop.robot.open import open_robot
         >>> path = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]]
         >>> mended = mend_path(check_path(open_robot("planar3r"), path), blend=0.5)
-        >>> [(one.kind, one.check.verdict) for one in mended.remedies]
+        >>> [(one.kind, one.check.verdict.value) for one in mended.remedies]
         [('blend', 'free')]
     """
     how = RemedyOptions.of(options, given)

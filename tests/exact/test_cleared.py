@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from math import pi
 
 import pytest
@@ -13,9 +14,11 @@ pytest.importorskip("flint")
 from rankdrop.exact.algebra.field import P, complete, rank, value_at
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
-from rankdrop.exact.tree import rank_tree, smallest
+from rankdrop.exact.arm.verify import rank_modulo
+from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.task import BODY, WORLD_ALIGNED, resolve_task
 from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
@@ -38,7 +41,7 @@ def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
 @pytest.mark.parametrize("robot", [gantry(1), gantry(2), gantry(3), open_robot("tiago")], ids=lambda one: str(one.n))
 def test_the_rank_is_that_of_the_jacobian_everywhere(robot: Robot) -> None:
     chain = exact_chain(robot)
-    columns, lower = smallest(chain)
+    columns, lower = chain.cleared
     assert lower >= 2
     assert len(columns) == chain.n - lower
     met = set()
@@ -51,10 +54,28 @@ def test_the_rank_is_that_of_the_jacobian_everywhere(robot: Robot) -> None:
     assert len(met) > 1
 
 
+@pytest.mark.parametrize("rows", ["vx,vy,vz,wx,wy", "vx,vy,vz,wz", "vx,vz,wx,wy,wz"])
+@pytest.mark.parametrize("frame", [BODY, WORLD_ALIGNED])
+@pytest.mark.parametrize("name", ["iiwa7", "ur5"])
+def test_rows_left_out_are_screws_added(name: str, rows: str, frame: int) -> None:
+    """The rank of a task's rows is that of the matrix with a screw for each other row, everywhere."""
+    robot = open_robot(name)
+    chain = exact_chain(robot, replace(resolve_task(rows, robot), frame=frame), lengths="numbers")
+    columns, lower = chain.cleared
+    for seed in range(6):
+        rng = random.Random(seed)
+        pins = {j: rng.choice(["0", "pi", "pi/2"]) for j in rng.sample(chain.ring.revolute, seed)}
+        point = complete(chain.ring, {x: rng.randrange(2, P) for x in chain.ring.names}, pins)
+        assert point is not None
+        full = rank([[value_at(chain.ring, x, point) for x in column] for column in chain.columns])
+        matrix = [[value_at(chain.ring, x, point) if x != 0 else 0 for x in column] for column in columns]
+        assert rank(matrix) + lower == full == rank_modulo(chain, point)
+
+
 def test_slides_in_all_directions_leave_the_wrist() -> None:
     """What turns the end effector is left: three rows of it, less the axis whose own link's frame is taken."""
     chain = exact_chain(gantry(3))
-    columns, lower = smallest(chain)
+    columns, lower = chain.cleared
     assert (lower, len(columns[0])) == (4, 2)
     assert rank_tree(chain, Work(60.0)).generic_rank == 6
 

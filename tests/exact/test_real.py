@@ -209,3 +209,29 @@ def test_gradients_that_are_small_but_no_rounding_count() -> None:
     flat, steep = np.diag([1.0, 2e-6])[None], np.diag([1.0, 1e-7])[None]  # small; what a double zero leaves
     assert full_rank(flat, 2).all()
     assert not full_rank(steep, 2).any()
+
+
+@pytest.mark.parametrize("what", ["a system", "a set without points"])
+def test_real_points_that_are_not_all_separated_are_reported(
+    chain: Chain, what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Planted: the thin part of s3² + s5² = 0 cannot be taken apart, or has no point modulo the primes."""
+    t = chain.ring.t
+    f = t[3] ** 2 * (1 + t[5] ** 2) ** 2 + t[5] ** 2 * (1 + t[3] ** 2) ** 2
+    (f,) = [g for g, _ in f.factor()[1]]
+    piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
+
+    def unfinished(_chain: Chain, one: ZeroSet, work: Work) -> list[Drop]:
+        if what == "a system":
+            work.leave({}, [f])
+        else:
+            work.without_points[one.key] = one
+        return []
+
+    left: list[str] = []
+    real_sets(chain, [Drop(piece, 2)], Work(), left)
+    assert not any("were not all taken apart" in text for text in left)
+    monkeypatch.setattr(families, "_thinner", unfinished)
+    left = []
+    real_sets(chain, [Drop(piece, 2)], Work(), left)
+    assert any("the real points of a set were not all taken apart" in text for text in left)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 
 import pytest
 
@@ -10,10 +11,12 @@ pytest.importorskip("flint")
 
 from reference.structured import H, arm, lost, structured
 
+from rankdrop.exact.algebra.field import P
+from rankdrop.exact.algebra.polynomial import flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.barren import barren
+from rankdrop.exact.barren import _Known, barren
 from rankdrop.families.cloud import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -124,6 +127,16 @@ def test_elimination_proves_what_is_so_and_nothing_else() -> None:
     assert not proven(ring, s[1] - c[2], s[2] - c[3], s[3] - c[1])
 
 
+@pytest.mark.parametrize("angle", [Fraction(0), Fraction(1, 3), Fraction(-7, 2)])
+def test_a_single_common_zero_is_no_proof(angle: Fraction) -> None:
+    """Two conditions on one joint with one zero in common, t = angle: what they share has degree 1."""
+    ring = Ring([1])
+    s, c = ring.s[1], ring.c[1]
+    cosine, sine = (ring.constant(x) for x in ((1 - angle**2) / (1 + angle**2), 2 * angle / (1 + angle**2)))
+    assert not proven(ring, c * sine - s * cosine, 1 - c * cosine - s * sine)
+    assert proven(ring, c * sine - s * cosine, 2 - c * cosine - s * sine)
+
+
 @pytest.mark.parametrize("corner", ["0", "pi", "pi/2"])
 def test_a_zero_at_a_simple_angle_is_seen_where_tangents_are_infinite_too(corner: str) -> None:
     ring = Ring([1, 2])
@@ -145,3 +158,12 @@ def test_a_7r_arm_with_all_offsets_loses_two_ranks_nowhere() -> None:
     chain = exact_chain(all_offsets(0))
     assert not barren(chain.ring, chain.columns, 6, {}, (), Work())
     assert barren(chain.ring, chain.columns, 5, {}, (), Work())
+
+
+@pytest.mark.parametrize(("power", "degree", "empty"), [(1, 0, True), (2, 0, True), (1, 1, False), (0, 1, False)])
+def test_points_of_no_configuration_are_no_zeros(power: int, degree: int, empty: bool) -> None:
+    """1 + t² = 0 holds at no configuration, t = 3 does."""
+    t = flint().nmod_mpoly_ctx.get(["t1"], P, flint().Ordering.lex).gens()[0]
+    known = _Known(Ring([1]))
+    known.add((1 + t**2) ** power * (t - 3) ** degree)
+    assert known.barren == empty

@@ -225,9 +225,10 @@ def _candidates(
     for f in known:
         if not pinned & {*used(f)} and piece.half_vanishes(f):
             yield f
-    columns = [[ring.at(x, piece.pins) for x in column] for column in chain.columns]
+    matrix, lower = chain.cleared
+    columns = [[ring.at(x, piece.pins) for x in column] for column in matrix]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in columns]
-    for columns_used, rows_used in islice(by_length(lengths, rank + 1), _MINORS):
+    for columns_used, rows_used in islice(by_length(lengths, rank - lower + 1), _MINORS):
         work.check()
         minor = ring.determinant([[columns[c][r] for c in columns_used] for r in rows_used])
         for atom, _ in ring.factor(minor).atoms if minor != 0 else ():
@@ -340,7 +341,8 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
         slopes.append(Form(ring, slope, form.degrees))
     found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
     smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
-    return [Drop(one, rank_on(chain.columns, one)) for one in smaller]
+    columns, lower = chain.cleared
+    return [Drop(one, rank_on(columns, one) + lower) for one in smaller]
 
 
 def families(

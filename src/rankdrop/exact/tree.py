@@ -26,66 +26,13 @@ from itertools import combinations, islice
 from rankdrop.exact.algebra.field import rank, value_at
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import is_number, primitive, reciprocal
+from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.barren import barren
 from rankdrop.local.block import generic_rank
-
-
-def smallest(chain: Chain) -> tuple[list[list[Polynomial]], int]:
-    """Columns of a matrix, and by how much its rank is lower than that of the arm's Jacobian, everywhere.
-
-    For redundant arms with slides and all six rows: the smallest cleared Jacobian over the frames of the links, counted
-    by its terms times its rows. For others the Jacobian as it stands.
-    """
-    if chain.task.rows != (0, 1, 2, 3, 4, 5) or chain.n <= 6 or not chain.ring.prismatic:
-        return chain.columns, 0
-    found = (cleared(chain.ring, chain.screws(k)) for k in chain.frames)
-    return min(found, key=lambda one: sum(len(x) for column in one[0] for x in column if x != 0) * len(one[0][0]))
-
-
-def cleared(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Polynomial]], int]:
-    """The columns of a smaller matrix, and by how much its rank is lower than theirs, everywhere.
-
-    Args:
-        ring: of the entries.
-        columns: of a matrix over `ring.trig`.
-
-    Of the numbers that could clear a row and a column the one whose own row and column are shortest is taken first:
-    what it adds to other entries is shortest.
-    """
-    here, lower = [list(column) for column in columns], 0
-    while True:
-        place = _pivot(here)
-        if place is None:
-            return here, lower
-        j, i = place
-        pivot = here.pop(j)
-        row = [column.pop(i) for column in here]
-        inverse = reciprocal(pivot.pop(i))
-        for column, value in zip(here, row, strict=True):
-            if value != 0:
-                for k, entry in enumerate(pivot):
-                    if entry != 0:
-                        column[k] = ring.reduce(column[k] - entry * value * inverse)
-        lower += 1
-
-
-def _pivot(columns: list[list[Polynomial]]) -> tuple[int, int] | None:
-    """(column, row) of the number that is cheapest to clear with; None where no entry is a number."""
-    best: tuple[int, int, int] | None = None
-    for j, column in enumerate(columns):
-        for i, entry in enumerate(column):
-            if entry != 0 and is_number(entry):
-                across = sum(len(other[i]) for other in columns if other is not column and other[i] != 0)
-                down = sum(len(x) for k, x in enumerate(column) if k != i and x != 0)
-                if best is None or across * down < best[0]:
-                    best = (across * down, j, i)
-    return None if best is None else best[1:]
-
 
 _EASY = 0.5  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
 _STAGE = 0.7  # share of the time left that one rank may take
@@ -109,6 +56,7 @@ class Tree:
 
     Attributes:
         generic_rank: almost everywhere.
+        cleared: by how much the rank of the matrix in use is lower, see `Chain.cleared`.
         drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
         complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
@@ -120,6 +68,7 @@ class Tree:
     """
 
     generic_rank: int
+    cleared: int = 0
     drops: list[Drop] = field(default_factory=list)
     complete: bool = True
     left: list[str] = field(default_factory=list)
@@ -147,12 +96,12 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     work.lengths = chain.letters
     whole = ZeroSet.whole(chain.ring)
     try:
-        columns, never = smallest(chain)
+        columns, never = chain.cleared
     except OutOfTime as stop:
         rank = generic_rank(chain.own, chain.own_task)
         return Tree(rank, complete=False, left=[f"{stop}: the arm's screws were not written down"])
     generic = rank_on(columns, whole)
-    tree = Tree(generic + never)
+    tree = Tree(generic + never, never)
     found: list[Drop] = []
     lowest = max(lowest - never, 0)
     for order in range(generic, lowest, -1):
@@ -203,7 +152,7 @@ def _explore(
     bending = _bending(columns, waiting[0].ring)
     seen: list[ZeroSet] = []
     while waiting:
-        work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
+        work.show(f"sets looked into for rank < {order + tree.cleared}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
         for part in _cut(columns, order, piece, bending, work):
             here = rank_on(columns, part)

@@ -16,7 +16,7 @@ import numpy as np
 from rankdrop.errors import TaskError
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import ROOTS, Number, primitive, root_values, roots_of
+from rankdrop.exact.algebra.roots import ROOTS, Number, is_number, primitive, reciprocal, root_values, roots_of
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import (
     Rounding,
@@ -106,6 +106,44 @@ def polynomial_in_units(f: Polynomial, letters: Container[str], power: int) -> P
     ten, made = flint().fmpq(10), f.context()
     moved = {e: c * ten ** (power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
     return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
+
+
+def cleared(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Polynomial]], int]:
+    """The columns of a smaller matrix, and by how much its rank is lower than theirs, everywhere.
+
+    Args:
+        ring: of the entries.
+        columns: of a matrix over `ring.trig`.
+
+    Of the numbers that could clear a row and a column the one whose own row and column are shortest is taken first:
+    what it adds to other entries is shortest.
+    """
+    here, lower = [list(column) for column in columns], 0
+    while min(len(here), len(here[0])) > 1 and (place := _pivot(here)) is not None:
+        j, i = place
+        pivot = here.pop(j)
+        row = [column.pop(i) for column in here]
+        inverse = reciprocal(pivot.pop(i))
+        for column, value in zip(here, row, strict=True):
+            if value != 0:
+                for k, entry in enumerate(pivot):
+                    if entry != 0:
+                        column[k] = ring.reduce(column[k] - entry * value * inverse)
+        lower += 1
+    return here, lower
+
+
+def _pivot(columns: list[list[Polynomial]]) -> tuple[int, int] | None:
+    """(column, row) of the number that is cheapest to clear with; None where no entry is a number."""
+    best: tuple[int, int, int] | None = None
+    for j, column in enumerate(columns):
+        for i, entry in enumerate(column):
+            if entry != 0 and is_number(entry):
+                across = sum(len(other[i]) for other in columns if other is not column and other[i] != 0)
+                down = sum(len(x) for k, x in enumerate(column) if k != i and x != 0)
+                if best is None or across * down < best[0]:
+                    best = (across * down, j, i)
+    return None if best is None else best[1:]
 
 
 @dataclass(frozen=True)
@@ -259,6 +297,22 @@ class Chain:
             )
         return [[column[r] for r in rows] for column in self._in_task_axes()]
 
+    @cached_property
+    def cleared(self) -> tuple[list[list[Polynomial]], int]:
+        """Columns of a matrix, and by how much its rank is lower than that of the arm's Jacobian, everywhere.
+
+        The smallest cleared matrix over the frames of the links, counted by its terms times its rows. Of three rows
+        and less, and where a task has as many other rows as there are joints, the Jacobian as it stands.
+        """
+        m = self.task.m
+        if m <= 3 or m == self.n < 6:
+            return self.columns, 0
+        views = (cleared(self.ring, self.screws(k) if m == 6 else self.augmented(k)) for k in self.frames or (1,))
+        columns, lower = min(
+            views, key=lambda one: sum(len(x) for column in one[0] for x in column if x != 0) * len(one[0][0])
+        )
+        return columns, lower + m - 6
+
     def screws(self, k: int) -> list[list[Polynomial]]:
         """The n joint screws (v; ω) in the frame of link k (1 … n): z along axis k, x along the normal after it."""
         if k not in self._screws:
@@ -267,12 +321,38 @@ class Chain:
 
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
-        if k == m:
-            return self.screws(k)
-        pose = next(pose for j, pose in self._poses(k) if j == m)
-        if m > k:  # the frame before joint m turns and slides
-            pose = times(self.ring, pose, self._joint(m))
-        return [moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
+        pose = self._link_pose(k, m)
+        point = [pose[i][3] for i in range(3)]
+        return self.screws(k) if k == m else [moved(self.ring, one, point) for one in self.screws(k)]
+
+    def _link_pose(self, k: int, m: int) -> Matrix:
+        """The frame of link m seen from link k."""
+        pose = next(pose for j, pose in self._poses(k) if j == m) if m != k else identity(self.ring)
+        return times(self.ring, pose, self._joint(m)) if m > k else pose  # the frame before joint m turns and slides
+
+    def augmented(self, k: int) -> list[list[Polynomial]]:
+        """The joint screws in the frame of link k, and one for each row that the task leaves out: a turn about that
+        axis of the task through the tip, or a translation along it.
+
+        Their rank is that of the task's rows, plus the number of rows left out: a combination of joint screws has no
+        part in the task's rows where it is one of the added screws.
+        """
+        ring = self.ring
+        last = self._link_pose(k, self.n)
+        first = last if self.in_body else times(ring, self._link_pose(k, 1), inverse(ring, self._joint(1)))
+        tip = self._tip_in(last)
+        found = list(self.screws(k))
+        for row in sorted({*range(6)} - {*self.task.rows}):
+            along = [ring.constant(x) for x in self.task_axes[row % 3]]
+            axis = [ring.reduce(_inner(ring, first[i][:3], along)) for i in range(3)]
+            found.append([*_cross(ring, tip, axis), *axis] if row > 2 else [*axis, ring.zero, ring.zero, ring.zero])
+        return found
+
+    def _tip_in(self, last: Matrix) -> list[Polynomial]:
+        """The tip, by the frame of the last link."""
+        ring, (x, y, z) = self.ring, self.tip
+        tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z), ring.one]
+        return [ring.reduce(_inner(ring, last[i], tip)) for i in range(3)]
 
     def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the tip."""
@@ -330,27 +410,20 @@ class Chain:
 
     def _at_tip(self, k: int) -> list[list[Polynomial]]:
         """Screws in the axes of link k with the reference point at the tip."""
-        ring = self.ring
-        pose = identity(ring)
-        for j in range(k + 1, self.n + 1):
-            pose = times(ring, times(ring, pose, self._link(j - 1)), self._joint(j))
-        x, y, z = self.tip
-        tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z)]
-        point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
-        return [moved(ring, screw, point) for screw in self.screws(k)]
+        point = self._tip_in(self._link_pose(k, self.n))
+        return [moved(self.ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:
         """Screws at the tip along the axes of the task's frame."""
         ring, rows = self.ring, set(self.task.rows)
-        body = self.task.frame == BODY
-        k, turned = (self.n, self._end) if body else (1, self._start)
+        k, turned = self.n if self.in_body else 1, self.task_axes
         about_z = all(turned[2][i] in ((1, -1) if i == 2 else (0,)) for i in range(3))
         paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
         screws = self._at_tip(k)
         if about_z and paired:
             return screws
         rotation = [[ring.constant(x) for x in row] for row in turned]
-        if not body:  # link 1 turned by joint 1, seen from the base
+        if not self.in_body:  # link 1 turned by joint 1, seen from the base
             joint = self._joint(1)
             rotation = [
                 [sum((rotation[i][h] * joint[h][m] for h in range(3)), ring.zero) for m in range(3)] for i in range(3)
@@ -363,6 +436,16 @@ class Chain:
             ]
             for screw in screws
         ]
+
+    @property
+    def in_body(self) -> bool:
+        """Whether the task's axes are those of the tip."""
+        return self.task.frame == BODY
+
+    @property
+    def task_axes(self) -> list[list[Number]]:
+        """The axes of the task in the frame of link n, or in the one before joint 1: see `in_body`."""
+        return self._end if self.in_body else self._start
 
     @cached_property
     def _start(self) -> list[list[Number]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, value_at
+from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.family.record import Check
 from rankdrop.robot.model import JointKind
@@ -35,9 +35,8 @@ def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:
 def rank_modulo(chain: Chain, point: Point) -> int:
     """Rank of the task Jacobian at a point modulo P.
 
-    For all six rows by forward kinematics of residues along the chain, from the first axis on; the symbolic screws are
-    not used. A task of some rows only speaks of the tip, and of the axes of the base or of the tip: its rank is that
-    of the values of `Chain.columns`.
+    By forward kinematics of residues along the chain, from the first axis on; the symbolic screws are not used. For a
+    task that leaves rows out a screw is added for each of these: see `Chain.augmented`.
 
     Args:
         chain: the arm.
@@ -50,10 +49,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
         >>> rank_modulo(chain, random_points(chain, 1)[0])
         6
     """
-    if chain.task.m == 6:
-        return rank(_twists(chain, point), modulus(point))
-    values = [[value_at(chain.ring, entry, point) for entry in column] for column in chain.columns]
-    return rank(values, modulus(point))
+    return rank(_twists(chain, point), modulus(point)) - (6 - chain.task.m)
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
@@ -68,7 +64,9 @@ def rank_agreement(chain: Chain, points: Iterable[Point], claimed: int) -> Check
 
 
 def _twists(chain: Chain, point: Point) -> list[list[int]]:
-    """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z."""
+    """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z; then one for
+    each row that the task leaves out.
+    """
     prime = modulus(point)
     turned = [[int(i == j) for j in range(3)] for i in range(3)]
     place = [0, 0, 0]
@@ -81,8 +79,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
             d += point[f"q{number}"]
             found.append([*z, 0, 0, 0])
         else:
-            moment = [(place[i - 2] * z[i - 1] - place[i - 1] * z[i - 2]) % prime for i in range(3)]
-            found.append([*moment, *z])
+            found.append([*_moment(place, z, prime), *z])
             c, s = point[f"c{number}"], point[f"s{number}"]
             cosine, sine = c * cosine - s * sine, s * cosine + c * sine
         turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], prime)
@@ -90,7 +87,20 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
         place = [(place[i] + d * z[i] + a * turned[i][0]) % prime for i in range(3)]
         cosine, sine = residue(section.twist.cos, prime), residue(section.twist.sin, prime)
         turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime)
+    left_out = sorted({*range(6)} - {*chain.task.rows})
+    if left_out:
+        tip = [_length(chain, chain.n, "a", point), residue(chain.tip[1], prime), _length(chain, chain.n, "d", point)]
+        place = [(place[i] + sum(turned[i][k] * tip[k] for k in range(3))) % prime for i in range(3)]
+    for row in left_out:
+        along = [residue(x, prime) for x in chain.task_axes[row % 3]]
+        axis = [sum(turned[i][k] * along[k] for k in range(3)) % prime for i in range(3)] if chain.in_body else along
+        found.append([*_moment(place, axis, prime), *axis] if row > 2 else [*axis, 0, 0, 0])
     return found
+
+
+def _moment(point: list[int], axis: list[int], prime: int) -> list[int]:
+    """p × z."""
+    return [(point[i - 2] * axis[i - 1] - point[i - 1] * axis[i - 2]) % prime for i in range(3)]
 
 
 def _length(chain: Chain, place: int, which: str, point: Point) -> int:
@@ -98,7 +108,8 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
-    return residue(getattr(chain.sections[place], which), modulus(point))
+    value = chain.tip["aid".index(which)] if place == chain.n else getattr(chain.sections[place], which)
+    return residue(value, modulus(point))
 
 
 def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:

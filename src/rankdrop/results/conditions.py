@@ -92,6 +92,7 @@ class Conditions:
         interrupted: Ctrl-C ended it.
         left: what was not finished, in words.
         seconds: spent.
+        limited: a limit on work or time ended it: a longer one derives more.
         settings: what was asked for.
         determinants: the determinant of the Jacobian, or its minors, in factors; None where no steps were asked for.
         anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
@@ -117,6 +118,7 @@ class Conditions:
     left: tuple[str, ...]
     seconds: float
     settings: ConditionSettings
+    limited: bool = False
     determinants: Determinants | None = None
     anew: Callable[[], Conditions] | None = None
 

@@ -338,7 +338,9 @@ def _checks(conditions: Conditions, width: int | None) -> Iterator[Section]:
 def _unfinished(conditions: Conditions, width: int | None) -> Iterator[Section]:
     if conditions.left:
         lines = tuple(piece for one in conditions.left for piece in either(one, width))
-        ended = f"the exact derivation ended after {conditions.seconds:.1f} s; a longer --time-limit may finish it"
+        limit = f"the limit is {conditions.settings.seconds:g} s of processor time, a third of it for the counted work"
+        more = f"; {limit}, and a longer --time-limit may finish it" if conditions.limited else ""
+        ended = f"the exact derivation ended after {conditions.seconds:.1f} s{more}"
         yield Section("Not finished", ended, lines)
 
 

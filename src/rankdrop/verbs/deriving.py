@@ -91,6 +91,7 @@ def derived(
         interrupted=work.interrupted,
         left=tuple(left),
         seconds=monotonic() - begun,
+        limited=work.limited,
         settings=asked,
     )
 
@@ -286,18 +287,18 @@ def _sets_without_points(
     told = [f"{', '.join(row.texts)}: {words}" for row in merge(short)]
     if len(unmet) > len(short):
         told.append(f"{len(unmet) - len(short)} sets with long conditions: no real point was found on them either")
-    return [_sentence(list(lost.values()))] if lost else [], told
+    return [_sentence(list(lost.values()), bool(chain.letters))] if lost else [], told
 
 
-def _sentence(lost: Sequence[ZeroSet]) -> str:
+def _sentence(lost: Sequence[ZeroSet], letters: bool) -> str:
     sets = count(len(lost), "set of real configurations", "sets of real configurations")
     shortest = min(lost, key=_terms)
     texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
     where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""
     return (
         f"{sets}{where} could not be looked into: roots of numbers that stand in the conditions exist modulo none of "
-        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not known; "
-        "--lengths letters may avoid this"
+        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not "
+        f"known{'' if letters else '; --lengths letters may avoid this'}"
     )
 
 

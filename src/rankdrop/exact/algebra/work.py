@@ -66,6 +66,7 @@ class Work:
     Attributes:
         seed: of the random points.
         rng: source of random numbers.
+        limited: a limit on work or on the processor's time was met: with a longer one more is derived.
         interrupted: the user has asked to stop; only what was found is put in order.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
         without_points: sets (`ZeroSet`, by their key) without a point modulo the prime, though they may be real.
@@ -87,6 +88,7 @@ class Work:
         self.lengths: Mapping[str, Fraction] = {}
         self.special = False
         self.interrupted = False
+        self.limited = False
 
     def check(self) -> None:
         """Call this in every loop that may be long.
@@ -95,8 +97,10 @@ class Work:
             OutOfTime: the limit has passed.
         """
         if spent() > self._end:
+            self.limited = True
             raise OutOfTime
         if process_time() > self._last:
+            self.limited = True
             raise OutOfTime("the processor's time ran out")
 
     def show(self, label: str, done: int, total: int) -> None:
@@ -117,14 +121,13 @@ class Work:
     @contextmanager
     def attempt(self, seconds: float) -> Iterator[Callable[[], None]]:
         """Until the end of the block the limit is so much work; the function given undoes what was noted in it."""
-        noted = list(self.unresolved), dict(self.without_points), dict(self.assumed), self.special
+        noted = list(self.unresolved), dict(self.without_points), dict(self.assumed), self.special, self.limited
         end = self._end
         self._end = min(end, spent() + seconds)
 
         def undo() -> None:
-            self.unresolved, self.without_points, self.assumed, self.special = (
-                list(noted[0]), dict(noted[1]), dict(noted[2]), noted[3],
-            )  # fmt: skip
+            self.unresolved, self.without_points, self.assumed = list(noted[0]), dict(noted[1]), dict(noted[2])
+            self.special, self.limited = noted[3:]
 
         try:
             yield undo

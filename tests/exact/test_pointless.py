@@ -7,9 +7,9 @@ from math import prod
 import pytest
 
 from rankdrop.exact.algebra import zeroset
+from rankdrop.exact.algebra.decompose import with_points
 from rankdrop.exact.algebra.field import PRIMES, P, roots
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.robot.open import open_robot

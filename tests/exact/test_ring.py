@@ -10,9 +10,8 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact.algebra.field import P, complete, modulo, value_at
-from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, flint
+from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
 from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.solving import Solved, put
 from rankdrop.exact.algebra.work import spent
 

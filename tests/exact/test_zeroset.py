@@ -9,12 +9,11 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.decompose import decompose
+from rankdrop.exact.algebra.decompose import cut, cut_half, decompose
 from rankdrop.exact.algebra.field import value_at
 from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, plainly_positive
-from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 

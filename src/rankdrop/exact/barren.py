@@ -16,9 +16,8 @@ from itertools import combinations, islice
 from math import prod
 
 from rankdrop.exact.algebra.field import P, roots_at
-from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import ROOTS, Polynomial, flint, image_modulo
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.roots import ROOTS, image_modulo
 from rankdrop.exact.algebra.work import Work, spent, tick
 
 _EACH = 6  # polynomials kept of those in the same variables

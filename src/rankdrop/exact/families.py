@@ -15,11 +15,9 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, used
+from rankdrop.exact.algebra.decompose import decompose, with_points
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, is_number, used
 from rankdrop.exact.algebra.ring import Form
-from rankdrop.exact.algebra.roots import is_number
-from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain

@@ -12,9 +12,17 @@ from contextlib import suppress
 from fractions import Fraction
 
 from rankdrop.exact.algebra.field import residue
-from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import (
+    ROOTS,
+    WRITTEN,
+    Polynomial,
+    approximation,
+    factor,
+    flint,
+    primitive,
+    roots_in,
+)
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import ROOTS, WRITTEN, approximation, factor, primitive, roots_in
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption

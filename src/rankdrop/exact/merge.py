@@ -15,9 +15,8 @@ from math import cos
 
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.field import Point
-from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, used
+from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.writing.condition import AnglePin, Condition

@@ -21,9 +21,8 @@ from fractions import Fraction
 from math import atan2
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, used
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.work import tick
 from rankdrop.exact.arm.chain import Chain, Matrix, identity, times
 from rankdrop.exact.arm.geometry import Section

@@ -23,11 +23,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, islice
 
+from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.field import rank, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import primitive
-from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain

@@ -28,9 +28,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rankdrop.errors import ResultFileError
-from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import Polynomial, flint, root_values, with_inner
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import root_values, with_inner
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import AnglePin, Condition

@@ -13,7 +13,7 @@ from time import monotonic
 
 import numpy as np
 
-from rankdrop.exact.algebra.roots import PRIMES
+from rankdrop.exact.algebra.polynomial import PRIMES
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain

@@ -14,9 +14,20 @@ from functools import lru_cache
 from math import prod
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint
+from rankdrop.exact.algebra.polynomial import (
+    COS_SIN,
+    PRIMES,
+    ROOTS,
+    TANGENT,
+    Atom,
+    Number,
+    Polynomial,
+    Surd,
+    flint,
+    residues_of_roots,
+    roots_of,
+)
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import PRIMES, ROOTS, Number, Surd, residues_of_roots, roots_of
 from rankdrop.exact.algebra.work import tick
 
 P = PRIMES[0]

@@ -1,12 +1,23 @@
-"""Polynomials over the rationals, by python-flint, and the irreducible conditions that they are on the torus.
+"""Polynomials over the rationals and over some square roots, by python-flint, and the irreducible conditions they are.
 
 python-flint is asked for only where it is used. An irreducible condition is a joint at a simple angle, or a polynomial
 in half-angle tangents = 0.
+
+Twists of 15° and 18° and their multiples are rounded nowhere. A ring over ℚ(√2, √3, √5, cos 18°) is one over ℚ with a
+variable for each root w, reduced by w² = r. A product of such polynomials is reduced again; division, common divisors
+and factors go through the norm Π σ(f), the product over all choices of signs of the roots, which has rational
+coefficients (Trager). Polynomials without roots take the plain way.
 """
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, lru_cache, reduce
+from itertools import product
+from math import gcd as whole_gcd
+from math import isqrt, lcm, prod
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -123,3 +134,384 @@ def order(atom: Atom) -> tuple[Any, ...]:
     if atom.pinned:
         return (0, atom.joint, SIMPLE.index(atom.value), "")
     return (1, len(atom.f), 0, atom.key)
+
+
+_BELOW = (
+    11_913, 636_873, 2_465_193, 5_454_201, 7_198_593, 8_757_921, 9_646_521, 10_176_081, 10_526_961, 11_201_481,
+    12_427_041, 14_400_441, 16_867_161, 21_450_993, 22_957_953, 25_261_473, 25_265_841, 25_306_761, 26_721_321,
+    26_768_241, 27_325_953, 30_620_601, 31_134_561, 34_449_873, 34_751_601, 35_367_513, 40_584_753, 40_940_841,
+    42_313_113, 45_697_833, 46_343_121, 47_089_353,
+)  # fmt: skip
+PRIMES = tuple((1 << 61) - below for below in _BELOW)
+"""The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not."""
+
+_SQUARES: dict[str, dict[tuple[str, ...], Fraction]] = {
+    "cos18": {(): Fraction(5, 8), ("sqrt5",): Fraction(1, 8)},
+    "sqrt2": {(): Fraction(2)},
+    "sqrt3": {(): Fraction(3)},
+    "sqrt5": {(): Fraction(5)},
+}
+ROOTS = tuple(_SQUARES)
+"""Names of the roots, in the order of their variables: a root comes before those in its square."""
+WRITTEN = {"cos18": "cos 18°", "sqrt2": "√2", "sqrt3": "√3", "sqrt5": "√5"}
+"""The roots as people write them."""
+_DIGITS = 10**60  # of the rational that stands for a root where a sign is asked for
+
+
+@dataclass(frozen=True)
+class Surd:
+    """An irrational number Σ c · Π roots.
+
+    Attributes:
+        terms: (names of different roots, rational) in order.
+    """
+
+    terms: tuple[tuple[tuple[str, ...], Fraction], ...]
+
+    def __float__(self) -> float:
+        return float(sum(value * prod(map(approximation, names)) for names, value in self.terms))
+
+    def __mul__(self, factor: Fraction | int) -> Surd:
+        return Surd(tuple((names, value * factor) for names, value in self.terms))
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __neg__(self) -> Surd:
+        return self * -1
+
+
+Number = Fraction | Surd
+"""An exact number."""
+
+
+def roots_of(numbers: Sequence[Number]) -> list[str]:
+    """Names of the roots in numbers, and of those in their squares, in the order of `ROOTS`."""
+    return with_inner({name for one in numbers if isinstance(one, Surd) for names, _ in one.terms for name in names})
+
+
+def with_inner(names: Container[str]) -> list[str]:
+    """Those of some names that are roots, and the roots in their squares, in the order of `ROOTS`."""
+    used = {name for name in ROOTS if name in names}
+    used |= {name for root in used for inner in _SQUARES[root] for name in inner}
+    return [name for name in ROOTS if name in used]
+
+
+@cache
+def approximation(name: str) -> Fraction:
+    """The positive value of a root, to sixty digits."""
+    square = sum(value * prod(map(approximation, names)) for names, value in _SQUARES[name].items())
+    return Fraction(isqrt(int(square * _DIGITS**2)), _DIGITS)
+
+
+def root_values(names: Iterable[str]) -> dict[str, float]:
+    """The positive values of roots."""
+    return {name: float(approximation(name)) for name in names}
+
+
+def surd(angle: int) -> tuple[Number, Number]:
+    """(cos, sin) of an angle in degrees: a multiple of 15 or 18, between 0 and 90.
+
+    Example:
+        >>> surd(45)[0].terms
+        ((('sqrt2',), Fraction(1, 2)),)
+    """
+    return _cosine(angle), _cosine(90 - angle)
+
+
+def _cosine(angle: int) -> Number:
+    """cos of 15, 18, 30, 36 … degrees."""
+    quarter, half = Fraction(1, 4), Fraction(1, 2)
+    terms: dict[int, tuple[tuple[tuple[str, ...], Fraction], ...]] = {
+        0: (((), Fraction(1)),), 60: (((), half),), 90: (),
+        15: ((("sqrt2",), quarter), (("sqrt2", "sqrt3"), quarter)),
+        75: ((("sqrt2",), -quarter), (("sqrt2", "sqrt3"), quarter)),
+        30: ((("sqrt3",), half),), 45: ((("sqrt2",), half),),
+        36: (((), quarter), (("sqrt5",), quarter)), 72: (((), -quarter), (("sqrt5",), quarter)),
+        18: ((("cos18",), Fraction(1)),), 54: ((("cos18",), -half), (("cos18", "sqrt5"), half)),
+    }  # fmt: skip
+    found = terms[angle]
+    return Surd(found) if any(names for names, _ in found) else sum((value for _, value in found), Fraction(0))
+
+
+@lru_cache
+def residues_of_roots(names: tuple[str, ...], prime: int) -> dict[str, int] | None:
+    """Values of roots, and of those in their squares, modulo a prime; None where one of them does not exist."""
+    return next(iter(_embeddings(tuple(with_inner(names)), prime)), None)
+
+
+def _embeddings(names: tuple[str, ...], prime: int) -> Iterator[dict[str, int]]:
+    """The values of roots modulo a prime p ≡ 3 mod 4 for every choice of signs."""
+    for signs in product((1, -1), repeat=len(names)):
+        values: dict[str, int] = {}
+        for name, sign in reversed(list(zip(names, signs, strict=True))):
+            square = sum(
+                value.numerator * pow(value.denominator, -1, prime) * prod(values[one] for one in inner)
+                for inner, value in _SQUARES[name].items()
+            )
+            root = pow(square % prime, (prime + 1) // 4, prime)
+            if (root * root - square) % prime:
+                return
+            values[name] = sign * root % prime
+        yield values
+
+
+@lru_cache
+def primes_with(names: tuple[str, ...]) -> tuple[int, ...]:
+    """The primes modulo which roots exist."""
+    return tuple(prime for prime in PRIMES if residues_of_roots(names, prime) is not None)
+
+
+def roots_in(f: Polynomial) -> tuple[str, ...]:
+    """Names of the roots among the variables of a polynomial."""
+    return tuple(name for name in _names(f.context()) if name in _SQUARES)
+
+
+@lru_cache
+def _names(context: Any) -> tuple[str, ...]:
+    return tuple(map(str, context.names()))
+
+
+@lru_cache
+def _relations(context: Any) -> tuple[tuple[int, Polynomial], ...]:
+    """(place, w² − r) of every root among the variables."""
+    names = _names(context)
+    made = dict(zip(names, context.gens(), strict=True))
+
+    def value(terms: Mapping[tuple[str, ...], Fraction]) -> Polynomial:
+        parts = (flint().fmpq(c.numerator, c.denominator) * prod(made[one] for one in inner)
+                 for inner, c in terms.items())  # fmt: skip
+        return sum(parts, context.constant(0))
+
+    return tuple((k, made[name] ** 2 - value(_SQUARES[name])) for k, name in enumerate(names) if name in _SQUARES)
+
+
+def reduced_roots(f: Polynomial) -> Polynomial:
+    """f with every root at most once in a term."""
+    for place, relation in _relations(f.context()):
+        if f.degrees()[place] > 1:
+            f = f % relation
+    return f
+
+
+def _conjugate(f: Polynomial, place: int) -> Polynomial:
+    """f with the other sign of one root."""
+    return f.context().from_dict({e: -c if e[place] % 2 else c for e, c in f.terms()})
+
+
+def norm(f: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """(norm, cofactor): the product of f with its conjugates, and that of the conjugates alone; norm = f · cofactor."""
+    cofactor = f.context().constant(1)
+    for place, _ in _relations(f.context()):
+        if f.degrees()[place]:
+            other = _conjugate(f, place)
+            cofactor, f = reduced_roots(cofactor * other), reduced_roots(f * other)
+    return f, cofactor
+
+
+def monic(f: Polynomial) -> Polynomial:
+    """f divided by the number in front of its first power product, where that has a root in it."""
+    places = [place for place, _ in _relations(f.context())]
+    if not places or f == 0:
+        return f
+    first = [e for place, e in enumerate(next(iter(f.monoms()))) if place not in places]
+    leading = {}
+    for powers, value in f.terms():  # lexicographic, the roots last: these terms come first
+        if [e for place, e in enumerate(powers) if place not in places] != first:
+            break
+        leading[tuple(e if place in places else 0 for place, e in enumerate(powers))] = value
+    number = f.context().from_dict(leading)
+    return f if number.is_constant() else reduced_roots(f * norm(number)[1])
+
+
+def primitive(f: Polynomial) -> Polynomial:
+    """f times a number, with whole coprime coefficients, the first one positive and rational."""
+    f = monic(f)
+    values = f.coeffs()
+    if not values:
+        return f
+    top, bottom = 0, 1
+    for value in values:
+        top, bottom = whole_gcd(top, int(value.p)), lcm(bottom, int(value.q))
+    return f * flint().fmpq(bottom, -top if values[0] < 0 else top)
+
+
+def reciprocal(number: Polynomial) -> Polynomial:
+    """1 / number, for a polynomial without other variables than roots."""
+    bottom, cofactor = norm(number)
+    return cofactor / bottom.coeffs()[0]
+
+
+def is_number(f: Polynomial) -> bool:
+    """Whether no variable but roots occurs."""
+    places = {place for place, _ in _relations(f.context())}
+    return all(place in places for place, degree in enumerate(f.degrees()) if degree > 0)
+
+
+def quotient(f: Polynomial, g: Polynomial) -> Polynomial | None:
+    """f / g; None where g does not divide f."""
+    bottom, cofactor = norm(g)
+    result, rest = divmod(reduced_roots(f * cofactor), bottom)
+    return result if rest == 0 else None
+
+
+def gcd(f: Polynomial, g: Polynomial) -> Polynomial:
+    """A greatest common divisor: over the roots from its images modulo primes, for every choice of signs of the roots.
+
+    Raises:
+        ArithmeticError: the primes do not suffice for its coefficients.
+    """
+    if not (roots_in(f) and f != 0 and g != 0):
+        return f.gcd(g)
+    names = roots_in(f)
+    known: dict[tuple[int, ...], int] = {}
+    modulus = 1
+    for prime in primes_with(names):
+        image = _gcd_modulo(f, g, names, prime)
+        if image is None:
+            return f.context().constant(1)
+        step = pow(modulus, -1, prime)
+        known = {e: (a := known.get(e, 0)) + modulus * ((image.get(e, 0) - a) * step % prime)
+                 for e in {*known, *image}}  # fmt: skip
+        modulus *= prime
+        found = _rational(known, modulus, f.context())
+        if found is not None and quotient(f, found) is not None and quotient(g, found) is not None:
+            return primitive(found)
+    raise ArithmeticError("a common divisor with long coefficients")
+
+
+def _gcd_modulo(f: Polynomial, g: Polynomial, names: tuple[str, ...], prime: int) -> dict[tuple[int, ...], int] | None:
+    """Coefficients modulo a prime of the monic common divisor, by the powers of all variables; None where it is 1."""
+    context, module = f.context(), flint()
+    places = [place for place, _ in _relations(context)]
+    basis = list(product((0, 1), repeat=len(places)))
+    choices, images = list(_embeddings(names, prime)), []
+    for choice in choices:
+        one, two = (image_modulo(h, choice, prime) for h in (f, g))
+        common = one.gcd(two)
+        if common.is_constant():
+            return None
+        images.append({tuple(map(int, e)): int(c) for e, c in common.to_dict().items()})
+    rows = [[prod(choice[name] ** e for name, e in zip(names, powers, strict=True)) % prime for powers in basis]
+            for choice in choices]  # fmt: skip
+    inverse = module.nmod_mat(len(rows), len(rows), [x for row in rows for x in row], prime).inv().tolist()
+    result: dict[tuple[int, ...], int] = {}
+    for e in {e for image in images for e in image}:
+        for powers, row in zip(basis, inverse, strict=True):
+            value = sum(int(x) * image.get(e, 0) for x, image in zip(row, images, strict=True)) % prime
+            if value:
+                whole = list(e)
+                for place, power in zip(places, powers, strict=True):
+                    whole[place] = power
+                result[tuple(whole)] = value
+    return result
+
+
+def image_modulo(f: Polynomial, values: Mapping[str, int], prime: int) -> Polynomial:
+    """f modulo a prime with values for some variables (`flint.nmod_mpoly` in the same variables)."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list(_names(f.context())), prime, module.Ordering.lex)
+    terms = {tuple(map(int, e)): int(c.p) % prime * pow(int(c.q), -1, prime) % prime for e, c in f.terms()}
+    return context.from_dict(terms).subs(dict(values))
+
+
+def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) -> Polynomial | None:
+    """The polynomial with small rational coefficients that are these modulo a number; None where one is not small."""
+    bound, found = isqrt(modulus // 2), {}
+    for e, value in terms.items():
+        (a, b), (s, t) = (modulus, value % modulus), (0, 1)
+        while b > bound:
+            a, b, s, t = b, a % b, t, s - a // b * t
+        if abs(t) > bound or t == 0:
+            return None
+        found[e] = flint().fmpq(b if t > 0 else -b, abs(t))
+    return context.from_dict(found)
+
+
+def factor(f: Polynomial) -> tuple[Polynomial, list[tuple[Polynomial, int]]]:
+    """(number, irreducible factors with their multiplicities), as `f.factor()`; factors over the roots are primitive.
+
+    The number is one of `fmpq`; over the roots it is the rational one that is left where the factors are as they stand,
+    which then are equal to f but for an invertible number.
+    """
+    if not roots_in(f):
+        content, found = f.factor()
+        return content, [(one, int(power)) for one, power in found]
+    rational = reduce(lambda a, b: a.gcd(b), _components(f))
+    pieces = [piece for one, _ in rational.factor()[1] for piece in ([one] if 1 in one.degrees() else _split(one))]
+    rest = quotient(f, rational)
+    if not is_number(rest):
+        pieces += _split(rest)
+    result: list[tuple[Polynomial, int]] = []
+    for piece in {str(one): one for one in map(primitive, pieces)}.values():
+        power, here = 0, f
+        while (smaller := quotient(here, piece)) is not None:
+            power, here = power + 1, smaller
+        result.append((piece, power))
+    whole = prod((one**power for one, power in result), start=f.context().constant(1))
+    left = quotient(f, reduced_roots(whole))
+    return (left.leading_coefficient() if left is not None else flint().fmpq(1)), result
+
+
+def _components(f: Polynomial) -> list[Polynomial]:
+    """The rational polynomials that the products of roots are multiplied by."""
+    places = [place for place, _ in _relations(f.context())]
+    parts: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}
+    for e, value in f.terms():
+        rest = tuple(0 if place in places else x for place, x in enumerate(e))
+        parts.setdefault(tuple(e[place] for place in places), {})[rest] = value
+    return [f.context().from_dict(part) for part in parts.values()]
+
+
+_SMALL = ((1 << 31) - 249, (1 << 31) - 2289)  # modulo which all roots exist; flint factors by no larger ones
+_SHIFTS = 8  # each fails for few polynomials only
+
+
+def _split(f: Polynomial) -> list[Polynomial]:
+    """The different irreducible factors of a polynomial over the roots."""
+    if _stays_irreducible(f):
+        return [f]
+    for shift in range(_SHIFTS):
+        turned = _shifted(f, shift)
+        found = norm(turned)[0].factor()[1]
+        parts = [_shifted(gcd(turned, one), -shift) for one, _ in found]
+        if len(found) > 1:
+            return [piece for part in parts if not is_number(part) for piece in _split(part)]
+        if found[0][1] == 1 and all(turned.degrees()[place] for place, _ in _relations(f.context())):
+            return [f]
+        if (root := _squarefree(f)) is not None:
+            return _split(root)
+    raise ArithmeticError("no shift makes the norm of a polynomial squarefree")
+
+
+def _stays_irreducible(f: Polynomial) -> bool:
+    """Whether f is irreducible modulo one of two primes, each with the roots; then it is so over them."""
+    for prime in _SMALL:
+        image = image_modulo(f, residues_of_roots(roots_in(f), prime) or {}, prime)
+        if image.total_degree() == _degree(f) and [power for _, power in image.factor()[1]] == [1]:
+            return True
+    return False
+
+
+def _degree(f: Polynomial) -> int:
+    """Total degree of a polynomial, roots not counted."""
+    roots = {place for place, _ in _relations(f.context())}
+    return max(sum(int(x) for place, x in enumerate(e) if place not in roots) for e in f.monoms())
+
+
+def _squarefree(f: Polynomial) -> Polynomial | None:
+    """f without repeated factors where it has one; None where it has none in its first variable."""
+    name = next(name for name, degree in zip(_names(f.context()), f.degrees(), strict=True) if degree)
+    common = gcd(f, f.derivative(name))
+    return None if is_number(common) else quotient(f, common)
+
+
+def _shifted(f: Polynomial, shift: int) -> Polynomial:
+    """f(x + shift · Σ k w_k) for one of its variables: its norm has no square for almost every shift."""
+    if shift == 0:
+        return f
+    gens, relations = f.context().gens(), dict(_relations(f.context()))
+    place = next(k for k, degree in enumerate(f.degrees()) if degree and k not in relations)
+    step = sum(((2 * k + 1) * gens[w] for k, w in enumerate(relations)), f.context().constant(0)) * shift
+    return reduced_roots(f.compose(*(x + step if k == place else x for k, x in enumerate(gens)), ctx=f.context()))
+

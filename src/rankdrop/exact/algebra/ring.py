@@ -24,19 +24,17 @@ from rankdrop.exact.algebra.polynomial import (
     TANGENT,
     Atom,
     Factors,
+    Number,
     Polynomial,
+    Surd,
     coefficients,
+    factor,
     flint,
     order,
-    used,
-)
-from rankdrop.exact.algebra.roots import (
-    Number,
-    Surd,
-    factor,
     primes_with,
     primitive,
     reduced_roots,
+    used,
     with_inner,
 )
 from rankdrop.exact.algebra.work import OutOfTime, tick

@@ -22,9 +22,20 @@ from itertools import combinations, permutations
 from math import prod
 
 from rankdrop.exact.algebra.field import dense, reduced, residue, roots
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, flint, used
+from rankdrop.exact.algebra.polynomial import (
+    PRIMES,
+    Atom,
+    Polynomial,
+    coefficients,
+    flint,
+    primes_with,
+    quotient,
+    reduced_roots,
+    residues_of_roots,
+    roots_in,
+    used,
+)
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.roots import PRIMES, primes_with, quotient, reduced_roots, residues_of_roots, roots_in
 from rankdrop.exact.algebra.work import OutOfTime, Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two

@@ -15,8 +15,7 @@ from math import inf
 from time import process_time
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.algebra.roots import is_number, primitive
+from rankdrop.exact.algebra.polynomial import Polynomial, is_number, primitive
 
 _spent = 0.0
 

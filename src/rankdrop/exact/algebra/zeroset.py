@@ -31,9 +31,8 @@ from rankdrop.exact.algebra.field import (
     univariate,
     value_at,
 )
-from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, used
+from rankdrop.exact.algebra.polynomial import ROOTS, TANGENT, Atom, Polynomial, used
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.roots import ROOTS
 from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80

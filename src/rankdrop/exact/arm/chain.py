@@ -14,9 +14,18 @@ from functools import cached_property
 import numpy as np
 
 from rankdrop.errors import TaskError
-from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import (
+    ROOTS,
+    Number,
+    Polynomial,
+    flint,
+    is_number,
+    primitive,
+    reciprocal,
+    root_values,
+    roots_of,
+)
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.roots import ROOTS, Number, is_number, primitive, reciprocal, root_values, roots_of
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import (
     Rounding,

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.exact.algebra.decompose import cut_half, pinned
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
-from rankdrop.exact.algebra.split import cut_half, pinned
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain

@@ -17,9 +17,8 @@ from itertools import combinations
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.field import P, Point, complete, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial, polynomial_of
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import triples

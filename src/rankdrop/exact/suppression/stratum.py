@@ -20,9 +20,18 @@ from functools import cached_property
 from itertools import product
 
 from rankdrop.exact.algebra.field import value_at
-from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, Atom, Equality, Polynomial, coefficients, order, used
+from rankdrop.exact.algebra.polynomial import (
+    COS_SIN,
+    SIMPLE,
+    Atom,
+    Equality,
+    Polynomial,
+    coefficients,
+    order,
+    primitive,
+    used,
+)
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.algebra.solving import Solved, plainly_positive
 from rankdrop.exact.algebra.zeroset import ZeroSet
 

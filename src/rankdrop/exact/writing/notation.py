@@ -13,7 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from math import pi
 
-from rankdrop.exact.algebra.roots import WRITTEN, approximation
+from rankdrop.exact.algebra.polynomial import WRITTEN, approximation
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave
 from rankdrop.family.equation import pretty_angle
 

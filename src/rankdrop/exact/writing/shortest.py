@@ -13,9 +13,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from weakref import WeakKeyDictionary
 
-from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, coefficients, used
+from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.writing.form import Factor, Product, Sum, Wave, fourier, half_of, number_of, product, symbols, total
 from rankdrop.exact.writing.notation import Text
 

@@ -13,9 +13,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial
+from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring, polynomial_of
-from rankdrop.exact.algebra.roots import primitive
 from rankdrop.exact.writing.condition import WORDS
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave, fourier, half_of, product, symbols, total
 from rankdrop.exact.writing.notation import Latex, Notation, Python, Text

@@ -61,15 +61,15 @@ def test_a_rounded_twist_is_not_called_exact() -> None:
     assert found.verdict.claims == ()
     assert "44.9° is rounded by" in found.verdict.sentence
     assert "exactly" not in found.verdict.sentence
-    assert {one.what for one in found.chain.rounded} == {"twist"}
-    assert all(0 < abs(one.error) < 1e-11 for one in found.chain.rounded)
+    assert {one.kind for one in found.chain.rounded} == {"twist"}
+    assert all(0 < abs(one.miss) < 1e-11 for one in found.chain.rounded)
 
 
 def test_a_length_that_is_no_decimal_is_rounded_unless_it_is_a_letter() -> None:
     rows = [{"a": 0.1 * 2**0.5, "alpha": 0.0, "d": 0.0}, {"a": 0.2, "alpha": 0.0, "d": 0.0},
             {"a": 0.0, "alpha": 0.0, "d": 0.0}]  # fmt: skip
     arm = from_dh(rows, convention="standard")
-    assert [one.what for one in exact_chain(arm, "vx,vy,wz", lengths="numbers").rounded] == ["a"]
+    assert [one.kind for one in exact_chain(arm, "vx,vy,wz", lengths="numbers").rounded] == ["a"]
     assert exact_chain(arm, "vx,vy,wz", lengths="letters").rounded == ()
 
 

@@ -92,35 +92,33 @@ def reduced(f: Polynomial, prime: int = P) -> Polynomial:
     return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
 
 
-class Residues:
-    """Polynomials of one ring modulo primes, remembered up to `_KEPT` terms."""
-
-    def __init__(self) -> None:
-        self.kept: dict[tuple[int, int], tuple[Polynomial, Polynomial, tuple[str, ...]]] = {}  # by id and prime
-        self.terms = 0
-
-    def of(self, f: Polynomial, prime: int) -> tuple[Polynomial, tuple[str, ...]]:
-        """`reduced`, and the names of the variables; f is kept, so that its id is no other one's."""
-        known = self.kept.get((id(f), prime))
-        if known is None:
-            self.terms += 1 + len(f)
-            if self.terms > _KEPT:
-                self.kept.clear()
-                self.terms = 1 + len(f)
-            known = self.kept[id(f), prime] = (f, reduced(f, prime), tuple(f.context().names()))
-        return known[1:]
+Remembered = dict[tuple[int, int], tuple[Polynomial, Polynomial, tuple[str, ...]]]
+"""(id of a polynomial, prime) -> the polynomial, so that its id is no other one's, `reduced`, names of variables."""
 
 
 @lru_cache(maxsize=_RINGS)
-def residues_of(ring: Ring) -> Residues:
-    """What is remembered for a ring; of rings not used for long nothing is."""
-    return Residues()
+def residues_of(_ring: Ring) -> tuple[list[int], Remembered]:
+    """The number of remembered terms and what is remembered for a ring; of rings not used for long nothing is."""
+    return [0], {}
+
+
+def _residues(ring: Ring, f: Polynomial, prime: int) -> tuple[Polynomial, tuple[str, ...]]:
+    """`reduced`, and the names of the variables."""
+    terms, kept = residues_of(ring)
+    known = kept.get((id(f), prime))
+    if known is None:
+        terms[0] += 1 + len(f)
+        if terms[0] > _KEPT:
+            kept.clear()
+            terms[0] = 1 + len(f)
+        known = kept[id(f), prime] = (f, reduced(f, prime), tuple(f.context().names()))
+    return known[1:]
 
 
 def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
     tick(3 + 0.12 * len(f))
-    residues, names = residues_of(ring).of(f, modulus(point))
+    residues, names = _residues(ring, f, modulus(point))
     return int(residues(*(point.get(name, 0) for name in names)))
 
 
@@ -144,7 +142,7 @@ def _put(
 ) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
     tick(10 + len(f))
-    residues, names = residues_of(ring).of(f, modulus(point))
+    residues, names = _residues(ring, f, modulus(point))
     return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 

@@ -28,7 +28,7 @@ from rankdrop.exact.algebra.polynomial import (
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import (
-    Rounding,
+    Deviation,
     Section,
     decimals,
     exact_cosine,
@@ -177,7 +177,7 @@ class Chain:
     sections: tuple[Section, ...]
     letters: Mapping[str, Fraction]
     written: Mapping[tuple[int, str], tuple[int, str]]
-    roundings: tuple[Rounding, ...]
+    roundings: tuple[Deviation, ...]
     notes: tuple[str, ...]
 
     @property
@@ -186,14 +186,14 @@ class Chain:
         return (*(one.text for one in self.rounded), *self.notes)
 
     @property
-    def rounded(self) -> tuple[Rounding, ...]:
+    def rounded(self) -> tuple[Deviation, ...]:
         """What the derivation rounds: a length that is a letter stands for any value."""
-        return tuple(one for one in self.roundings if (one.place, one.what) not in self.written and self._counts(one))
+        places = ((one, one.joints[0] - 1) for one in self.roundings)
+        return tuple(one for one, k in places if (k, one.kind) not in self.written and self._counts(k, one.kind))
 
-    def _counts(self, one: Rounding) -> bool:
+    def _counts(self, place: int, kind: str) -> bool:
         """Whether conditions depend on a number: not on the first offset, nor on what lies behind the last axis."""
-        inner = 0 < one.place < self.n - 1 or one.place == self.n
-        return inner or one.what == "twist" or (one.place, one.what) == (0, "a")
+        return 0 < place < self.n - 1 or place == self.n or kind == "twist" or (place, kind) == (0, "a")
 
     @property
     def n(self) -> int:
@@ -511,12 +511,11 @@ def exact_chain(
         )
     power = exponent(robot)
     unit = Fraction(10) ** power
-    found, roundings = sections(in_units(robot))
+    found, roundings = sections(in_units(robot), float(unit))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
     if tip is not None:
-        roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(found))
-    roundings = tuple(one if one.what in ("twist", "angle") else one.times(float(unit)) for one in roundings)
+        roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(found) + 1, float(unit))
     if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
         lengths = "numbers"
     letters, written = named_lengths(robot, found, lengths, tip)

@@ -13,7 +13,7 @@ Letters have names, values, and places where each stands.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from math import acos, atan2, degrees, pi, radians, remainder, tan
 
@@ -91,41 +91,36 @@ class Section:
 
 
 @dataclass(frozen=True, slots=True)
-class Rounding:
-    """A number of the arm that the derivation replaces by another one.
+class Deviation:
+    """A number of the arm that is not quite another one.
 
     Attributes:
-        what: "twist", "angle" (of a slide), "a" or "d"; of the tip "a", "y" and "d", its x, y and z.
-        joint: name of the joint that the section belongs to.
-        place: index of the section.
-        given: the arm's own value [rad, m].
-        error: the given value less the one in the derivation [rad, m].
+        kind: "twist", "angle" (about an axis), "a" or "d": what the derivation rounds; of the tip "a", "y" and "d", its
+            x, y and z. "point" (three axes nearly meet in one) or "parallel" (two axes nearly are): near structure.
+        joints: numbers, from 1; n + 1 for the tip.
+        miss: by how much [rad, m].
+        text: the same in words.
     """
 
-    what: str
-    joint: str
-    place: int
-    given: float
-    error: float
-
-    def times(self, unit: float) -> Rounding:
-        """The rounding of a length, in another unit."""
-        return replace(self, given=self.given * unit, error=self.error * unit)
-
-    @property
-    def text(self) -> str:
-        """Which number is rounded, and by how much."""
-        if self.what not in ("twist", "angle"):
-            return f"length {self.what} of {self.joint}: {self.given:.12g} m is rounded by {abs(self.error):.1e} m"
-        name = "twist after" if self.what == "twist" else "angle of slide"
-        return f"{name} {self.joint}: {degrees(self.given):.12g}° is rounded by {abs(self.error):.1e} rad"
+    kind: str
+    joints: tuple[int, ...]
+    miss: float
+    text: str
 
 
-def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[Rounding, ...]]:
+def _rounding(kind: str, name: str, joint: int, given: float, error: float) -> Deviation:
+    """A number that the derivation rounds: given [rad, m], and by how much."""
+    what = {"twist": f"twist after {name}", "angle": f"angle of {name}"}.get(kind, f"length {kind} of {name}")
+    value, unit = (f"{degrees(given):.12g}°", "rad") if kind in ("twist", "angle") else (f"{given:.12g} m", "m")
+    return Deviation(kind, (joint,), error, f"{what}: {value} is rounded by {abs(error):.1e} {unit}")
+
+
+def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tuple[Deviation, ...]]:
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
+        unit: in metres, of its lengths.
 
     Returns:
         (sections, roundings): a rounding for each twist, phase or length that is changed by more than the noise of
@@ -136,7 +131,7 @@ def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[Rounding, ...]]:
     """
     _check(robot)
     lines, normals = _lines_and_normals(robot)
-    roundings: list[Rounding] = []
+    roundings: list[Deviation] = []
     found = []
     for i, joint in enumerate(robot.joints):
         before, after = normals[i], normals[i + 1]
@@ -156,17 +151,21 @@ def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[Rounding, ...]]:
             "angle": (angle, phase.error), "twist": (float(twist), twist.error),
             **{which: (value, value - float(exact[which])) for which, value in lengths.items() if exact[which]},
         }  # fmt: skip
-        roundings += [Rounding(what, joint.name, i, given, error) for what, (given, error) in errors.items()
-                      if abs(error) > _NOISE[what]]  # fmt: skip
+        for what, (value, error) in errors.items():
+            if abs(error) > _NOISE[what]:
+                size = unit if what in "ad" else 1.0
+                roundings.append(_rounding(what, joint.name, i + 1, size * value, size * error))
         found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist))
     return tuple(found), tuple(roundings)
 
 
-def tip_roundings(tip: Array, place: int) -> tuple[Rounding, ...]:
-    """Coordinates of the tip in the frame of the last link that `decimals` changes, as roundings of section `place`."""
-    found = zip("ayd", tip, decimals(tip), strict=True)
-    return tuple(Rounding(what, "the tip", place, float(given), float(given) - float(exact))
-                 for what, given, exact in found if abs(float(given) - float(exact)) > _NOISE["a"])  # fmt: skip
+def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
+    """Coordinates of the tip in the frame of the last link that `decimals` changes, as roundings of a joint more."""
+    found = zip("ayd", map(float, tip), map(float, decimals(tip)), strict=True)
+    return tuple(
+        _rounding(kind, "the tip", joint, unit * given, unit * (given - exact))
+        for kind, given, exact in found if abs(given - exact) > _NOISE["a"]
+    )  # fmt: skip
 
 
 def turn(angle: float) -> Turn:

@@ -14,7 +14,7 @@ from math import acos, degrees
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.geometry import Section
+from rankdrop.exact.arm.geometry import Deviation, Section
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.numbers import reach
 from rankdrop.tolerances import ALIGNED
@@ -22,23 +22,6 @@ from rankdrop.units import counted_length
 
 SMALL = 0.02
 """Lengths up to this share of the reach, and angles up to this [rad], are called small: 12 mm of a 1.2 m arm are."""
-
-
-@dataclass(frozen=True, slots=True)
-class NearStructure:
-    """What would hold if a small length or angle were zero.
-
-    Attributes:
-        kind: "point" (three axes nearly meet in one) or "parallel" (two axes nearly are).
-        joints: numbers, from 1.
-        miss: by how much [m; rad for "parallel"].
-        text: the same in words.
-    """
-
-    kind: str
-    joints: tuple[int, ...]
-    miss: float
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +41,7 @@ class ExactStructure:
     points: tuple[tuple[int, int, int], ...]
     parallel: tuple[tuple[int, ...], ...]
     meeting: tuple[tuple[int, int], ...]
-    near: tuple[NearStructure, ...]
+    near: tuple[Deviation, ...]
     remarks: tuple[str, ...]
 
     @property
@@ -175,7 +158,7 @@ def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]
     return tuple(tuple(group) for group in groups if len(group) > 1)
 
 
-def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[NearStructure]:
+def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[Deviation]:
     """Triples whose normals and offset are small, not all zero."""
     found = []
     for first, middle, last in triples:
@@ -187,11 +170,11 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[Ne
             joints = (first, middle, last)
             by = _in_words(miss, counted_length(chain.robot))
             text = f"the axes of joints {listed(joints)} miss a common point by {by}"
-            found.append(NearStructure("point", joints, miss, text))
+            found.append(Deviation("point", joints, miss, text))
     return found
 
 
-def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[NearStructure]:
+def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
     """Neighbouring axes at a small angle that is not zero."""
     found = []
     for i in neighbours:
@@ -199,7 +182,7 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[NearStructure]
         angle = acos(min(1.0, abs(float(twist.cos))))
         if twist.sin != 0 and angle <= SMALL:
             text = f"axes {i} and {i + 1} are {degrees(angle):.2g}° from parallel"
-            found.append(NearStructure("parallel", (i, i + 1), angle, text))
+            found.append(Deviation("parallel", (i, i + 1), angle, text))
     return found
 
 

@@ -39,6 +39,7 @@ def outputs() -> dict[str, str]:
 @pytest.mark.parametrize(
     ("page", "command", "shown"), SHOWN, ids=[f"{page.stem}-{i}" for i, (page, _, _) in enumerate(SHOWN)]
 )
+@pytest.mark.shipped
 def test_commands_print_what_is_shown(
     page: Path,
     command: str,

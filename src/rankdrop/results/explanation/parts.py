@@ -357,6 +357,7 @@ def summary_of(explanation: Explanation) -> Summary:
     moves, after = best_way_out(explanation.escape, rank) if rank.generic_rank else ((), None)
     slowest = [one for one in explanation.straight if slow is None or one.speed < one.limit]
     turned = explanation.focus if about is not None else explanation.q
+    known = shipped_conditions_record(asked.robot, asked.task, any_tip=True)
     return Summary(
         verdict=explanation.verdict, cause=explanation.cause, family=family.name if family else "",
         family_id=family.id if family else "", distance=distance, ideal=near is not None,
@@ -365,7 +366,7 @@ def summary_of(explanation: Explanation) -> Summary:
         lost=() if base is None else tuple(tuple(row.tolist()) for row in base.directions),
         slowest=slowest[0] if slowest else None, way_out=moves,
         sigma_after=after, next_family=following.name if following else "", next_distance=away, source=asked.source,
-        exact=asked.source == "catalogue" and shipped_conditions_record(asked.robot, asked.task) is not None,
+        exact=asked.source == "catalogue" and known is not None,
         radius=explanation.certified_radius,
     )  # fmt: skip
 

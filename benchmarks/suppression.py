@@ -26,7 +26,7 @@ LIMIT = 60.0
 def suppression(arm: str) -> dict[str, Any]:
     """Disjoint families."""
     from rankdrop.exact.arm.chain import exact_chain
-    from rankdrop.exact.suppression.suppress import suppress
+    from rankdrop.exact.suppression import suppress
     from rankdrop.robot.open import open_robot
 
     suppress(exact_chain(open_robot("puma560")))  # what is imported on first use

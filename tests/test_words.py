@@ -79,7 +79,7 @@ def counted_sentences() -> Counter[str]:
 FOREIGN = {
     "cli/arm.py": "options as they were typed", "cli/main.py": "options as they were typed",
     "codec.py": "messages of msgspec, docstrings, JSON",
-    "exact/reading/grammar.py": "conditions of the user", "exact/reading/meaning.py": "conditions of the user",
+    "exact/reading.py": "conditions of the user",
     "motion/csv_file.py": "files of the user",
     **dict.fromkeys(("robot/files.py", "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
                      "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
@@ -87,9 +87,8 @@ FOREIGN = {
 """Modules that take texts of others apart, and whose."""
 OWN = {
     "exact/code.py",
-    "exact/writing/mathml.py",
-    "exact/writing/notation.py",
-    "exact/writing/shortest.py",
+    "exact/notation.py",
+    "exact/writing.py",
     "families/arm_header.py",
     "family/naming.py",
     "family/record.py",

@@ -22,7 +22,7 @@ from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import Asks, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
-from rankdrop.exact.writing.condition import AnglePin
+from rankdrop.exact.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import json_text

@@ -9,9 +9,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between
-from rankdrop.exact.decoupling import decouple
-from rankdrop.exact.signs import zeros_of
+from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between, zeros_of
+from rankdrop.exact.determinants import decouple
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -12,7 +12,7 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.code import Code
-from rankdrop.exact.writing.condition import AnglePin, Condition
+from rankdrop.exact.writing import AnglePin, Condition
 
 N = 5
 SHIFTS = (0.0, 0.25, 0.0, 0.0, -1.5)

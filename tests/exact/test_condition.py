@@ -9,8 +9,8 @@ import pytest
 
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.notation import Python
+from rankdrop.exact.notation import Python
+from rankdrop.exact.writing import Condition
 from rankdrop.robot.open import open_robot
 
 LETTERS = {"a": 0.635, "d": 6.85}

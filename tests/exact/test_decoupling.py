@@ -10,7 +10,7 @@ import pytest
 from reference.trig import value
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.decoupling import decouple, why_not
+from rankdrop.exact.determinants import decouple, why_not
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import ideal

@@ -13,7 +13,7 @@ import pytest
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, determinants_of
-from rankdrop.exact.writing.notation import Python
+from rankdrop.exact.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.results.conditions_text import steps_text

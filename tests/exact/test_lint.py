@@ -13,7 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import independent
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.reading.lint import lint, round_points, words
+from rankdrop.exact.lint import lint, round_points, words
 from rankdrop.exact.tree import rank_tree
 from rankdrop.local.block import generic_rank
 

@@ -20,10 +20,8 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.methods import METHODS, Derivation, derive
-from rankdrop.exact.methods.builder import Case, DerivationBuilder
-from rankdrop.exact.methods.derivation import Words
-from rankdrop.exact.methods.reciprocity import _choices
+from rankdrop.exact.conjunctions import Case, DerivationBuilder, Words
+from rankdrop.exact.methods import METHODS, Derivation, _choices, derive
 from rankdrop.families.cloud import cloud
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
@@ -250,7 +248,7 @@ def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
 
 
 def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rankdrop.exact.methods.builder.factors_within", lambda *_: None)
+    monkeypatch.setattr("rankdrop.exact.conjunctions.factors_within", lambda *_: None)
     found = derive(chain_of("canadarm2"), "determinant", 10.0)
     assert not found.complete
     points, singular = strata("canadarm2")

@@ -11,9 +11,9 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.reading.meaning import Parsed, parse_conditions
-from rankdrop.exact.writing.condition import AnglePin, Condition
-from rankdrop.exact.writing.notation import Python
+from rankdrop.exact.notation import Python
+from rankdrop.exact.reading import Parsed, parse_conditions
+from rankdrop.exact.writing import AnglePin, Condition
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 

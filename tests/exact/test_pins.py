@@ -9,8 +9,8 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
-from rankdrop.exact.writing.condition import RADIANS, AnglePin
-from rankdrop.exact.writing.notation import C, Python
+from rankdrop.exact.notation import C, Python
+from rankdrop.exact.writing import RADIANS, AnglePin
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
 

@@ -11,8 +11,7 @@ from reference import regional as oracle
 from rankdrop.exact import posture_changes
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.posture_changes import CUSPS, NO_CUSP, OPEN, SIGNS, decide_postures
-from rankdrop.exact.regional import Unbounded, common_zeros
+from rankdrop.exact.posture_changes import CUSPS, NO_CUSP, OPEN, SIGNS, Unbounded, common_zeros, decide_postures
 from rankdrop.kinematics import task_jacobian
 from rankdrop.motion.postures.search import aspects_of
 from rankdrop.robot.dh import from_dh

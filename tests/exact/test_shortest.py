@@ -8,9 +8,8 @@ from fractions import Fraction
 import pytest
 
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.writing.form import Product, Sum, Symbol, Wave, fourier, half_of, product, total, wave
-from rankdrop.exact.writing.notation import Text
-from rankdrop.exact.writing.shortest import gathered, length, shortest
+from rankdrop.exact.notation import Product, Sum, Symbol, Text, Wave, fourier, half_of, product, total, wave
+from rankdrop.exact.writing import gathered, length, shortest
 
 
 def same(form, f, ring) -> bool:

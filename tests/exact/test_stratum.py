@@ -10,7 +10,7 @@ from rankdrop.exact.algebra.field import P, holds, value_at
 from rankdrop.exact.algebra.polynomial import Equality
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.suppression.stratum import Stratum, atoms_on, vanishes
+from rankdrop.exact.stratum import Stratum, atoms_on, vanishes
 
 
 @pytest.fixture

@@ -13,9 +13,8 @@ from rankdrop.exact.algebra.field import holds, rank, value_at
 from rankdrop.exact.algebra.polynomial import Equality
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.steps import Case
-from rankdrop.exact.suppression.stratum import Stratum
-from rankdrop.exact.suppression.suppress import _Derivation, suppress
+from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.suppression import Case, _Derivation, suppress
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import search

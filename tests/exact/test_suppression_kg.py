@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.suppress import suppress
+from rankdrop.exact.suppression import suppress
 from rankdrop.robot.open import open_robot
 
 SWAPPED = -1  # a determinant with rows (v; ω), as here, against KG's (ω; v): three rows pass three others

@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits, main
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
-from rankdrop.exact.writing.condition import AnglePin
+from rankdrop.exact.writing import AnglePin
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions

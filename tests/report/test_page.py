@@ -12,7 +12,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from rankdrop.exact.writing.mathml import typeset
+from rankdrop.exact.notation import typeset
 from rankdrop.family.record import Check, Sampled
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.writing.notation import C, Python, latex_angle, latex_name
+from rankdrop.exact.notation import C, Python, latex_angle, latex_name
 
 if TYPE_CHECKING:
     from rankdrop.exact.determinants import Minor

@@ -13,16 +13,15 @@ from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import check_basic, structure_of
-from rankdrop.exact.decoupling import Decoupling, decouple, why_not
+from rankdrop.exact.conjunctions import Words
+from rankdrop.exact.determinants import Decoupling, decouple, why_not
 from rankdrop.exact.families import real_points
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
-from rankdrop.exact.methods.derivation import Words
-from rankdrop.exact.suppression.steps import Suppression
-from rankdrop.exact.suppression.suppress import suppress
+from rankdrop.exact.notation import Step
+from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.writing.notation import Step
 from rankdrop.local.block import sample, singular_values
 from rankdrop.units import out_of_units
 

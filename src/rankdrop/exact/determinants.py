@@ -11,6 +11,27 @@ about every reference point: a change of either multiplies J by a matrix of dete
 the axes of the task; axes turned upside down would change its sign.
 
 The closed inverse of a square Jacobian is its adjugate over its determinant, entry by entry, both in factors.
+
+Decoupling: a block triangular Jacobian, its determinant as a product, and the part of the arm behind each factor.
+
+*Beside a planar triple* what is lost is a line along which no point can move. With the rows of the plane across the
+parallel axes first, J = [[P, Q], [0, R]]. Where P is singular the three axes lie in one plane; a motion that has no
+part out of the plane leaves the other joints at rest, R being regular, and moves nothing along the line that crosses
+the three. Where R is singular, wᵀR = 0, the left null vector of J is (0; w): a force along z with a moment across it,
+which is a force along one line parallel to the axes, or a couple. Power zero for every joint means that no point of
+this line moves along it.
+
+*At the centre of a spherical group* it is a direction that the arm's own lines give (JL). With the centre as reference
+point J = [[J11, 0], [J21, J22]]. Where J11 is singular, yᵀJ11 = 0, the left null vector of J is (y; 0): the centre
+cannot translate along y, whatever the wrist does. Where J22 is singular, yᵀJ22 = 0, and J11 is not, a motion that
+leaves the centre at rest leaves the arm at rest, and cannot turn the end effector about y.
+
+ML and JL: with the reference point in the centre of a spherical wrist joints 4, 5, 6 do not move that point,
+
+    J = [[J11, 0], [J21, J22]],    det J = det J11 · det J22,
+
+so that the arm (J11: how joints 1, 2, 3 move the centre) and the wrist (J22: how 4, 5, 6 turn the end effector) are
+singular apart. The same is done for spherical shoulders and for joints that move in planes (`block_form`).
 """
 
 from __future__ import annotations
@@ -18,7 +39,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -26,20 +47,374 @@ import numpy as np
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
 from rankdrop.exact.algebra.field import P, complete, value_at
-from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.link_jacobian import POSE, POSITION
-from rankdrop.exact.arm.structure import listed
-from rankdrop.exact.decoupling import Decoupling, decouple
-from rankdrop.exact.methods.derivation import values_of
-from rankdrop.exact.writing.notation import C, Python
-from rankdrop.exact.writing.value import FOLDED, Quotient, Value
+from rankdrop.exact.arm.link_jacobian import POSE, POSITION, BlockForm, block_form
+from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
+from rankdrop.exact.aspects import condition_text, look, merged, roles_of
+from rankdrop.exact.conjunctions import values_of
+from rankdrop.exact.notation import C, Python
+from rankdrop.exact.writing import FOLDED, Quotient, Value
 from rankdrop.kinematics import task_jacobian
+from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
+from rankdrop.robot.model import Array, Robot
 from rankdrop.task import ROWS
-from rankdrop.tolerances import DEFAULT
+from rankdrop.tolerances import DEFAULT, ENTRY
+from rankdrop.units import out_of_units
+
+
+def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> str:
+    """The motion lost where one block of an arm with a planar triple loses rank one; "" where there is no such line.
+
+    Args:
+        robot: the arm; all joints of `group` and `joints` are revolute.
+        points: (N, n) configurations at which the block loses rank one, the other none.
+        group: the three joints (from 1) with parallel axes.
+        joints: of the block that loses rank: the group or all others.
+    """
+    scene = Scene(robot, points)
+    bundle = [j - 1 for j in group]
+    if joints == group:
+        if not scene.coplanar(bundle).all():
+            return ""
+        return f"motions in the plane across axes {listed(group)} have no part along the line that meets these axes"
+    others = [j - 1 for j in joints]
+    if not _has_line(scene, bundle[0], others):
+        return ""
+    met = tuple(i + 1 for i in others if not scene.parallel(bundle[0], i).any())
+    which = f"axes {listed(met)}" if len(met) > 1 else f"axis {listed(met)}"
+    return f"the points of the line that is parallel to axes {listed(group)} and meets {which} cannot move along it"
+
+
+def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
+    """At every sample the null vector of (z·v, x·ω, y·ω) of the other joints has a force, and is no couple."""
+    z = scene.z[parallel]
+    x = np.cross(z, np.eye(3)[np.abs(z).argmin(axis=1)])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    y = np.cross(z, x)
+    v, w = scene.screws[:, :3, others] / scene.length, scene.screws[:, 3:, others]
+    rows = np.stack([np.einsum("ni,nij->nj", a, b) for a, b in ((z, v), (x, w), (y, w))], axis=1)
+    return bool((np.abs(np.linalg.svd(rows)[0][:, 0, -1]) > ENTRY).all())
+
+
+def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str) -> str:
+    """The motion lost at the centre, by the first of the directions tried that is lost at every sample; else "".
+
+    Args:
+        robot: the arm.
+        points: (N, n) configurations at which one block loses rank one.
+        group: joints (from 1) whose axes meet in the centre.
+        joints: of the block that loses rank: the group or all others.
+        part: "wrist", "shoulder", or else what the group is called.
+    """
+    scene = Scene(robot, points)
+    centre = scene.common_point([j - 1 for j in group])[0]
+    own = [j - 1 for j in joints]
+    name = f"{part} centre" if part in ("wrist", "shoulder") else "centre"
+    if joints == group:
+        for i, j in combinations(own, 2):
+            if _lost(np.cross(scene.z[i], scene.z[j]), scene.screws[:, 3:, own]):
+                where = f"the perpendicular to axes {i + 1} and {j + 1}"
+                return f"with the {name} at rest the end effector cannot rotate about {where}"
+        return ""
+    velocity = scene.screws[:, :3, own] + np.cross(scene.screws[:, 3:, own], centre[:, :, None], axis=1)
+    for text, direction in _directions(scene, centre, own, name):
+        if _lost(direction, velocity):
+            return f"the {name} cannot translate {text}"
+    return ""
+
+
+def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Iterator[tuple[str, Array]]:
+    """Directions that an arm's lines give, the plainest first."""
+    axes = [i for i in own if i in scene.axes]
+    for i, j in pairwise(axes):
+        if scene.meeting(i, j).all():
+            shoulder = "the shoulder, " if (i, j) == (0, 1) else ""
+            meeting = scene.common_point((i, j))[0]
+            yield f"along the line from {shoulder}where axes {i + 1} and {j + 1} meet, to it", centre - meeting
+    for i in axes:
+        yield f"parallel to axis {i + 1}", scene.z[i]
+    for i in axes:
+        offset = centre - scene.p[i]
+        across = offset - scene.z[i] * np.sum(offset * scene.z[i], axis=-1, keepdims=True)
+        yield f"along the perpendicular from axis {i + 1} to it", across
+    for i, j in combinations(own, 2):
+        yield f"perpendicular to axes {i + 1} and {j + 1}", np.cross(scene.z[i], scene.z[j])
+
+
+def _lost(direction: Array, velocities: Array) -> bool:
+    """Whether no column of (N, 3, k) velocities has a part along the direction (N, 3), at every sample.
+
+    A part counts from a share `ENTRY` of the largest velocity on.
+    """
+    length = np.linalg.norm(direction, axis=1)
+    if (length < ENTRY).any():
+        return False
+    part = np.einsum("ni,nij->nj", direction / length[:, None], velocities)
+    return bool((np.abs(part) <= ENTRY * np.abs(velocities).max()).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One factor of a block: a family of singular configurations.
+
+    Attributes:
+        name: as `analyze` names it ("elbow: …"); that of the block where no real configurations are on it.
+        roles: out of "shoulder", "elbow", "wrist", as the geometry says.
+        block: name of the block.
+        atoms: irreducible conditions; values of one joint that belong together are together.
+        multiplicity: of the factor in the block's determinant.
+        text: the condition.
+        witness: a configuration q on it [rad, m]; None where no real one was found.
+        lost: the motion lost there, seen in a frame in which it stands still or at one configuration.
+        statement: the motion lost at the centre of a spherical group, or beside a planar triple, by the lines of the
+            arm; checked at several configurations; "" where there is none in words.
+    """
+
+    name: str
+    roles: tuple[str, ...]
+    block: str
+    atoms: tuple[Atom, ...]
+    multiplicity: int
+    text: str
+    witness: tuple[float, ...] | None
+    lost: tuple[str, ...]
+    statement: str
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A square diagonal block.
+
+    Attributes:
+        name: "arm", "wrist", "shoulder", "in plane", …
+        joints: its columns, numbered from 1.
+        rows: its rows, out of vx … wz.
+        columns: one list of trigonometric polynomials per joint.
+        determinant: of the block, reduced.
+        factors: of the determinant; its letters' factors are lengths assumed not to be zero.
+        parts: one per factor that depends on the configuration.
+    """
+
+    name: str
+    joints: tuple[int, ...]
+    rows: tuple[str, ...]
+    columns: tuple[tuple[Polynomial, ...], ...]
+    determinant: Polynomial
+    factors: Factors
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Decoupling:
+    """A Jacobian taken apart. det J = ± product of the blocks' determinants.
+
+    Attributes:
+        chain: the arm.
+        structure: what was recognised.
+        kind: "point", "slides", "plane", "plane and slide" or "last axis".
+        reason: why the Jacobian is block triangular.
+        point, axes: where and in which axes it is.
+        columns: all n columns there, one entry per row of the task.
+        blocks: the two; ML and JL's order (arm before wrist) where there is a spherical group.
+    """
+
+    chain: Chain
+    structure: ExactStructure
+    kind: str
+    reason: str
+    point: str
+    axes: str
+    columns: tuple[tuple[Polynomial, ...], ...]
+    blocks: tuple[Block, ...]
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Of all blocks."""
+        return tuple(part for block in self.blocks for part in block.parts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For a result file: polynomials as text, matrices by rows."""
+        return {
+            "kind": self.kind,
+            "reason": self.reason,
+            "point": self.point,
+            "axes": self.axes,
+            "structure": list(self.structure.sentences()),
+            "blocks": [
+                {
+                    "name": block.name,
+                    "joints": list(block.joints),
+                    "rows": list(block.rows),
+                    "matrix": [[str(x) for x in row] for row in zip(*block.columns, strict=True)],
+                    "determinant": str(block.determinant),
+                    "nonzero_lengths": [str(letter) for letter, _ in block.factors.letters],
+                    "parts": [_part_dict(part) for part in block.parts],
+                }
+                for block in self.blocks
+            ],
+        }
+
+    def sentences(self) -> tuple[str, ...]:
+        """Reason, point, blocks and parts in words."""
+        found = [f"{self.reason}.", f"Reference point: {self.point}. Axes: {self.axes}."]
+        for block in self.blocks:
+            found.append(f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}.")
+            if not block.parts:
+                found.append("  never singular")
+            for part in block.parts:
+                lost = part.statement or "; ".join(part.lost)
+                found.append(f"  {part.text}: {part.name}" + (f": {lost}" if lost else ""))
+        return tuple(found)
+
+
+def decouple(chain: Chain, *, names: bool = True) -> Decoupling | None:
+    """Take a square Jacobian apart into two blocks, where that is a proof.
+
+    Args:
+        chain: from `exact_chain`.
+        names: look at real configurations of each part to name it and to say what is lost there.
+
+    Returns:
+        None where the Jacobian is not square, has no block triangular form of the known kinds, or is singular
+        everywhere; `why_not` says which.
+
+    Example:
+        >>> from rankdrop.exact.arm.chain import exact_chain
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = decouple(exact_chain(open_robot("anthropomorphic")))
+        >>> [(block.name, [part.roles[0] for part in block.parts]) for block in found.blocks]
+        [('arm', ['elbow', 'shoulder']), ('wrist', ['wrist'])]
+    """
+    if chain.n != chain.task.m:
+        return None
+    structure = structure_of(chain)
+    form = block_form(chain, structure)
+    if form is None:
+        return None
+    halves = [(form.group, form.group_rows, form.names[0]), (form.rest, form.rest_rows, form.names[1])]
+    blocks = [_block(chain, form, joints, rows, name, names) for joints, rows, name in halves]
+    if any(block is None for block in blocks):
+        return None
+    found = tuple(block for block in blocks if block is not None)
+    return Decoupling(
+        chain=chain,
+        structure=structure,
+        kind=form.kind,
+        reason=form.reason,
+        point=form.point,
+        axes=form.axes,
+        columns=tuple(tuple(column) for column in form.columns),
+        blocks=found[::-1] if form.kind in ("point", "last axis") else found,
+    )
+
+
+def why_not(chain: Chain) -> str:
+    """Why `decouple` returns None for an arm, in words; "" where it does not."""
+    n, m = chain.n, chain.task.m
+    structure = structure_of(chain)
+    near = "".join(f"; near-structural: {one.text}" for one in structure.near)
+    if n > m:
+        return _wide(chain, structure) + near
+    if n < m:
+        return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
+    form = block_form(chain, structure)
+    if _always_singular(chain):
+        return "the arm is singular at every configuration"
+    if form is not None:
+        return ""
+    groups = "no three axes meet in one point, are parallel or slide: " if chain.task.rows == POSE else ""
+    return f"{groups}the Jacobian stays in one piece{near}"
+
+
+def _part_dict(part: Part) -> dict[str, Any]:
+    return {
+        "name": part.name,
+        "roles": list(part.roles),
+        "condition": part.text,
+        "multiplicity": part.multiplicity,
+        "witness": None if part.witness is None else list(part.witness),
+        "lost": list(part.lost),
+        "statement": part.statement,
+    }
+
+
+def _block(
+    chain: Chain, form: BlockForm, joints: tuple[int, ...], rows: tuple[int, ...], name: str, names: bool
+) -> Block | None:
+    """One diagonal block, factored; None where its determinant is zero."""
+    place = [chain.task.rows.index(r) for r in rows]
+    matrix = [[form.columns[j - 1][i] for j in joints] for i in place]
+    determinant = chain.ring.determinant(matrix)
+    if determinant == 0:
+        return None
+    factors = chain.ring.factor(determinant)
+    times = dict(factors.atoms)
+    parts = tuple(_part(chain, form, joints, name, group, times, names) for group in merged(list(times)))
+    return Block(
+        name=name,
+        joints=joints,
+        rows=tuple(ROWS[r] for r in rows),
+        columns=tuple(tuple(column) for column in zip(*matrix, strict=True)),
+        determinant=determinant,
+        factors=factors,
+        parts=parts,
+    )
+
+
+def _part(
+    chain: Chain,
+    form: BlockForm,
+    joints: tuple[int, ...],
+    block: str,
+    atoms: tuple[Atom, ...],
+    times: dict[Atom, Any],
+    names: bool,
+) -> Part:
+    """One factor as a part of the arm; real configurations on it are looked at only where names are wanted."""
+    seen, points, lost = look(chain, atoms) if names else ("", np.zeros((0, 0)), ())
+    return Part(
+        name=seen or block,
+        roles=roles_of(seen),
+        block=block,
+        atoms=atoms,
+        multiplicity=max(int(times[atom]) for atom in atoms),
+        text=condition_text(chain.ring, atoms),
+        witness=tuple(float(x) for x in out_of_units(chain.robot, points[0])) if len(points) else None,
+        lost=lost,
+        statement=_statement(chain, form, joints, points) if len(points) else "",
+    )
+
+
+def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: Array) -> str:
+    """What is lost, by the lines of the arm."""
+    if form.kind == "point":
+        return centre_statement(chain.own, points, form.group, joints, form.names[0])
+    if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
+        return across_statement(chain.own, points, form.group, joints)
+    return ""
+
+
+def _always_singular(chain: Chain) -> bool:
+    """Whether the determinant is zero as a polynomial."""
+    rows = [list(row) for row in zip(*chain.columns, strict=True)]
+    return bool(chain.ring.determinant(rows) == 0)
+
+
+def _wide(chain: Chain, structure: ExactStructure) -> str:
+    """Of a redundant arm: the blocks are not both square."""
+    n, m = chain.n, chain.task.m
+    part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
+    if chain.task.rows != POSE or not part:
+        return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks"
+    return (
+        f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block "
+        f"is 3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"
+    )
+
 
 ORIENTATION = (3, 4, 5)
 _TRIED = 20  # random configurations at most on which a sign is read off

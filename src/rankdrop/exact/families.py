@@ -26,7 +26,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
+from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation, System
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check

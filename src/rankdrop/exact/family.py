@@ -10,7 +10,7 @@ import numpy as np
 
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.exact.writing.condition import AnglePin, Condition
+from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family, Order, Pin, Sampled, place_of
 from rankdrop.robot.model import Robot

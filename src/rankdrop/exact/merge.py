@@ -19,7 +19,7 @@ from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, use
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.writing.condition import AnglePin, Condition
+from rankdrop.exact.writing import AnglePin, Condition
 
 _MOST = 4  # joints in a sum
 _SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine

@@ -18,7 +18,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.notation import Step
+from rankdrop.exact.notation import Step
 from rankdrop.family.record import Check
 from rankdrop.results.codec import Record, counted, plain, robot_to_dict, save_record
 from rankdrop.results.conditions_text import sections_of
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rankdrop.exact.aspects import Between, Flags
     from rankdrop.exact.code import Code
     from rankdrop.exact.determinants import Determinants
-    from rankdrop.exact.reading.lint import LintResult
+    from rankdrop.exact.lint import LintResult
 
 SCHEMA = "rankdrop/conditions/1"
 LANGUAGES = ("python", "c")
@@ -150,7 +150,7 @@ class Conditions:
         return text(self._told())
 
     def test(self, condition: str, *, seconds: float = 60.0) -> LintResult:
-        """Is a condition exactly the singular set, too small, or too large? See `rankdrop.exact.reading.lint.lint`.
+        """Is a condition exactly the singular set, too small, or too large? See `rankdrop.exact.lint.lint`.
 
         Args:
             condition: as people write it: "sin(q3)*(a2*cos(q2)+a3*cos(q2+q3))", "θ4 = 0 or π; s6 = 0".
@@ -160,7 +160,7 @@ class Conditions:
             OptionError: a mistake in the text; the singular set is not known, because the derivation ended early; or
                 the time limit has passed.
         """
-        from rankdrop.exact.reading.lint import lint  # a command that tests nothing does without reading
+        from rankdrop.exact.lint import lint  # a command that tests nothing does without reading
 
         whole = self if self.anew is None else self.anew()
         if not whole.complete:
@@ -239,7 +239,7 @@ class Conditions:
 
     def _repr_html_(self) -> str:
         """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
-        from rankdrop.exact.writing.mathml import typeset
+        from rankdrop.exact.notation import typeset
 
         rows = "".join(
             f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"

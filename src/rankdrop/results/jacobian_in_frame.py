@@ -11,8 +11,8 @@ import numpy as np
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.determinants import ClosedInverse
-from rankdrop.exact.writing.notation import Latex, Python, latex_name
-from rankdrop.exact.writing.value import FOLDED, form_of, text_of
+from rankdrop.exact.notation import Latex, Python, latex_name
+from rankdrop.exact.writing import FOLDED, form_of, text_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.schema import Result
 from rankdrop.sections import Section

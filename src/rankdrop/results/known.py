@@ -32,8 +32,8 @@ from rankdrop.exact.algebra.polynomial import Polynomial, flint, root_values, wi
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.condition import AnglePin, Condition
-from rankdrop.exact.writing.notation import Step
+from rankdrop.exact.notation import Step
+from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family, Pin, family_from_metres
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words

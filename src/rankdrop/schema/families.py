@@ -11,8 +11,8 @@ from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, s
 from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption
-from rankdrop.exact.reading.lint import Difference, Example, LintResult
-from rankdrop.exact.writing.notation import Step
+from rankdrop.exact.lint import Difference, Example, LintResult
+from rankdrop.exact.notation import Step
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen

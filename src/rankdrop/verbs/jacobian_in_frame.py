@@ -15,7 +15,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.link_jacobian import check_frame, frame_jacobian, sizes
 from rankdrop.exact.determinants import ClosedInverse, closed_inverse
-from rankdrop.exact.writing.value import Quotient, number_at, single_angles
+from rankdrop.exact.writing import Quotient, number_at, single_angles
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
 from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular

@@ -9,6 +9,15 @@ On a piece an equation is solved where lengths alone decide its variable. What e
 every step on a piece is a proof, as long as one more equation is on it at most; of more, only whether an equation
 itself is among the atoms of a condition is seen. Factors in lengths alone are taken for ≠ 0: `assumed` holds them by
 their text, one record for all strata of a derivation.
+
+The basic screws, and their determinant on a stratum as a product of conditions, each one trigonometric polynomial.
+
+Which six screws are the basic ones: independent in general, with a triple that is a joint of its own, contiguous, and
+the shortest determinant (KG's conditions a, b, c).
+
+Factors are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to
+cos θ. Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of
+each piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
 """
 
 from __future__ import annotations
@@ -17,9 +26,10 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 
-from rankdrop.exact.algebra.field import value_at
+from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.field import P, Point, complete, value_at
 from rankdrop.exact.algebra.polynomial import (
     COS_SIN,
     SIMPLE,
@@ -31,9 +41,12 @@ from rankdrop.exact.algebra.polynomial import (
     primitive,
     used,
 )
-from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.algebra.solving import Solved, plainly_positive
+from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import triples
 
 Assumed = dict[str, Polynomial]
 """Half-angle polynomials in lengths alone that were taken for ≠ 0, by their text."""
@@ -338,3 +351,323 @@ def _pin_polynomial(ring: Ring, j: int, angles: tuple[str, ...]) -> Polynomial:
     return ring.reduce(found)
 
 
+@dataclass(frozen=True)
+class Product:
+    """What makes a polynomial vanish on a stratum.
+
+    Attributes:
+        polynomial: as it reads on the stratum.
+        factors: it vanishes where one of these conditions holds. Those known to be nowhere zero on the stratum are
+            left out.
+        letters: factors in lengths alone (half-angle ring), with multiplicities.
+        written: all factors that depend on the configuration, with multiplicities, as they are printed.
+        outer: c with polynomial = c · Π letters · Π written: a number, or one times cosines and sines that are ±1 on
+            the stratum; None where that is not how the polynomial factors on all pieces at once.
+    """
+
+    polynomial: Polynomial
+    factors: tuple[Equality, ...]
+    letters: tuple[tuple[Polynomial, int], ...]
+    written: tuple[tuple[Polynomial, int], ...]
+    outer: Polynomial | None
+
+
+def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
+    """The factors of a trigonometric polynomial on a stratum, short ones first; None where it vanishes on a piece."""
+    ring = stratum.ring
+    p = stratum.short(p)
+    if p == 0:
+        return None
+    every: list[dict[Atom, int]] = []
+    letters: dict[str, tuple[Polynomial, int]] = {}  # by text: polynomials have no hash
+    for there in stratum.combinations:
+        here = ring.at(p, there)
+        if here == 0:
+            return None
+        found = ring.factor(here)
+        every.append(dict(found.atoms))
+        for f, power in found.letters:
+            letters[str(f)] = (f, max(power, letters.get(str(f), (f, 0))[1]))
+    open_atoms: list[list[Atom]] = []
+    for atoms, there in zip(every, stratum.combinations, strict=True):
+        pieces = [piece for piece in stratum.pieces if piece.pins == there]
+        lists = [{atom: atoms_on(piece, Equality((atom,))) for atom in atoms} for piece in pieces]
+        if any(found is None for one in lists for found in one.values()):
+            return None
+        open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
+    powers = [(letters_polynomial(ring, f), power) for f, power in letters.values()]
+    shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
+    rests = [[atom for atom in atoms if atom not in shared] for atoms in open_atoms]
+    common = {a: min(atoms[a] for atoms in every) for a in every[0] if all(a in atoms for atoms in every)}
+    pins = [atom for atom in common if atom.pinned]  # ≠ 0 in the cases of the factors that are not pins
+    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]
+    written = _with_powers(ring, common)
+    if any(rests):
+        rest = _rest(stratum, without_letters(p, powers), shared, rests)
+        factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
+        written.append((rest, 1))
+    factors.sort(key=lambda f: _length(f.whole))
+    written.sort(key=lambda pair: _length(pair[0]))
+    named = tuple(letters[key] for key in sorted(letters))
+    return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
+
+
+def _length(f: Polynomial) -> tuple[int, int, str]:
+    """Sort key of polynomials: terms, degree, text."""
+    return len(f), f.total_degree(), str(f)
+
+
+def _with_powers(ring: Ring, atoms: Mapping[Atom, int]) -> list[tuple[Polynomial, int]]:
+    """The product of powers of atoms in trigonometric factors; half angles that do not pair are multiplied out."""
+    left = dict(atoms)
+    found = []
+    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+        for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
+            one, two = (ring.pin(j, value) for value in pair)
+            power = min(left.get(one, 0), left.get(two, 0))
+            if power:
+                found.append((generator, power))
+                left[one], left[two] = left[one] - power, left[two] - power
+    halves: list[Atom] = []
+    for atom, power in left.items():
+        if atom.f is not None and ring.to_trig(atom.f) is not None and power:
+            found.append((polynomial_of(ring, atom), power))
+        else:  # the polynomial has the square of the half angle's
+            found += [(polynomial_of(ring, atom), power // 2)] if power > 1 else []
+            halves += [atom] if power % 2 else []
+    if halves:
+        found.append((_half_angles(ring, halves), 1))
+    return found
+
+
+def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
+    """One trigonometric polynomial with the zeros of atoms that are not trigonometric one by one."""
+    f, at_pi = ring.half.constant(1), []
+    for atom in atoms:
+        if atom.value == "pi":
+            at_pi.append(atom.joint)
+        else:
+            f = f * ring.half_of(atom)
+    p = ring.trig_zero_set(f)
+    return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
+
+
+def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
+    """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
+    left = list(atoms)
+    found = []
+    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+        for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
+            both = tuple(ring.pin(j, value) for value in pair)
+            if all(one in left for one in both):
+                found.append(Equality(both, generator))
+                left = [atom for atom in left if atom not in both]
+    return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
+
+
+def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
+    """One polynomial that vanishes on each piece where its own remaining atoms do."""
+    ring = stratum.ring
+    if not shared or not stratum.regular:
+        return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
+    point = _random_point(ring)
+    common = _times(ring, [f.whole for f in joined(ring, shared)])
+    total, first = ring.zero, 0
+    for pins, atoms in zip(stratum.combinations, rests, strict=True):
+        part = _unsquared(ring, atoms, shared)
+        ratio = _value(ring, ring.at(p, pins), point) * pow(_value(ring, ring.reduce(common * part), point), -1, P) % P
+        first = first or ratio
+        if (ratio + first) % P == 0:
+            part = -part  # as the signs of p are, so that R reads as p does
+        for j, angles in stratum.pins.items():
+            if angles == TOGETHER[0]:
+                part = part * (1 + ring.c[j] * (1 if pins[j] == "0" else -1))
+            elif angles == TOGETHER[1]:
+                part = part * (1 + ring.s[j] * (1 if pins[j] == "pi/2" else -1))
+        total += part
+    return primitive(stratum.short(total))
+
+
+def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
+    """A trigonometric polynomial with the zeros of some atoms and, rather than their squares, of a few spare ones."""
+    for count in range(len(spare) + 1):
+        for some in combinations(spare, count):
+            every = [*atoms, *some]
+            if any(atom.value == "pi" for atom in every):
+                continue
+            f = ring.half.constant(1)
+            for atom in every:
+                f = f * ring.half_of(atom)
+            found = ring.to_trig(f)
+            if found is not None:
+                return found
+    return _times(ring, [f.whole for f in joined(ring, atoms)])
+
+
+def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
+    """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
+    if len(factor.atoms) != 1 or factor.atoms[0].pinned:
+        return factor
+    other = _unsquared(ring, factor.atoms, pins)
+    return replace(factor, whole=other) if 2 < len(other) < factor.terms else factor
+
+
+def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:
+    """p divided by factors in lengths alone (trigonometric ring), as often as they divide it."""
+    for f, power in letters:
+        for _ in range(power):
+            quotient, remainder = divmod(p, f)
+            if remainder != 0:
+                break
+            p = quotient
+    return p
+
+
+def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, int]]) -> Polynomial | None:
+    """c (a number, or one times cosines that are ±1) with p = c · Π factors."""
+    ring = stratum.ring
+    whole = stratum.short(_times(ring, [f for f, power in factors for _ in range(power)]))
+    signs = [ring.c[j] for j, angles in stratum.pins.items() if angles == TOGETHER[0]]
+    signs += [ring.s[j] for j, angles in stratum.pins.items() if angles == TOGETHER[1]]
+    for count in range(len(signs) + 1):
+        for some in combinations(signs, count):
+            unit = _times(ring, some)
+            here = stratum.short(whole * unit)
+            if here == 0:
+                continue
+            ratio = p.leading_coefficient() / here.leading_coefficient()
+            if p == here * ratio:
+                return unit * ratio
+    return None
+
+
+def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
+    """The product, reduced."""
+    found = ring.one
+    for f in factors:
+        found = ring.reduce(found * f)
+    return found
+
+
+def _random_point(ring: Ring) -> Point:
+    """A point of the whole joint space modulo P, always the same."""
+    rng = random.Random(0)
+    point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
+    assert point is not None  # −1 is not a square modulo P
+    return point
+
+
+def _value(ring: Ring, p: Polynomial, point: Point) -> int:
+    return value_at(ring, p, point)
+
+
+Columns = Sequence[Sequence[Polynomial]]
+
+
+@dataclass(frozen=True)
+class Basic:
+    """Six screws and their determinant on a stratum.
+
+    Attributes:
+        joints: their numbers.
+        product: the determinant, taken apart.
+        reason: why these, by KG's conditions; "" for a case that is not the first.
+    """
+
+    joints: tuple[int, ...]
+    product: Product
+    reason: str = ""
+
+
+def determinants(
+    columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, work: Work
+) -> list[tuple[tuple[int, ...], Polynomial]]:
+    """The determinant of every six of these screws (v; ω), or of the six asked for, as it reads on a stratum."""
+    ring = stratum.ring
+    short = {j: [stratum.short(x) for x in columns[j - 1]] for j in joints}
+    found = []
+    for six in combinations(joints, 6) if asked is None else (asked,):
+        work.check()
+        found.append((six, stratum.short(ring.determinant([[short[j][r] for j in six] for r in range(6)]))))
+    return found
+
+
+def choose(
+    chain: Chain,
+    stratum: Stratum,
+    options: Sequence[tuple[tuple[int, ...], Polynomial]],
+    work: Work,
+) -> Basic | None:
+    """The best six whose determinant vanishes on no whole piece of a stratum; None where there is none."""
+    known = triples(chain)
+
+    def place(option: tuple[tuple[int, ...], Polynomial]) -> tuple[int, ...]:
+        six, p = option
+        return (not _with_triple(known, six), six[-1] - six[0], len(p), -six[0])
+
+    found = None
+    for six, p in sorted(options, key=place):
+        work.check()
+        if p == 0 or any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
+            continue
+        product = taken_apart(stratum, p)
+        if product is not None:
+            found = Basic(six, product)
+            break
+    return found
+
+
+def why(
+    chain: Chain,
+    stratum: Stratum,
+    options: Sequence[tuple[tuple[int, ...], Polynomial]],
+    chosen: tuple[int, ...],
+    work: Work,
+) -> str:
+    """KG's conditions (a), (b), (c) in words, with how many sixes each leaves."""
+    known = triples(chain)
+    free = [
+        (six, p) for six, p in options if p != 0 and not any(vanishes(one, p, work.rng) for one in stratum.pieces)
+    ]
+    with_triple = [(six, p) for six, p in free if _with_triple(known, six)]
+    left = with_triple or free
+    least = min(six[-1] - six[0] for six, _ in left)
+    near = [(six, p) for six, p in left if six[-1] - six[0] == least]
+    said = [f"(a) not dependent everywhere: {len(free)} of {len(options)} sixes"]
+    if with_triple:
+        names = ", ".join(f"{'–'.join(str(j) for j in (three[0], three[-1]))} ({kind})" for three, kind in known)
+        said.append(f"(b) with three joints that are one, {names}: {len(with_triple)}")
+    else:
+        said.append("(b) no three joints are a planar or spherical one")
+    chain_of = "in a row" if least == 5 else "as near to a row as can be"
+    said.append(f"(c) {chain_of}: {len(near)}")
+    if len(near) > 1:
+        terms = ", ".join(f"{len(p)} for {_short(six)}" for six, p in near)
+        shortest = min(len(p) for _, p in near)
+        alike = sum(len(p) == shortest for _, p in near) > 1
+        said.append(f"terms of the determinant: {terms}; {'of equals the last' if alike else 'the least'}")
+    return "; ".join(said)
+
+
+def _with_triple(known: Sequence[tuple[tuple[int, int, int], str]], six: Sequence[int]) -> bool:
+    return any(set(joints) <= set(six) for joints, _ in known)
+
+
+def _short(six: Sequence[int]) -> str:
+    """1–6, or 1, 2, 4, 5, 6, 7."""
+    return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else ", ".join(map(str, six))
+
+
+def parse_joints(text: str) -> tuple[int, ...]:
+    """Numbers of joints as people write them: "2-7", "1,2,4-7".
+
+    Raises:
+        OptionError: something else.
+    """
+    found: list[int] = []
+    for word in text.replace("–", "-").replace(",", " ").split():
+        first, _, last = word.partition("-")
+        if not first.isdecimal() or ("-" in word and not last.isdecimal()):
+            raise OptionError("these are no joints", got=repr(word), allowed="numbers and runs, such as 2-7 or 1,2,4-7")
+        found += range(int(first), int(last or first) + 1)
+    return tuple(found)

@@ -21,9 +21,9 @@ from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.merge import merge
-from rankdrop.exact.reading.meaning import Parsed, parse_conditions
+from rankdrop.exact.reading import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
-from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
+from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap

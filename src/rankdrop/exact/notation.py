@@ -1,0 +1,755 @@
+r"""A condition as it is written: sums of products of lengths, slides, sines and cosines, and of sums in brackets.
+
+One tree serves every output (text, LaTeX, Python, C) and the reader of what a user wrote. `half_of` takes it back to
+the half-angle ring without rounding, so that every way of writing a condition can be held against the polynomial.
+
+A half-angle polynomial as a sum of sines and cosines of half-integer combinations of the angles.
+
+t^k of degree D stands for sin^k(θ/2) cos^(D−k)(θ/2). With z = exp(iθ/2) that is
+
+    (−i)^k 2^(−D) (z − 1/z)^k (z + 1/z)^(D−k),
+
+so that the whole polynomial is multiplied out joint by joint. A combination comes out whole wherever it can: a2 c2 +
+a3 c23 has two terms here and three in sines and cosines of single angles.
+
+It is written as text and LaTeX for people, as Python and C in the joint variables q = θ − shift for machines.
+
+`typeset` turns that LaTeX into MathML, which browsers show without any help. Only what is
+written here is understood: letters with subscripts and powers, \frac, \sin, \cos, \theta, \pi, \pm, \in, sets in
+\{ \}, numbers. A long condition is cut before its signs into pieces, so that lines can break.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from fractions import Fraction
+from html import escape
+from math import comb, gcd, lcm, pi
+from typing import Any, TypeAlias
+
+from rankdrop.exact.algebra.polynomial import WRITTEN, Polynomial, approximation, flint
+from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.family.equation import pretty_angle
+
+
+@dataclass(frozen=True, slots=True)
+class Wave:
+    """sin or cos of a combination of joint angles.
+
+    Attributes:
+        kind: "sin" or "cos".
+        turns: (joint, twice its multiple), joints ascending, no zeros, the first multiple positive.
+    """
+
+    kind: str
+    turns: tuple[tuple[int, int], ...]
+
+    @property
+    def halved(self) -> bool:
+        """Whether half an angle occurs."""
+        return any(multiple % 2 for _, multiple in self.turns)
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A length, or the variable q_j of a slide.
+
+    Attributes:
+        name: as in the ring.
+        slide: number of the prismatic joint; 0 for a length.
+    """
+
+    name: str
+    slide: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """number · Π factor^power.
+
+    Attributes:
+        number: exact.
+        factors: (factor, power ≥ 1), lengths first, then slides, waves, and sums.
+    """
+
+    number: Fraction
+    factors: tuple[tuple[Factor, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """Products added up, in the order they are written.
+
+    Attributes:
+        parts: at least one.
+    """
+
+    parts: tuple[Product, ...]
+
+
+Factor: TypeAlias = Wave | Symbol | Sum
+
+
+def wave(kind: str, turns: Mapping[int, int]) -> tuple[int, Wave | None]:
+    """(sign, wave) of sin or cos of Σ turns_j θ_j / 2; the wave is None for sin 0 (sign 0) and cos 0 (sign 1)."""
+    kept = tuple(sorted((j, m) for j, m in turns.items() if m))
+    if not kept:
+        return (1 if kind == "cos" else 0), None
+    if kept[0][1] > 0:
+        return 1, Wave(kind, kept)
+    return (1 if kind == "cos" else -1), Wave(kind, tuple((j, -m) for j, m in kept))
+
+
+def product(number: Fraction | int, factors: Iterable[tuple[Factor, int]]) -> Product:
+    """number · Π factor^power with equal factors gathered, sums of one part opened, factors in order."""
+    number = Fraction(number)
+    powers: dict[Factor, int] = {}
+    waiting = list(factors)
+    while waiting:
+        factor, power = waiting.pop()
+        if isinstance(factor, Sum) and len(factor.parts) == 1:
+            number *= factor.parts[0].number ** power
+            waiting += [(inner, p * power) for inner, p in factor.parts[0].factors]
+        elif power:
+            powers[factor] = powers.get(factor, 0) + power
+    return Product(number, tuple(sorted(powers.items(), key=lambda item: _rank(item[0]))))
+
+
+def total(parts: Iterable[Product]) -> Product:
+    """The sum of products as number · (sum with whole coprime numbers, the first one positive), parts in order."""
+    kept: dict[tuple[tuple[Factor, int], ...], Fraction] = {}
+    for part in parts:
+        kept[part.factors] = kept.get(part.factors, Fraction(0)) + part.number
+    ordered = sorted((Product(n, factors) for factors, n in kept.items() if n), key=_place)
+    if not ordered:
+        return Product(Fraction(0))
+    if len(ordered) == 1:
+        return ordered[0]
+    content = Fraction(gcd(*(p.number.numerator for p in ordered)), lcm(*(p.number.denominator for p in ordered)))
+    if ordered[0].number < 0:
+        content = -content
+    return Product(content, ((Sum(tuple(Product(p.number / content, p.factors) for p in ordered)), 1),))
+
+
+def derivative(form: Product, joint: int) -> Product:
+    """The derivative of a form by the variable of one joint, equal to it; number 0 where it does not depend on it."""
+    parts = []
+    for place, (factor, power) in enumerate(form.factors):
+        inner = _slope(factor, joint)
+        if inner.number:
+            others = [(one, p) for k, (one, p) in enumerate(form.factors) if k != place]
+            outer = [*others, *inner.factors, (factor, power - 1)]
+            parts.append(product(form.number * power * inner.number, outer))
+    return total(parts)
+
+
+def _slope(factor: Factor, joint: int) -> Product:
+    """The derivative of one factor by a joint variable."""
+    if isinstance(factor, Symbol):
+        return Product(Fraction(int(factor.slide == joint)))
+    if isinstance(factor, Sum):
+        return total(derivative(part, joint) for part in factor.parts)
+    half = Fraction(dict(factor.turns).get(joint, 0), 2)
+    if factor.kind == "sin":
+        return Product(half, ((Wave("cos", factor.turns), 1),))
+    return Product(-half, ((Wave("sin", factor.turns), 1),))
+
+
+def _rank(factor: Factor) -> tuple[Any, ...]:
+    """Sort key of factors in a product: lengths, slides, single waves, combined ones, sums."""
+    if isinstance(factor, Symbol):
+        return (factor.slide > 0, factor.slide, factor.name, ())
+    if isinstance(factor, Wave):
+        return (2, len(factor.turns) > 1, factor.kind, factor.turns)
+    return (3, len(factor.parts), "", tuple(_place(part) for part in factor.parts))
+
+
+def _place(part: Product) -> tuple[Any, ...]:
+    """Where a product stands in a sum: by its lengths, then slides, then angles; pure numbers come last."""
+    lengths = [f.name for f, power in part.factors for _ in range(power) if isinstance(f, Symbol) and not f.slide]
+    slides = [f.slide for f, power in part.factors for _ in range(power) if isinstance(f, Symbol) and f.slide]
+    waves = [(f.turns, f.kind) for f, power in part.factors for _ in range(power) if isinstance(f, Wave)]
+    sums = [_rank(f) for f, _ in part.factors if isinstance(f, Sum)]
+    return (not lengths, lengths, not slides, [-j for j in slides], not waves and not sums, waves, sums)
+
+
+def half_of(form: Product, ring: Ring) -> Form:
+    """A form in half-angle tangents: (f, D) with form = f / Π (1 + t_j²)^(D_j / 2), exactly.
+
+    Args:
+        form: of the ring's joints and lengths.
+        ring: of the result.
+
+    Raises:
+        ValueError: parts of a sum differ in the parity of a half angle: the form has no sign on the torus.
+
+    Example:
+        >>> ring = Ring([1, 2])
+        >>> found = half_of(Product(Fraction(2), ((Wave("cos", ((1, 1), (2, 1))), 1),)), ring)
+        >>> found.f, found.degrees
+        (-2*t1*t2 + 2, (1, 1))
+    """
+    f, degrees = number_of(form.number, ring), (0,) * ring.angles
+    for factor, power in form.factors:
+        one = _half_of_factor(factor, ring)
+        f = f * one.f**power
+        degrees = tuple(d + power * m for d, m in zip(degrees, one.degrees, strict=True))
+    return Form(ring, f, degrees)
+
+
+def number_of(value: Fraction, ring: Ring) -> Polynomial:
+    """A number as an element of the half-angle ring."""
+    return ring.half.constant(flint().fmpq(value.numerator, value.denominator))
+
+
+def _half_of_factor(factor: Factor, ring: Ring) -> Form:
+    """`half_of` for a length, a slide, a sine or cosine, or a sum."""
+    if isinstance(factor, Symbol):
+        f = ring.q_half[factor.slide] if factor.slide else ring.letter_half[factor.name]
+        return Form(ring, f, (0,) * ring.angles)
+    if isinstance(factor, Wave):
+        turns = dict(factor.turns)
+        real, imaginary = ring.half.constant(1), ring.half.constant(0)
+        for j, multiple in factor.turns:  # exp(i m θ / 2) = ((1 + i t) / √(1 + t²))^m
+            t = ring.t[j] if multiple > 0 else -ring.t[j]
+            for _ in range(abs(multiple)):
+                real, imaginary = real - t * imaginary, imaginary + t * real
+        f = real if factor.kind == "cos" else imaginary
+        return Form(ring, f, tuple(abs(turns.get(j, 0)) for j in ring.revolute))
+    return added([half_of(part, ring) for part in factor.parts])
+
+
+def added(parts: Sequence[Form]) -> Form:
+    """The sum of forms, at least one, over their common degrees.
+
+    Raises:
+        ValueError: parts differ in the parity of a half angle.
+    """
+    ring = parts[0].ring
+    degrees = tuple(max(column) for column in zip(*(part.degrees for part in parts), strict=True))
+    total = ring.half.constant(0)
+    for part in parts:
+        f = part.f
+        for j, most, d in zip(ring.revolute, degrees, part.degrees, strict=True):
+            if (most - d) % 2:
+                raise ValueError(f"terms with θ{j}/2 and terms without it do not add up")
+            if most > d:
+                f = f * (1 + ring.t[j] ** 2) ** ((most - d) // 2)
+        total = total + f
+    return Form(ring, total, degrees)
+
+
+Pair = tuple[int, int]
+"""Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
+
+
+def fourier(form: Form) -> Product:
+    """f / Π (1 + t_j²)^(D_j / 2) as a sum of waves times monomials in lengths and slides.
+
+    Returns:
+        number · (sum of terms), equal to it exactly.
+    """
+    ring, f, degrees = form.ring, form.f, form.degrees
+    n = ring.angles
+    terms = [(tuple(int(e) for e in powers), int(value.p), int(value.q)) for powers, value in f.terms()]
+    bottom = lcm(*(q for _, _, q in terms))
+    state: dict[tuple[int, ...], Pair] = {powers: (p * (bottom // q), 0) for powers, p, q in terms}
+    for k in range(n):
+        if degrees[k]:
+            state = _expanded(state, k, int(degrees[k]))
+            bottom <<= int(degrees[k])
+    parts = []
+    for key, (real, imaginary) in state.items():
+        turns = key[:n]
+        first = next((m for m in turns if m), 0)
+        if first < 0:
+            continue
+        twice = 2 if first else 1
+        monomial = symbols(key[n:], ring)
+        for kind, value in (("cos", twice * real), ("sin", -twice * imaginary)):
+            sign, one = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
+            if value and sign:
+                factors = monomial if one is None else [*monomial, (one, 1)]
+                parts.append(product(Fraction(value * sign, bottom), factors))
+    return total(parts)
+
+
+def symbols(powers: Sequence[int], ring: Ring) -> list[tuple[Factor, int]]:
+    """The monomial in slides and lengths with these powers."""
+    names = [Symbol(f"q{j}", j) for j in ring.prismatic] + [Symbol(name) for name in ring.letters]
+    return [(symbol, int(power)) for symbol, power in zip(names, powers, strict=True) if power]
+
+
+def _expanded(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[tuple[int, ...], Pair]:
+    """The power of t_k in every key replaced by the power of z_k, all times 2^degree."""
+    tables = {power: _table(power, degree) for power in {key[k] for key in state}}
+    found: dict[tuple[int, ...], Pair] = {}
+    for key, (real, imaginary) in state.items():
+        power = key[k]
+        for _ in range(power % 4):  # times −i
+            real, imaginary = imaginary, -real
+        for z, value in tables[power].items():
+            new = (*key[:k], z, *key[k + 1 :])
+            one, two = found.get(new, (0, 0))
+            found[new] = (one + value * real, two + value * imaginary)
+    return {key: pair for key, pair in found.items() if any(pair)}
+
+
+def _table(power: int, degree: int) -> dict[int, int]:
+    """(z − 1/z)^k (z + 1/z)^(D−k) by powers of z."""
+    found: dict[int, int] = {}
+    for i in range(power + 1):
+        for j in range(degree - power + 1):
+            z = degree - 2 * i - 2 * j
+            found[z] = found.get(z, 0) + (-1) ** i * comb(power, i) * comb(degree - power, j)
+    return {z: value for z, value in found.items() if value}
+
+
+SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+LONG = 10**5
+"""Whole numbers above this are not read any more; people get `DIGITS` digits of them, the largest of a sum being 1."""
+DIGITS = 6
+EXACT = 2**53  # whole numbers up to this are exact as floats
+
+
+class Notation(ABC):
+    """How numbers, symbols, waves, powers and brackets are written; sums and products follow from these."""
+
+    times = " "
+    minus = "-"
+    exact = False  # whether numbers are written to the last digit
+
+    @abstractmethod
+    def number(self, value: Fraction) -> str:
+        """A positive number."""
+
+    @abstractmethod
+    def symbol(self, symbol: Symbol) -> str:
+        """A length, a root, or the variable of a slide."""
+
+    @abstractmethod
+    def wave(self, wave: Wave) -> str:
+        """sin or cos of a combination of angles."""
+
+    @abstractmethod
+    def power(self, text: str, factor: Factor, power: int) -> str:
+        """A factor to a power from 2 up."""
+
+    def bracket(self, text: str) -> str:
+        """A sum inside a product."""
+        return f"({text})"
+
+    def zero(self, form: Product) -> str:
+        """What vanishes with the form: the form less its number, a power, and a bracket round all of it."""
+        return self.sum(self.parts(form))
+
+    def parts(self, form: Product) -> tuple[Product, ...]:
+        """What vanishes with the form, as products to be added."""
+        return bare(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)), self.exact)
+
+    def value(self, form: Product) -> str:
+        """The form itself, with its number and its powers."""
+        form = self.readable(form)
+        if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
+            return self.sum([replace(part, number=form.number * part.number) for part in form.factors[0][0].parts])
+        return self.sum([form])
+
+    def readable(self, form: Product) -> Product:
+        """The form, equal to it, with sums of long numbers divided by the largest one."""
+        return _rescaled(form, self.exact, not self.exact and _long(form))
+
+    def sum(self, parts: Sequence[Product]) -> str:
+        """Products joined by signs."""
+        text = ""
+        for place, part in enumerate(parts):
+            sign = self.minus if part.number < 0 else "+"
+            text += f" {sign} " if place else (sign if sign != "+" else "")
+            text += self.product(part)
+        return text
+
+    def product(self, part: Product) -> str:
+        """One product without its sign."""
+        number = abs(part.number)
+        factors = [self.number(number)] if number != 1 or not part.factors else []
+        return self.times.join(factors + [self.factor(factor, power) for factor, power in part.factors])
+
+    def factor(self, factor: Factor, power: int) -> str:
+        """A factor to its power."""
+        if isinstance(factor, Sum):
+            text = self.bracket(self.sum(factor.parts))
+        else:
+            text = self.symbol(factor) if isinstance(factor, Symbol) else self.wave(factor)
+        return text if power == 1 else self.power(text, factor, power)
+
+
+def bare(form: Product, exact: bool) -> tuple[Product, ...]:
+    """The parts of a form without its number; sums with long numbers are divided by the largest one.
+
+    Args:
+        form: any.
+        exact: only where that leaves decimals that a float holds, or where the numbers are longer than a float.
+    """
+    rescaled = _rescaled(form, exact, not exact and _long(form))
+    if len(rescaled.factors) == 1 and isinstance(rescaled.factors[0][0], Sum):
+        return rescaled.factors[0][0].parts
+    return (Product(Fraction(1), rescaled.factors),)
+
+
+def _long(form: Product) -> bool:
+    """Whether a number anywhere in the form is too long to be read."""
+    sums = [factor.parts for factor, _ in form.factors if isinstance(factor, Sum)]
+    return any(_too_long(part.number) or _long(part) for parts in sums for part in parts)
+
+
+def _too_long(value: Fraction) -> bool:
+    return max(abs(value.numerator), value.denominator) > LONG
+
+
+def _rescaled(form: Product, exact: bool, every: bool) -> Product:
+    """Sums divided by their largest number: those with long numbers, or every one."""
+    number = form.number
+    factors: list[tuple[Factor, int]] = []
+    for factor, power in form.factors:
+        if isinstance(factor, Sum):
+            parts = [_rescaled(part, exact, every) for part in factor.parts]
+            most = max(abs(part.number) for part in parts)
+            if every or any(_too_long(part.number) for part in parts):
+                divided = [Product(part.number / most, part.factors) for part in parts]
+                if not exact or most > EXACT or all(Fraction(repr(float(p.number))) == p.number for p in divided):
+                    parts, number = divided, number * most**power
+            factors.append((Sum(tuple(parts)), power))
+        else:
+            factors.append((factor, power))
+    return Product(number, tuple(factors))
+
+
+def _readable(value: Fraction) -> str:
+    if value.denominator == 1 and value.numerator <= LONG:
+        return str(value.numerator)
+    short = f"{Decimal(value.numerator) / Decimal(value.denominator):.{DIGITS}g}".replace("e+", "e")
+    if "e" not in short:
+        short = f"{float(value):.{DIGITS}g}"  # without zeros at the end
+    if value.denominator > 1 and Fraction(short) != value and value.denominator <= 12:
+        return f"{value.numerator}/{value.denominator}"
+    return short
+
+
+def _spelled(turns: Sequence[tuple[int, int]], name: str, minus: str, half: str) -> str:
+    """θ3 − θ5 and (θ3 + θ5)/2: a combination of angles; `name` and `half` are patterns."""
+    halved = all(m % 2 for _, m in turns)
+    text = ""
+    for j, m in turns:
+        size = abs(m) if halved or m % 2 else abs(m) // 2
+        one = ("" if size == 1 else str(size)) + name.format(j)
+        one = one if halved or m % 2 == 0 else half.format(one)
+        text += (f" {minus if m < 0 else '+'} " if text else minus if m < 0 else "") + one
+    if halved:
+        return half.format(f"({text})" if len(turns) > 1 else text)
+    return text
+
+
+def _joined(turns: Sequence[tuple[int, int]]) -> bool:
+    """Whether the combination is written by its joints' digits alone."""
+    return all(m == 2 and j < 10 for j, m in turns)
+
+
+class Text(Notation):
+    """Unicode: a2 c2 + a3 c23 − d4 s23."""
+
+    minus = "−"
+
+    def number(self, value: Fraction) -> str:
+        """Whole, or six digits."""
+        return _readable(value)
+
+    def symbol(self, symbol: Symbol) -> str:
+        """Its name; √2 for a root."""
+        return WRITTEN.get(symbol.name, symbol.name)
+
+    def wave(self, wave: Wave) -> str:
+        """c23, s(θ1 − θ2), cos(θ4/2)."""
+        if _joined(wave.turns):
+            return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
+        name = wave.kind if wave.halved else wave.kind[0]
+        text = _spelled(wave.turns, "θ{}", self.minus, "{}/2")
+        return f"{name}({text})"
+
+    def power(self, text: str, factor: Factor, power: int) -> str:
+        """A raised number, before an angle in brackets."""
+        if isinstance(factor, Wave) and text[-1] == ")":
+            name, rest = text.split("(", 1)
+            return f"{name}{str(power).translate(SUPERSCRIPT)}({rest}"
+        return text + str(power).translate(SUPERSCRIPT)
+
+
+class Latex(Notation):
+    r"""LaTeX: a_2 c_2 + a_3 c_{23}; names in full where the angles are no plain sum: \cos(\theta_3 - \theta_5)."""
+
+    def number(self, value: Fraction) -> str:
+        """As in text, powers of ten spelled out."""
+        text = _readable(value)
+        if "/" in text:
+            top, bottom = text.split("/")
+            return rf"\tfrac{{{top}}}{{{bottom}}}"
+        if "e" in text:
+            digits, power = text.split("e")
+            return rf"{digits} \cdot 10^{{{int(power)}}}"
+        return text
+
+    def symbol(self, symbol: Symbol) -> str:
+        """With a subscript."""
+        return latex_name(symbol.name)
+
+    def wave(self, wave: Wave) -> str:
+        """c_{23}, or the name in full."""
+        if _joined(wave.turns):
+            return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
+        text = latex_subscripts(_spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}"))
+        text = re.sub(r"\\tfrac\{\((.*)\)\}", r"\\tfrac{\1}", text)
+        return rf"\{wave.kind}({text})"
+
+    def power(self, text: str, factor: Factor, power: int) -> str:
+        """A superscript, before an angle in brackets."""
+        if isinstance(factor, Wave):
+            head = re.match(r"\\?[a-z]+", text)
+            assert head is not None
+            name, rest = head.group(), text[head.end() :]
+            return f"{name}{rest}^{{{power}}}" if rest.startswith("_") else f"{name}^{{{power}}}{rest}"
+        return f"{text}^{{{power}}}"
+
+
+def latex_name(name: str) -> str:
+    r"""a2 → a_2, c23 → c_{23}, upper → \mathrm{upper}."""
+    if name in WRITTEN:
+        return re.sub("√(.*)", r"\\sqrt{\1}", WRITTEN[name]).replace("cos", r"\cos").replace("°", r"^\circ")
+    head, tail = re.fullmatch(r"([A-Za-z]*)_?(.*)", name, re.DOTALL).groups()  # type: ignore[union-attr] # matches all
+    head = head if len(head) == 1 else rf"\mathrm{{{head}}}"
+    tail = tail.replace("_", r"\_")
+    return head if not tail else f"{head}_{tail}" if len(tail) == 1 else f"{head}_{{{tail}}}"
+
+
+def latex_subscripts(text: str) -> str:
+    r"""\theta_12 → \theta_{12}."""
+    return re.sub(r"_(\d\d+)", r"_{\1}", text)
+
+
+def angle_words(value: float) -> str:
+    """An angle for people: parts of π as such, others in radians with degrees beside."""
+    text = pretty_angle(value)
+    return text if "π" in text or text == "0" else f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
+
+
+def latex_angle(value: float) -> str:
+    """The same in LaTeX."""
+    text = pretty_angle(value).replace("−", "-").replace("π", r"\pi")
+    if r"\pi" not in text and text != "0":
+        return rf"{text}\,\mathrm{{rad}}"
+    match = re.fullmatch(r"(-?)(.*)/(\d+)", text)
+    return rf"{match[1]}\frac{{{match[2]}}}{{{match[3]}}}" if match else text
+
+
+@dataclass(frozen=True)
+class Python(Notation):
+    """Python: a2*cos(q2) + a3*cos(q2 + q3), in the joint variables q = θ − shift.
+
+    Attributes:
+        letters: numbers that replace lengths [m].
+        shifts: of each joint [rad], slides have none; empty for none.
+        variable: pattern of a joint variable, with {0} for its number and {1} for its place from 0.
+        names: what lengths are called there, where it is something else.
+    """
+
+    letters: Mapping[str, float] = field(default_factory=dict)
+    shifts: Sequence[float] = ()
+    variable: str = "q{0}"
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    times = "*"
+    exact = True
+
+    def number(self, value: Fraction) -> str:
+        """Whole numbers as such, others as floats."""
+        return str(value.numerator) if value.denominator == 1 and value <= EXACT else repr(float(value))
+
+    def symbol(self, symbol: Symbol) -> str:
+        """Its name, the name given for it, or its value."""
+        if symbol.slide:
+            return self.joint(symbol.slide)
+        if symbol.name in WRITTEN:
+            return repr(float(approximation(symbol.name)))
+        if symbol.name in self.letters:
+            value = float(self.letters[symbol.name])
+            return repr(value) if value >= 0 else f"({value!r})"
+        return self.names.get(symbol.name, symbol.name)
+
+    def wave(self, wave: Wave) -> str:
+        """A call."""
+        return f"{wave.kind}({self.angle(wave.turns)})"
+
+    def angle(self, turns: Sequence[tuple[int, int]], value: str = "0") -> str:
+        """Σ m_j (q_j + shift_j) / 2 − value / 2, a combination of angles less half of an angle out of `SIMPLE`."""
+        halved = all(m % 2 for _, m in turns)
+        constant = sum(m * self.shift(j) for j, m in turns) * (1.0 if halved else 0.5)
+        text = ""
+        for j, m in turns:
+            size = abs(m) if halved or m % 2 else abs(m) // 2
+            one = ("" if size == 1 else f"{self.number(Fraction(size))}*") + self.joint(j)
+            one = one if halved or m % 2 == 0 else f"{one}/{self.number(Fraction(2))}"
+            text += (f" {'-' if m < 0 else '+'} " if text else "-" if m < 0 else "") + one
+        if value != "0":
+            text += f" {'+' if value[0] == '-' else '-'} {self.simple(value.lstrip('-'))}"
+        if constant:
+            text += f" {'+' if constant > 0 else '-'} {abs(constant)!r}"
+        two = self.number(Fraction(2))
+        return text if not halved else f"({text})/{two}" if " " in text else f"{text}/{two}"
+
+    def joint(self, number: int) -> str:
+        """A joint variable."""
+        return self.variable.format(number, number - 1)
+
+    def shift(self, number: int) -> float:
+        """What is added to a joint variable [rad]."""
+        return float(self.shifts[number - 1]) if len(self.shifts) else 0.0
+
+    def simple(self, value: str) -> str:
+        """π or π/2."""
+        return value
+
+    def power(self, text: str, factor: Factor, power: int) -> str:
+        """With **."""
+        return f"{text}**{power}"
+
+
+@dataclass(frozen=True)
+class C(Python):
+    """C99, with <math.h>: a2*cos(q[1]) + a3*cos(q[1] + q[2])."""
+
+    variable: str = "q[{1}]"
+
+    def number(self, value: Fraction) -> str:
+        """A double."""
+        return repr(float(value))
+
+    def simple(self, value: str) -> str:
+        """To the last digit: <math.h> need not know π."""
+        return repr(pi if value == "pi" else pi / 2)
+
+    def power(self, text: str, factor: Factor, power: int) -> str:
+        """A call of pow."""
+        return f"pow({text}, {power}.0)"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand.
+
+    Attributes:
+        title: heading.
+        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
+        whole: the same with everything written out; empty where `lines` leave nothing out.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    whole: tuple[str, ...] = ()
+
+
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\d+(?:\.\d+)?|[A-Za-z]|[{}_^()=+\-,/]|[^\s\\]")
+_SIGNS = {"\\theta": "θ", "\\pi": "π", "\\alpha": "α", "\\beta": "β"}
+_WORDS = {"\\sin", "\\cos", "\\tan"}
+_OPERATORS = {"\\in": "∈", "\\pm": "±", "\\cdot": "·", "\\{": "{", "\\}": "}", "-": "−", "\\ne": "≠", "\\quad": " "}
+_BREAKS = {"+", "-", "="}
+_SHORT = 60  # characters; a condition no longer than this stays in one piece
+
+
+def typeset(latex: str) -> str:
+    """One condition as HTML: MathML in pieces between which a line may break.
+
+    Example:
+        >>> typeset("a_2 = 0")
+        '<math><msub><mi>a</mi><mn>2</mn></msub><mo stretchy="false" form="infix">=</mo><mn>0</mn></math>'
+    """
+    pieces: list[list[str]] = [[]]
+    depth = 0
+    breakable = len(latex) > _SHORT
+    for token in _TOKEN.findall(latex):
+        depth += {"{": 1, "}": -1}.get(token, 0)
+        follows = bool(pieces[-1]) and pieces[-1][-1] not in {"(", "=", ","}
+        if breakable and token in _BREAKS and depth == 0 and follows:
+            pieces.append([])
+        pieces[-1].append(token)
+    return " ".join(f"<math>{_Reader(piece).row()}</math>" for piece in pieces if piece)
+
+
+class _Reader:
+    def __init__(self, tokens: list[str]) -> None:
+        self.tokens = tokens
+        self.at = 0
+
+    def row(self, stop: str = "") -> str:
+        """Everything up to a closing brace, or to the end."""
+        parts = []
+        while self.at < len(self.tokens) and self.tokens[self.at] != stop:
+            parts.append(self.scripted())
+        self.at += bool(stop)
+        return "".join(parts)
+
+    def scripted(self) -> str:
+        """One thing with what is written below and above it."""
+        base, below, above = self.one(), "", ""
+        while self.at < len(self.tokens) and self.tokens[self.at] in {"_", "^"}:
+            sign = self.tokens[self.at]
+            self.at += 1
+            if sign == "_":
+                below = self.one()
+            else:
+                above = self.one()
+        if below and above:
+            return f"<msubsup>{base}{below}{above}</msubsup>"
+        return f"<msub>{base}{below}</msub>" if below else f"<msup>{base}{above}</msup>" if above else base
+
+    def one(self) -> str:
+        """A group, a fraction, a letter, a number or a sign."""
+        if self.at >= len(self.tokens):
+            return "<mrow></mrow>"
+        token = self.tokens[self.at]
+        self.at += 1
+        if token == "{":
+            return f"<mrow>{self.row('}')}</mrow>"
+        if token in {"\\frac", "\\tfrac"}:
+            return f"<mfrac>{self.one()}{self.one()}</mfrac>"
+        if token == "\\mathrm":
+            return f"<mtext>{escape(self.plain())}</mtext>"
+        if token in _SIGNS or token.isalpha():
+            return f"<mi>{_SIGNS.get(token, token)}</mi>"
+        if token in _WORDS:
+            return f"<mi>{token[1:]}</mi><mspace width='0.15em'></mspace>"
+        if token[0].isdigit():
+            return f"<mn>{token}</mn>"
+        if token == "\\,":
+            return "<mspace width='0.17em'></mspace>"
+        return self.operator(token)
+
+    def plain(self) -> str:
+        """The letters of a group as they are."""
+        words = []
+        if self.at < len(self.tokens) and self.tokens[self.at] == "{":
+            end = self.tokens.index("}", self.at)
+            words = [token.removeprefix("\\") for token in self.tokens[self.at + 1 : end]]
+            self.at = end + 1
+        return "".join(words)
+
+    def operator(self, token: str) -> str:
+        """A sign; it keeps its room where a piece begins with it."""
+        infix = token in {"+", "-", "="} and (self.at > 1 or self.at < len(self.tokens)) and not self.leading()
+        form = ' form="infix"' if infix else ""
+        return f'<mo stretchy="false"{form}>{escape(_OPERATORS.get(token, token))}</mo>'
+
+    def leading(self) -> bool:
+        """Whether the sign just read stands before its term: after a bracket, a comma, another sign."""
+        before = self.tokens[self.at - 2] if self.at > 1 else ""
+        return before in {"(", ",", "{", "\\{", "=", "\\in"}

@@ -1,1 +1,0 @@
-"""Conditions that people write, read exactly and held against the singular set."""

@@ -1,1 +1,0 @@
-"""Dependent-screw suppression (KG): disjoint families, proved step by step."""

@@ -1,1 +1,0 @@
-"""Exact conditions for people and programs: text, LaTeX, Python, C, numeric equations."""

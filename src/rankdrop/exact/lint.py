@@ -261,7 +261,7 @@ class _Comparison:
             found = [part for one in found for part in pinned(one, joint, value, self.work)]
         for f in piece.equations:
             own = replace(self.ring.form(f), f=self.special(f))
-            found = [part for one in found for part in self.cut(one, Parsed("", own))]
+            found = [part for one in found for part in self.cut(one, Parsed(own))]
         return [one for one in independent(found) if one.samples and self.rank(one) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
@@ -278,7 +278,7 @@ class _Comparison:
         if form.f == 0:
             return [piece]
         found: list[ZeroSet] = []
-        for atom in Parsed(one.text, form, one.root).atoms:
+        for atom in Parsed(form).atoms:
             if atom.pinned:
                 found += pinned(piece, atom.joint, atom.value, self.work)
             else:

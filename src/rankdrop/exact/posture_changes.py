@@ -5,7 +5,7 @@ Two proofs that it cannot:
 1. Signs. Where the equations of the inverse can be solved one after another, each in one unknown with at most two
    solutions, the derivative of each has opposite signs at its two solutions, and is a factor of det J. Each solution
    then has signs of its own, and no path between two of them keeps them. The arms for which this is known are in
-   `_SIGNS`; for three joints that move a point they are those of Wenger (axes 1, 2 or 2, 3 parallel or meeting).
+   `_signs`; for three joints that move a point they are those of Wenger (axes 1, 2 or 2, 3 parallel or meeting).
 2. No cusp. Three turning joints that move a point, with a singular set without nodes (generic in Burdick's sense), are
    cuspidal if and only if three solutions of the inverse meet somewhere (Salunkhe, Spartalis, Capco, Chablat and
    Wenger 2022, arXiv:2202.08686). Such a cusp is where the direction of motion that is lost in joint space,
@@ -37,7 +37,7 @@ of the balls, which is not a proof that it is one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import atan, atan2, pi, remainder
@@ -176,33 +176,25 @@ def common_zeros(first: Polynomial, second: Polynomial, third: Polynomial) -> tu
 
 
 def _pairs(system: Sequence[Polynomial], eliminated: Sequence[Polynomial]) -> tuple[tuple[float, float], ...]:
-    module = flint()
-    kept, module.ctx.prec = module.ctx.prec, BITS
-    try:
+    with flint().ctx.workprec(BITS):
         xs, ys = (_real_roots(f, place) for place, f in enumerate(eliminated))
         tick(40 * len(xs) * len(ys))
         found = [(float(x.mid()), float(y.mid())) for x in xs for y in ys
                  if all(_at(f, x, y).contains(0) for f in system)]  # fmt: skip
-    finally:
-        module.ctx.prec = kept
     return tuple(sorted(found))
 
 
 def real_zeros(f: Polynomial, place: int) -> tuple[float, ...]:
     """Real zeros of a polynomial in one variable; none in the list: proven that there is none."""
-    module = flint()
-    kept, module.ctx.prec = module.ctx.prec, BITS
-    try:
+    with flint().ctx.workprec(BITS):
         return tuple(sorted(float(x.mid()) for x in _real_roots(f, place)))
-    finally:
-        module.ctx.prec = kept
 
 
 def _resultant(one: Polynomial, other: Polynomial, place: int) -> Polynomial:
     if other == 0:
         return other
     if place not in used(one):
-        return one**0 if other == 0 else one
+        return one
     tick(2_000 * (len(one) + len(other)))
     return one.resultant(other, place)
 
@@ -322,7 +314,7 @@ def _planar(chain: Chain, turning: list[bool]) -> str:
 
 def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], wrist: str) -> Decision:
     known = regional(chain, point, _TURNS[0])
-    why = next((words for words, holds in _SIGNS if holds(chain, known)), "")
+    why = _signs(chain, known)
     if why:
         return Decision(SIGNS, f"each solution has signs of its own: {'; '.join(x for x in (why, wrist) if x)}")
     whose = "the first three joints" if wrist else "the arm"
@@ -353,42 +345,42 @@ def _count(places: tuple[Pair, ...], what: str) -> str:
     return f"{len(places)} {what}{'s' if len(places) > 1 else ''}"
 
 
-def _alone(which: str, joint: int) -> Callable[[Chain, Regional], bool]:
-    """f or g does not depend on one of the joints: it gives the other, and the other function this one."""
-    def holds(chain: Chain, known: Regional) -> bool:
-        del chain
-        return bool(known.by(getattr(known, which), joint) == 0)
+def _signs(chain: Chain, known: Regional) -> str:
+    """Why each solution of the inverse has signs of its own, in words; "" where none of the known reasons holds."""
+    first, second = chain.sections[:2]
+    alone = {(which, joint): known.by(getattr(known, which), joint) == 0 for which in "fg" for joint in (2, 3)}
+    early, late = known.turns[0] and known.turns[1], known.turns[1] and known.turns[2]
+    reasons = (
+        # |p|² or p·z₁ gives joint 3, two values with opposite derivatives; the other one then joint 2, likewise
+        ("axes 1 and 2 meet", early and first.a == 0 and alone["f", 2]),
+        ("axes 1 and 2 are parallel", early and first.twist.sin == 0 and alone["g", 2]),
+        # θ2, θ3 move p in a plane (u, w): g gives w, f then (u + a1)², two values; then an arm of two links
+        ("axes 2 and 3 are parallel", late and second.twist.sin == 0),
+        # p keeps its distance from O where axes 2 and 3 meet, which joint 1 alone moves: two values of q1; p·z₂ gives
+        # two of θ3. det J = ((p − O)·(z₂ × z₃)) (z₁·(p × O))
+        ("axes 2 and 3 meet", late and second.a == 0),
+        # f or g gives one of the joints, and the other function the other
+        *((f"the inverse falls apart: one of its two equations does not hold joint {joint}", holds)
+          for (_, joint), holds in alone.items()),
+        ("orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other",
+         late and _one_factor(known)),
+        # f and g on the line that one linear equation leaves: one quadratic equation
+        ("joints 2 and 3 slide", not (known.turns[1] or known.turns[2])),
+    )  # fmt: skip
+    return next((words for words, holds in reasons if holds), "")
 
-    return holds
 
-
-def _parallel(chain: Chain, known: Regional) -> bool:
-    return known.turns[1] and known.turns[2] and chain.sections[1].twist.sin == 0
-
-
-def _meeting(chain: Chain, known: Regional) -> bool:
-    return known.turns[1] and known.turns[2] and chain.sections[1].a == 0
-
-
-def _two_slides(chain: Chain, known: Regional) -> bool:
-    del chain
-    return not (known.turns[1] or known.turns[2])
-
-
-def _one_factor(chain: Chain, known: Regional) -> bool:
+def _one_factor(known: Regional) -> bool:
     """f = A + B(θ₂) U(θ₃), g = C + E(θ₂) U(θ₃) with numbers A and C, or the same with 2 and 3 exchanged.
 
     (f − A) E − (g − C) B = 0 is of first degree in sin θ₂, cos θ₂: two values, derivative U (B E′ − E B′); U then
     leaves two values of θ₃. D is U U′ (B′ E − B E′).
     """
-    del chain
-    if not (known.turns[1] and known.turns[2]):
-        return False
-    f, g = (_bilinear(known, h) for h in (known.f, known.g))
-    return any(_shares_a_factor(one, other) for one, other in ((f, g), (_transposed(f), _transposed(g))))
+    f, g = (_bilinear(h) for h in (known.f, known.g))
+    return _shares_a_factor(f, g) or _shares_a_factor([*zip(*f, strict=True)], [*zip(*g, strict=True)])
 
 
-def _bilinear(known: Regional, h: Polynomial) -> list[list[Fraction]]:
+def _bilinear(h: Polynomial) -> list[list[Fraction]]:
     """Coefficients of h by (1, c₂, s₂) and (1, c₃, s₃)."""
     names = h.context().names()
     found = [[Fraction(0)] * 3 for _ in range(3)]
@@ -399,42 +391,13 @@ def _bilinear(known: Regional, h: Polynomial) -> list[list[Fraction]]:
     return found
 
 
-def _transposed(m: list[list[Fraction]]) -> list[list[Fraction]]:
-    return [list(row) for row in zip(*m, strict=True)]
-
-
-def _shares_a_factor(f: list[list[Fraction]], g: list[list[Fraction]]) -> bool:
+def _shares_a_factor(f: Sequence[Sequence[Fraction]], g: Sequence[Sequence[Fraction]]) -> bool:
     rows = [*f[1:], *g[1:]]
     u = next((row for row in rows if any(row)), None)
     if u is None:
         return False
     along = all(u[i] * row[j] == u[j] * row[i] for row in rows for i in range(3) for j in range(i))
     return along and all(u[1] * row[2] == u[2] * row[1] for row in (f[0], g[0])) and any(u[1:])
-
-
-def _axes_meet(chain: Chain, known: Regional) -> bool:
-    return known.turns[0] and known.turns[1] and chain.sections[0].a == 0 and _alone("f", 2)(chain, known)
-
-
-def _axes_parallel(chain: Chain, known: Regional) -> bool:
-    return known.turns[0] and known.turns[1] and chain.sections[0].twist.sin == 0 and _alone("g", 2)(chain, known)
-
-
-_SIGNS: tuple[tuple[str, Callable[[Chain, Regional], bool]], ...] = (
-    # |p|² or p·z₁ gives joint 3, two values with opposite derivatives; the other one then joint 2, likewise
-    ("axes 1 and 2 meet", _axes_meet),
-    ("axes 1 and 2 are parallel", _axes_parallel),
-    # θ2, θ3 move p in a plane (u, w): g gives w, f then (u + a1)², two values; then an arm of two links
-    ("axes 2 and 3 are parallel", _parallel),
-    # p keeps its distance from O where axes 2 and 3 meet, which joint 1 alone moves: two values of q1; p·z₂ gives two
-    # of θ3. det J = ((p − O)·(z₂ × z₃)) (z₁·(p × O))
-    ("axes 2 and 3 meet", _meeting),
-    *((f"the inverse falls apart: one of its two equations does not hold joint {joint}", _alone(which, joint))
-      for which in "fg" for joint in (2, 3)),
-    ("orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other", _one_factor),
-    # f and g on the line that one linear equation leaves: one quadratic equation
-    ("joints 2 and 3 slide", _two_slides),
-)  # fmt: skip
 
 
 def _cusps_and_nodes(known: Regional) -> tuple[tuple[Pair, ...], tuple[Pair, ...], int]:

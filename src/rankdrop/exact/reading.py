@@ -19,9 +19,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -309,296 +308,30 @@ HIGH = 80
 """Degree in the half-angle tangent of a joint while a condition is read."""
 
 
-class Value(NamedTuple):
-    """A function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2), f and the D_j as a form."""
-
-    form: Form
-    root: int = 0
+PI, ONE = 0, -1
+Angle = dict[int, Fraction]
+"""A combination of angles: what θ_j, π (`PI`) and the number 1 (`ONE`) are multiplied by; zeros are left out."""
 
 
-@dataclass(frozen=True)
-class Angle:
-    """A combination of joint angles: Σ turns_j θ_j + turn · π + decimal."""
-
-    turns: dict[int, Fraction]
-    turn: Fraction
-    decimal: Fraction
-
-
-class Meaning:
-    """Meaning of trees in a ring."""
-
-    def __init__(self, text: str, ring: Ring, shifts: Sequence[float] | None) -> None:
-        self.text, self.ring = text, ring
-        self.shifts = np.zeros(max([*ring.revolute, *ring.prismatic], default=0)) if shifts is None else shifts
-
-    def statement(self, statement: Statement) -> Value:
-        """One condition."""
-        if self.is_angle(statement.left) or any(self.is_angle(right) for right in statement.rights):
-            value = self.relation(statement)
-        elif len(statement.rights) > 1:
-            what = "“or” stands between values of an angle only"
-            raise mistake(self.text, statement.rights[1].place, what, allowed="θ4 = 0 or π")
-        else:
-            value = self.value(statement.left)
-            if statement.rights:
-                value = self.sum([value, self.negative(self.value(statement.rights[0]))], statement.rights[0])
-        return value
-
-    # angles
-
-    def is_angle(self, node: Node) -> bool:
-        """Whether a turning joint's variable stands in it outside sin and cos."""
-        if node.kind == "name":
-            joint = self.joint(node)
-            return joint is not None and joint in self.ring.revolute
-        return node.kind not in ("sin", "cos") and any(self.is_angle(part) for part in node.parts)
-
-    def relation(self, statement: Statement) -> Value:
-        """Σ m_j θ_j = value, modulo 2π."""
-        value = self.number(self.ring.half.constant(1))
-        rights = [signed for right in statement.rights for signed in _both(right)] or [
-            Node("number", statement.left.place)
-        ]
-        for right in rights:
-            left = self.angle(statement.left)
-            other = self.angle(right)
-            turns = dict(left.turns)
-            for j, m in other.turns.items():
-                turns[j] = turns.get(j, Fraction(0)) - m
-            turns = {j: m for j, m in turns.items() if m}
-            if not turns or any(m.denominator != 1 for m in turns.values()):
-                raise mistake(
-                    self.text, statement.left.place, "an equation of angles needs whole multiples of them on it"
-                )
-            half = Fraction(1, 2)
-            angle = Angle(
-                {j: m * half for j, m in turns.items()}, (left.turn - other.turn) * half,
-                (left.decimal - other.decimal) * half,
-            )  # fmt: skip
-            value = self.product(value, self.wave("sin", angle, statement.left), statement.left)
-        return value
-
-    def angle(self, node: Node) -> Angle:
-        """The tree as an angle."""
-        if node.kind == "number":
-            return Angle({}, Fraction(0), node.number)
-        if node.kind == "name":
-            return self.named_angle(node)
-        if node.kind == "-":
-            return _scaled(self.angle(node.parts[0]), Fraction(-1))
-        if node.kind == "+":
-            total = Angle({}, Fraction(0), Fraction(0))
-            for part in node.parts:
-                one = self.angle(part)
-                turns = {j: total.turns.get(j, Fraction(0)) + one.turns.get(j, Fraction(0))
-                         for j in total.turns.keys() | one.turns.keys()}  # fmt: skip
-                total = Angle(turns, total.turn + one.turn, total.decimal + one.decimal)
-            return total
-        if node.kind == "*":
-            number, kept = Fraction(1), Angle({}, Fraction(0), Fraction(1))
-            for part in node.parts:
-                one = self.angle(part.parts[0] if part.kind == "/" else part)
-                plain = not one.turns and not one.turn
-                if part.kind == "/":
-                    if not plain or not one.decimal:
-                        raise mistake(self.text, part.place, "an angle is divided by numbers only, not by 0")
-                    number /= one.decimal
-                elif plain:
-                    number *= one.decimal
-                elif kept.turns or kept.turn:
-                    raise mistake(self.text, part.place, "angles are multiplied by numbers only")
-                else:
-                    kept = one
-            return _scaled(kept, number)
-        raise mistake(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
-
-    def named_angle(self, node: Node) -> Angle:
-        """π, q3 or θ3."""
-        if node.name in ("pi", "π"):
-            return Angle({}, Fraction(1), Fraction(0))
-        joint = self.joint(node)
-        if joint is None or joint not in self.ring.revolute:
-            raise mistake(self.text, node.place, "this is no angle", allowed=self.angles())
-        shift = Fraction(float(self.shifts[joint - 1])) if node.name[0] == "q" else Fraction(0)
-        return Angle({joint: Fraction(1)}, Fraction(0), -shift)  # q = θ − shift
-
-    def angles(self) -> str:
-        """The names of angles that may be used."""
-        return ", ".join([*(f"q{j}" for j in self.ring.revolute), "θ for q", "pi"])
-
-    def wave(self, kind: str, angle: Angle, node: Node) -> Value:
-        """sin or cos of an angle."""
-        turns = {j: 2 * m for j, m in angle.turns.items() if m}
-        for j, m in turns.items():
-            if m.denominator != 1 or abs(m) > 40:
-                what = f"{m / 2} θ{j} is no whole or half multiple of the angle, up to 20"
-                raise mistake(self.text, node.place, what)
-        quarters = angle.turn * 2 + Fraction(round(float(angle.decimal) / (pi / 4)), 2)
-        if abs(float(angle.decimal) - round(float(angle.decimal) / (pi / 4)) * pi / 4) > TURNED:
-            raise self.not_exact(angle, node)
-        eighths = quarters * 2
-        if eighths.denominator != 1:
-            raise mistake(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
-        whole = {j: int(m) for j, m in turns.items()}
-        found = self.turned(kind, whole, int(eighths) // 2)
-        if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
-            found = self.sum([found, self.turned(kind, whole, int(eighths) // 2 + 1)], node)
-            found = Value(replace(found.form, f=found.form.f / 2), 1)
-        return found
-
-    def not_exact(self, angle: Angle, node: Node) -> OptionError:
-        """The error for an angle with a decimal in it that is no quarter turn."""
-        shifted = [j for j in angle.turns if j <= len(self.shifts) and self.shifts[j - 1]]
-        if shifted:
-            names = ", ".join(f"θ{j} = q{j} {'−' if self.shifts[j - 1] < 0 else '+'} {abs(self.shifts[j - 1]):.6g} rad"
-                              for j in shifted)  # fmt: skip
-            return mistake(
-                self.text, node.place, "sines and cosines of this angle are not exact",
-                allowed=f"θ in place of q, with {names}", mend="write θ, or add the shift to q",
-            )  # fmt: skip
-        allowed = "whole and half angles, plus quarter turns (pi/2)"
-        return mistake(self.text, node.place, "this angle is not exact", allowed=allowed)
-
-    def turned(self, kind: str, turns: dict[int, int], quarters: int) -> Value:
-        """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
-        kinds = ("cos", "sin")  # cos, −sin, −cos, sin as the angle grows by quarter turns
-        steps = (quarters + (3 if kind == "sin" else 0)) % 4
-        sign, one = wave(kinds[steps % 2], turns)
-        sign = -sign if steps in (1, 2) else sign
-        form = Product(Fraction(sign), () if one is None else ((one, 1),))
-        return Value(half_of(form, self.ring))
-
-    # values
-
-    def value(self, node: Node) -> Value:
-        """The tree as a function on the torus."""
-        if node.kind == "number":
-            return self.number(number_of(node.number, self.ring))
-        if node.kind == "name":
-            return self.named(node)
-        if node.kind in ("sin", "cos"):
-            return self.wave(node.kind, self.angle(node.parts[0]), node)
-        if node.kind == "-":
-            return self.negative(self.value(node.parts[0]))
-        if node.kind == "+":
-            return self.sum([self.value(part) for part in node.parts], node)
-        if node.kind == "**":
-            base, total = self.value(node.parts[0]), self.number(self.ring.half.constant(1))
-            for _ in range(int(node.number)):
-                total = self.product(total, base, node)
-            return total
-        if node.kind == "*":
-            total = self.number(self.ring.half.constant(1))
-            for part in node.parts:
-                total = self.product(total, self.inverse(part) if part.kind == "/" else self.value(part), part)
-            return total
-        raise mistake(self.text, node.place, "± stands before values of an angle only", allowed="θ4 = ±π/2")
-
-    def inverse(self, node: Node) -> Value:
-        """1 / a number."""
-        form, root = self.value(node.parts[0])
-        if root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
-            raise mistake(self.text, node.place, "a condition is divided by numbers only, not by 0")
-        return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
-
-    def named(self, node: Node) -> Value:
-        """A length, the variable of a slide, or s23."""
-        ring, name = self.ring, node.name
-        if name in ring.letters:
-            return self.number(ring.letter_half[name])
-        joint = self.joint(node)
-        if joint is not None and joint in ring.prismatic:
-            return self.number(ring.q_half[joint])
-        match = re.fullmatch(r"([sc])([1-9]+)", name)
-        if match is not None:
-            joints = [int(digit) for digit in match[2]]
-            if len(set(joints)) == len(joints) and set(joints) <= set(ring.revolute):
-                kind = "sin" if match[1] == "s" else "cos"
-                one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
-                return Value(half_of(Product(Fraction(1), ((one, 1),)), ring))
-        if joint is not None:
-            raise mistake(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
-        allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
-        allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"] if ring.revolute else []
-        lengths = None if ring.letters else "the lengths of this arm are numbers here: write numbers"
-        raise mistake(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
-
-    def joint(self, node: Node) -> int | None:
-        """Number of the joint that a name speaks of; None for another name."""
-        if node.name in self.ring.letters:
-            return None
-        match = re.fullmatch(r"(q|θ|theta|th)_?(\d{1,3})", node.name)
-        if match is None:
-            return None
-        joint = int(match[2])
-        if joint not in self.ring.revolute and joint not in self.ring.prismatic:
-            known = ", ".join(f"q{j}" for j in sorted([*self.ring.revolute, *self.ring.prismatic]))
-            raise mistake(self.text, node.place, f"there is no joint {joint}", allowed=known)
-        return joint
-
-    def negative(self, value: Value) -> Value:
-        """−f."""
-        return Value(replace(value.form, f=-value.form.f), value.root)
-
-    def number(self, f: Polynomial) -> Value:
-        """What does not depend on an angle."""
-        return Value(Form(self.ring, f, (0,) * self.ring.angles))
-
-    def product(self, one: Value, two: Value, node: Node) -> Value:
-        """f · g; √2 · √2 is 2."""
-        f, g = one.form.f, two.form.f
-        if len(f) * len(g) > LARGEST:
-            what = "multiplied out the condition has too many terms"
-            raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
-        degrees = tuple(a + b for a, b in zip(one.form.degrees, two.form.degrees, strict=True))
-        if max(degrees, default=0) > HIGH:
-            what = "the condition has too high powers of one angle's sine and cosine"
-            raise mistake(self.text, node.place, what, allowed=f"up to {HIGH // 2}")
-        root = one.root + two.root
-        return Value(Form(self.ring, f * g * (2 if root == 2 else 1), degrees), root % 2)
-
-    def sum(self, values: list[Value], node: Node) -> Value:
-        """Σ f, over common degrees."""
-        kept = [value for value in values if value.form.f != 0] or values[:1]
-        if len({value.root for value in kept}) > 1:
-            what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"
-            raise mistake(self.text, node.place, what)
-        try:
-            form = added([value.form for value in kept])
-        except ValueError as error:
-            raise mistake(self.text, node.place, f"{error}: the sign would depend on full turns") from error
-        return Value(form, kept[0].root)
-
-
-def _scaled(angle: Angle, number: Fraction) -> Angle:
-    return Angle({j: m * number for j, m in angle.turns.items()}, angle.turn * number, angle.decimal * number)
-
-
-def _both(node: Node) -> list[Node]:
-    """±x as x and −x."""
-    if node.kind == "±":
-        return [node.parts[0], Node("-", node.place, (node.parts[0],))]
-    if node.kind == "*" and node.parts[0].kind == "±":
-        first = node.parts[0].parts[0]
-        plus = Node("*", node.place, (first, *node.parts[1:]))
-        return [plus, Node("-", node.place, (plus,))]
-    return [node]
+def _combined(one: Angle, two: Angle, factor: Fraction = Fraction(1)) -> Angle:
+    """one + factor · two."""
+    values = {key: one.get(key, Fraction(0)) + factor * two.get(key, Fraction(0)) for key in (*one, *two)}
+    return {key: value for key, value in values.items() if value}
 
 
 @dataclass(frozen=True)
 class Parsed:
-    """A condition as a function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2).
+    """A condition, or a part of one, as a function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2).
 
     Attributes:
-        text: as written.
         form: f, not factored, and the D_j.
         root: 0 or 1.
+        text: as written; "" for a part.
     """
 
-    text: str
     form: Form
     root: int = 0
+    text: str = ""
 
     @cached_property
     def atoms(self) -> tuple[Atom, ...]:
@@ -642,6 +375,248 @@ class Parsed:
         return np.asarray(total * 2 ** (self.root / 2))
 
 
+class Meaning:
+    """Meaning of trees in a ring."""
+
+    def __init__(self, text: str, ring: Ring, shifts: Sequence[float] | None) -> None:
+        self.text, self.ring = text, ring
+        self.shifts = np.zeros(max([*ring.revolute, *ring.prismatic], default=0)) if shifts is None else shifts
+
+    def statement(self, statement: Statement) -> Parsed:
+        """One condition."""
+        if any(map(self.is_angle, (statement.left, *statement.rights))):
+            return self.relation(statement)
+        if len(statement.rights) > 1:
+            what = "“or” stands between values of an angle only"
+            raise mistake(self.text, statement.rights[1].place, what, allowed="θ4 = 0 or π")
+        value = self.value(statement.left)
+        rights = [self.negative(self.value(right)) for right in statement.rights]
+        return self.sum([value, *rights], statement.rights[0]) if rights else value
+
+    # angles
+
+    def is_angle(self, node: Node) -> bool:
+        """Whether a turning joint's variable stands in it outside sin and cos."""
+        if node.kind == "name":
+            joint = self.joint(node)
+            return joint is not None and joint in self.ring.revolute
+        return node.kind not in ("sin", "cos") and any(self.is_angle(part) for part in node.parts)
+
+    def relation(self, statement: Statement) -> Parsed:
+        """Σ m_j θ_j = value, modulo 2π."""
+        value = self.number(self.ring.half.constant(1))
+        rights = [signed for right in statement.rights for signed in _both(right)] or [
+            Node("number", statement.left.place)
+        ]
+        for right in rights:
+            angle = _combined(self.angle(statement.left), self.angle(right), Fraction(-1))
+            turns = [m for j, m in angle.items() if j > PI]
+            if not turns or any(m.denominator != 1 for m in turns):
+                raise mistake(
+                    self.text, statement.left.place, "an equation of angles needs whole multiples of them on it"
+                )
+            half = self.wave("sin", _combined({}, angle, Fraction(1, 2)), statement.left)
+            value = self.product(value, half, statement.left)
+        return value
+
+    def angle(self, node: Node) -> Angle:
+        """The tree as an angle."""
+        if node.kind == "number":
+            return {ONE: node.number} if node.number else {}
+        if node.kind == "name":
+            return self.named_angle(node)
+        if node.kind == "-":
+            return _combined({}, self.angle(node.parts[0]), Fraction(-1))
+        if node.kind == "+":
+            return reduce(_combined, (self.angle(part) for part in node.parts))
+        if node.kind == "*":
+            number, kept = Fraction(1), {ONE: Fraction(1)}
+            for part in node.parts:
+                one = self.angle(part.parts[0] if part.kind == "/" else part)
+                plain = one.keys() <= {ONE}
+                if part.kind == "/":
+                    if not plain or not one:
+                        raise mistake(self.text, part.place, "an angle is divided by numbers only, not by 0")
+                    number /= one[ONE]
+                elif plain:
+                    number *= one.get(ONE, Fraction(0))
+                elif kept.keys() - {ONE}:
+                    raise mistake(self.text, part.place, "angles are multiplied by numbers only")
+                else:
+                    kept = one
+            return _combined({}, kept, number)
+        raise mistake(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
+
+    def named_angle(self, node: Node) -> Angle:
+        """π, q3 or θ3."""
+        if node.name in ("pi", "π"):
+            return {PI: Fraction(1)}
+        joint = self.joint(node)
+        if joint is None or joint not in self.ring.revolute:
+            raise mistake(self.text, node.place, "this is no angle", allowed=self.angles())
+        shift = Fraction(float(self.shifts[joint - 1])) if node.name[0] == "q" else Fraction(0)
+        return _combined({joint: Fraction(1)}, {ONE: -shift})  # q = θ − shift
+
+    def angles(self) -> str:
+        """The names of angles that may be used."""
+        return ", ".join([*(f"q{j}" for j in self.ring.revolute), "θ for q", "pi"])
+
+    def wave(self, kind: str, angle: Angle, node: Node) -> Parsed:
+        """sin or cos of an angle."""
+        turns = {j: 2 * m for j, m in angle.items() if j > PI}
+        decimal = float(angle.get(ONE, 0))
+        for j, m in turns.items():
+            if m.denominator != 1 or abs(m) > 40:
+                what = f"{m / 2} θ{j} is no whole or half multiple of the angle, up to 20"
+                raise mistake(self.text, node.place, what)
+        if abs(decimal - round(decimal / (pi / 4)) * pi / 4) > TURNED:
+            raise self.not_exact(angle, node)
+        eighths = angle.get(PI, Fraction(0)) * 4 + round(decimal / (pi / 4))
+        if eighths.denominator != 1:
+            raise mistake(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
+        whole = {j: int(m) for j, m in turns.items()}
+        found = self.turned(kind, whole, int(eighths) // 2)
+        if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
+            found = self.sum([found, self.turned(kind, whole, int(eighths) // 2 + 1)], node)
+            found = Parsed(replace(found.form, f=found.form.f / 2), 1)
+        return found
+
+    def not_exact(self, angle: Angle, node: Node) -> OptionError:
+        """The error for an angle with a decimal in it that is no quarter turn."""
+        shifted = [j for j in angle if PI < j <= len(self.shifts) and self.shifts[j - 1]]
+        if shifted:
+            names = ", ".join(f"θ{j} = q{j} {'−' if self.shifts[j - 1] < 0 else '+'} {abs(self.shifts[j - 1]):.6g} rad"
+                              for j in shifted)  # fmt: skip
+            return mistake(
+                self.text, node.place, "sines and cosines of this angle are not exact",
+                allowed=f"θ in place of q, with {names}", mend="write θ, or add the shift to q",
+            )  # fmt: skip
+        allowed = "whole and half angles, plus quarter turns (pi/2)"
+        return mistake(self.text, node.place, "this angle is not exact", allowed=allowed)
+
+    def turned(self, kind: str, turns: dict[int, int], quarters: int) -> Parsed:
+        """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
+        kinds = ("cos", "sin")  # cos, −sin, −cos, sin as the angle grows by quarter turns
+        steps = (quarters + (3 if kind == "sin" else 0)) % 4
+        sign, one = wave(kinds[steps % 2], turns)
+        sign = -sign if steps in (1, 2) else sign
+        form = Product(Fraction(sign), () if one is None else ((one, 1),))
+        return Parsed(half_of(form, self.ring))
+
+    # values
+
+    def value(self, node: Node) -> Parsed:
+        """The tree as a function on the torus."""
+        if node.kind == "number":
+            return self.number(number_of(node.number, self.ring))
+        if node.kind == "name":
+            return self.named(node)
+        if node.kind in ("sin", "cos"):
+            return self.wave(node.kind, self.angle(node.parts[0]), node)
+        if node.kind == "-":
+            return self.negative(self.value(node.parts[0]))
+        if node.kind == "+":
+            return self.sum([self.value(part) for part in node.parts], node)
+        if node.kind == "**":
+            base, total = self.value(node.parts[0]), self.number(self.ring.half.constant(1))
+            for _ in range(int(node.number)):
+                total = self.product(total, base, node)
+            return total
+        if node.kind == "*":
+            total = self.number(self.ring.half.constant(1))
+            for part in node.parts:
+                total = self.product(total, self.inverse(part) if part.kind == "/" else self.value(part), part)
+            return total
+        raise mistake(self.text, node.place, "± stands before values of an angle only", allowed="θ4 = ±π/2")
+
+    def inverse(self, node: Node) -> Parsed:
+        """1 / a number."""
+        one = self.value(node.parts[0])
+        form = one.form
+        if one.root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
+            raise mistake(self.text, node.place, "a condition is divided by numbers only, not by 0")
+        return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
+
+    def named(self, node: Node) -> Parsed:
+        """A length, the variable of a slide, or s23."""
+        ring, name = self.ring, node.name
+        if name in ring.letters:
+            return self.number(ring.letter_half[name])
+        joint = self.joint(node)
+        if joint is not None and joint in ring.prismatic:
+            return self.number(ring.q_half[joint])
+        match = re.fullmatch(r"([sc])([1-9]+)", name)
+        if match is not None:
+            joints = [int(digit) for digit in match[2]]
+            if len(set(joints)) == len(joints) and set(joints) <= set(ring.revolute):
+                kind = "sin" if match[1] == "s" else "cos"
+                one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
+                return Parsed(half_of(Product(Fraction(1), ((one, 1),)), ring))
+        if joint is not None:
+            raise mistake(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
+        allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
+        allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"] if ring.revolute else []
+        lengths = None if ring.letters else "the lengths of this arm are numbers here: write numbers"
+        raise mistake(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
+
+    def joint(self, node: Node) -> int | None:
+        """Number of the joint that a name speaks of; None for another name."""
+        if node.name in self.ring.letters:
+            return None
+        match = re.fullmatch(r"(q|θ|theta|th)_?(\d{1,3})", node.name)
+        if match is None:
+            return None
+        joint = int(match[2])
+        if joint not in self.ring.revolute and joint not in self.ring.prismatic:
+            known = ", ".join(f"q{j}" for j in sorted([*self.ring.revolute, *self.ring.prismatic]))
+            raise mistake(self.text, node.place, f"there is no joint {joint}", allowed=known)
+        return joint
+
+    def negative(self, value: Parsed) -> Parsed:
+        """−f."""
+        return Parsed(replace(value.form, f=-value.form.f), value.root)
+
+    def number(self, f: Polynomial) -> Parsed:
+        """What does not depend on an angle."""
+        return Parsed(Form(self.ring, f, (0,) * self.ring.angles))
+
+    def product(self, one: Parsed, two: Parsed, node: Node) -> Parsed:
+        """f · g; √2 · √2 is 2."""
+        f, g = one.form.f, two.form.f
+        if len(f) * len(g) > LARGEST:
+            what = "multiplied out the condition has too many terms"
+            raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
+        degrees = tuple(a + b for a, b in zip(one.form.degrees, two.form.degrees, strict=True))
+        if max(degrees, default=0) > HIGH:
+            what = "the condition has too high powers of one angle's sine and cosine"
+            raise mistake(self.text, node.place, what, allowed=f"up to {HIGH // 2}")
+        root = one.root + two.root
+        return Parsed(Form(self.ring, f * g * (2 if root == 2 else 1), degrees), root % 2)
+
+    def sum(self, values: list[Parsed], node: Node) -> Parsed:
+        """Σ f, over common degrees."""
+        kept = [value for value in values if value.form.f != 0] or values[:1]
+        if len({value.root for value in kept}) > 1:
+            what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"
+            raise mistake(self.text, node.place, what)
+        try:
+            form = added([value.form for value in kept])
+        except ValueError as error:
+            raise mistake(self.text, node.place, f"{error}: the sign would depend on full turns") from error
+        return Parsed(form, kept[0].root)
+
+
+def _both(node: Node) -> list[Node]:
+    """±x as x and −x."""
+    if node.kind == "±":
+        return [node.parts[0], Node("-", node.place, (node.parts[0],))]
+    if node.kind == "*" and node.parts[0].kind == "±":
+        first = node.parts[0].parts[0]
+        plus = Node("*", node.place, (first, *node.parts[1:]))
+        return [plus, Node("-", node.place, (plus,))]
+    return [node]
+
+
 def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = None) -> tuple[Parsed, ...]:
     """The conditions of a text, all of which are to hold: separated by ";", "," or "and".
 
@@ -667,8 +642,4 @@ def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = 
         ['θ3=pi', 'θ3=0']
     """
     meaning = Meaning(text, ring, shifts)
-    found = []
-    for one in read(text, frozenset(ring.letters)):
-        value = meaning.statement(one)
-        found.append(Parsed(one.text, value.form, value.root))
-    return tuple(found)
+    return tuple(replace(meaning.statement(one), text=one.text) for one in read(text, frozenset(ring.letters)))

@@ -475,7 +475,8 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
         part = _unsquared(ring, atoms, shared)
-        ratio = _value(ring, ring.at(p, pins), point) * pow(_value(ring, ring.reduce(common * part), point), -1, P) % P
+        below = value_at(ring, ring.reduce(common * part), point)
+        ratio = value_at(ring, ring.at(p, pins), point) * pow(below, -1, P) % P
         first = first or ratio
         if (ratio + first) % P == 0:
             part = -part  # as the signs of p are, so that R reads as p does
@@ -555,10 +556,6 @@ def _random_point(ring: Ring) -> Point:
     point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
     assert point is not None  # −1 is not a square modulo P
     return point
-
-
-def _value(ring: Ring, p: Polynomial, point: Point) -> int:
-    return value_at(ring, p, point)
 
 
 Columns = Sequence[Sequence[Polynomial]]

@@ -205,18 +205,11 @@ class _Search:
 
     def sines_and_cosines(self, f: Polynomial) -> Product | None:
         """f in sines and cosines of single angles, where it has whole ones."""
-        ring = self.ring
-        p = ring.to_trig(f)
+        p = self.ring.to_trig(f)
         if p is None:
             return None
-        waves: list[Factor] = [Wave(kind, ((j, 2),)) for j in ring.revolute for kind in ("sin", "cos")]
-        parts = []
-        for powers, value in p.terms():
-            angles = [(one, int(e)) for one, e in zip(waves, powers, strict=False) if e]
-            number = Fraction(int(value.p), int(value.q))
-            parts.append(product(number, angles + symbols(powers[len(waves) :], ring)))
-        found = total(parts)
-        return Product(found.number * _ratio(f, ring.to_half(p).f), found.factors)
+        found = single_angles(self.ring, p)
+        return Product(found.number * _ratio(f, self.ring.to_half(p).f), found.factors)
 
     def factors(self, form: Form) -> Iterator[Product]:
         """A form as a product: of all its factors, and with those that hold half angles kept in one bracket."""
@@ -645,7 +638,7 @@ def text_of(ring: Ring, p: Polynomial) -> str:
     """
     known, key = _known(ring), str(p)
     if key not in known:
-        known[key] = _written(ring, p)
+        known[key] = "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
     return known[key]
 
 
@@ -653,10 +646,6 @@ def text_of(ring: Ring, p: Polynomial) -> str:
 def _known(ring: Ring) -> dict[str, str]:
     """Texts found before, by polynomial: the same ones come back in every case."""
     return {}
-
-
-def _written(ring: Ring, p: Polynomial) -> str:
-    return "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
 
 
 def form_of(ring: Ring, p: Polynomial) -> Product:
@@ -786,20 +775,21 @@ class Folded(Text):
 
 def _held(factor: Factor) -> str:
     """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
-    joints: set[str] = set()
-    count = _gather(factor, joints)
-    return f"{count} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
+    inside = [*_leaves(factor)]
+    waves = [one for one in inside if isinstance(one, Wave)]
+    joints = {f"θ{j}" for one in waves for j, _ in one.turns}
+    joints |= {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
+    return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
 
 
-def _gather(factor: Factor, joints: set[str]) -> int:
-    if isinstance(factor, Wave):
-        joints.update(f"θ{j}" for j, _ in factor.turns)
-        return 1
-    if isinstance(factor, Symbol):
-        if factor.slide:
-            joints.add(f"q{factor.slide}")
-        return 0
-    return sum(_gather(inner, joints) for part in factor.parts for inner, _ in part.factors)
+def _leaves(factor: Factor) -> Iterator[Wave | Symbol]:
+    """The waves and symbols in a factor."""
+    if isinstance(factor, Sum):
+        for part in factor.parts:
+            for inner, _ in part.factors:
+                yield from _leaves(inner)
+    else:
+        yield factor
 
 
 WHOLE = 12

@@ -178,7 +178,7 @@ class Conditions:
             ) from end
 
     def flags(self, q: ArrayLike) -> Flags:
-        """The signs of the determinant's factors at a configuration: see `exact.signs.aspects.configuration_flags`.
+        """The signs of the determinant's factors at a configuration: see `exact.aspects.configuration_flags`.
 
         Raises:
             TaskError: the task Jacobian is not square.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -314,7 +315,7 @@ def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
     own = far.nearest.distance if far.nearest is not None else np.inf
     near = near_ideal(asked.robot)
     if near is not None:
-        model = ideal(asked.robot, length=near.tolerance.length, angle=near.tolerance.angle)[0]
+        model = _ideal_arm(asked.robot, near.tolerance.length, near.tolerance.angle)
         task = replace(asked.task, length_scale=asked.settings.length_scale)
         try:
             there = nearest_singularity(model, asked.q, task, seed=asked.settings.seed)
@@ -333,6 +334,12 @@ def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
     explains = (one for one in candidates if any(_lost_along(asked, one[1], one[2], y) for y in slow))
     distance, _, _, family = next(explains, nearest)
     return family, distance, None
+
+
+@lru_cache(maxsize=16)
+def _ideal_arm(robot: Robot, length: float | None, angle: float | None) -> Robot:
+    """The ideal arm nearby, made once: it costs more than the rest of an explanation."""
+    return ideal(robot, length=length, angle=angle)[0]
 
 
 def _lost_along(asked: Asked, q: Sequence[float], corank: int, normal: Array) -> bool:

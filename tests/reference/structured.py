@@ -63,3 +63,27 @@ def lost(robot: Robot, *, points: int = 500, seconds: float = 60.0) -> Lost:
         check, over = explained(met, [family.equations for family in found.families if family.corank >= corank])
         tested, left = tested + check.tested, left + len(over)
     return Lost(found.complete, len(found.families), tested, left, tuple(found.left))
+
+
+TASKS = ("pose", "pose", "pose", "position", "vx,vy,vz,wx,wy", "vx,vy,vz,wz")
+
+
+def fifteen(seed: int) -> tuple[Robot, str]:
+    """6R to 8R, some with a slide, twists in multiples of 15°, lengths out of a few, and a task."""
+    rng = random.Random(f"fifteen-{seed}")
+    n, kind = rng.choice((6, 6, 6, 7, 7, 8)), rng.random()
+    choices = ((0.3, (90, -90)), (0.6, (90, -90, 0)), (0.85, (90, -90, 0, 30, 45, -45, 60)), (1.0, range(-90, 91, 15)))
+    twists = next(tuple(angles) for share, angles in choices if kind < share)
+    lengths = (0.0, 0.0, 0.0, 0.2, 0.3, 0.5)
+    rows = [
+        [
+            rng.choice(lengths) if i < n - 1 else 0.0,
+            np.radians(rng.choice(twists)) if i < n - 1 else 0.0,
+            rng.choice(lengths), 0.0,
+        ]
+        for i in range(n)
+    ]  # fmt: skip
+    kinds = ["R"] * n
+    if rng.random() < 0.15:
+        kinds[rng.randrange(n)] = "P"
+    return from_dh(rows, convention="standard", kinds="".join(kinds), name=f"fifteen{seed}"), rng.choice(TASKS)

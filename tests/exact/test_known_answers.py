@@ -33,7 +33,7 @@ def in_order(table: list[dict[int, tuple[str, ...]]]) -> list[list[tuple[int, tu
 
 @pytest.mark.slow
 def test_pa10_has_the_tables_of_am_and_their_exception() -> None:
-    found = conditions(open_robot("pa10"))
+    found = conditions(open_robot("pa10"), special=True, fresh=True)
     for corank, table in TABLES.items():
         assert in_order(rows(found, corank)) == in_order(table)
     assert not found.of_corank(4)

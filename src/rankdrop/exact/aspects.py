@@ -35,7 +35,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.writing import RADIANS, Condition, text_of
+from rankdrop.exact.writing import RADIANS, WORDS, Condition, text_of
 from rankdrop.family.naming import name_family
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
@@ -189,10 +189,9 @@ def numeric_terms(
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     """(text of an atom's function, sign of that text over `half_angle_values`)."""
     if atom.pinned:
-        angle = {"0": f"θ{atom.joint}/2", "pi": f"θ{atom.joint}/2"}.get(atom.value, "")
-        text = {"0": f"sin({angle})", "pi": f"cos({angle})"}.get(atom.value)
-        sign = "−" if atom.value == "pi/2" else "+"
-        return (text or f"sin(θ{atom.joint}/2 {sign} π/4)", 1)
+        half = f"θ{atom.joint}/2"
+        texts = {"0": f"sin({half})", "pi": f"cos({half})", "pi/2": f"sin({half} − π/4)", "-pi/2": f"sin({half} + π/4)"}
+        return texts[atom.value], 1
     trig = ring.to_trig(atom.f)
     if trig is None:
         return _text(atom.f, str(atom.f)), 1
@@ -307,7 +306,6 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
 POINTS = 8
 """Real configurations at which the geometry of a part is looked at."""
 ROLES = ("shoulder", "elbow", "wrist")
-_PIN = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}
 
 
 Seen = tuple[str, Array, tuple[str, ...]]
@@ -320,18 +318,15 @@ def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
     """Atoms one by one, but θ = 0 with θ = π, and π/2 with −π/2, of one joint together."""
     groups: list[tuple[Atom, ...]] = []
     for atom in atoms:
-        pair = next((group for group in groups if simple_pair((*group, atom))), None)
-        if pair is None:
-            groups.append((atom,))
-        else:
-            groups[groups.index(pair)] = (*pair, atom)
+        pair = next((k for k, group in enumerate(groups) if simple_pair((*group, atom))), len(groups))
+        groups[pair : pair + 1] = [(*sum(groups[pair : pair + 1], ()), atom)]
     return tuple(groups)
 
 
 def condition_text(ring: Ring, atoms: Sequence[Atom]) -> str:
     """When the atoms hold: "θ3 = 0 or π", or a polynomial = 0."""
     if atoms[0].pinned:
-        return f"θ{atoms[0].joint} = {' or '.join(_PIN[atom.value] for atom in atoms)}"
+        return f"θ{atoms[0].joint} = {' or '.join(WORDS[atom.value] for atom in atoms)}"
     return Condition(ring, atoms[0].f).text()
 
 

@@ -69,40 +69,40 @@ class Code:
             table += f'\nDETERMINANTS = {{\n{entries}}}\n"""The determinant or minors of the Jacobian."""\n'
         return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
 
-    def _python_determinant(self, minor: Minor) -> str:
-        names = self._python_names()
-        used = {names.get(name, name): float(self.letters[name]) for name in self._in(minor.value.polynomial)}
-        keywords = "".join(f", {name}={value!r}" for name, value in used.items())
-        lines = [f"def {minor.mark}(q{', *' if used else ''}{keywords}):"]
-        lines += [f'    """{_plain(minor.name)} of the Jacobian.', ""]
-        lines += ["    Args:", f"        q: (..., {self.n}) joint variables [rad, slides m]."]
-        lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
-        lines += ["", "    Returns:", "        (...) its value.", '    """', "    q = np.asarray(q, dtype=float)"]
-        joints = range(1, self.n + 1)
-        text = minor.value.code(Python(shifts=self.shifts, names=names))
-        lines += [f"    q{j} = q[..., {j - 1}]" for j in joints if re.search(rf"\bq{j}\b", text)]
-        return "\n".join([*lines, f"    return {text} + np.zeros(q.shape[:-1])"]) + "\n"
-
-    def _python_names(self) -> dict[str, str]:
-        return {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
-
     def _python_function(self, family: ExactFamily) -> str:
-        names = self._python_names()
-        notation = Python(shifts=self.shifts, names=names)
-        residuals = [one.code(notation) for one in family.stated]
-        used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
-        keywords = "".join(f", {name}={value!r}" for name, value in used.items())
-        lines = [f"def {_function(family.id)}(q{', *' if used else ''}{keywords}):"]
-        lines += [f'    """{_plain(family.name)}, corank {family.corank}.', ""]
-        lines += [f"    {line}" for line in self._conditions(family)]
-        lines += ["", "    Args:", f"        q: (..., {self.n}) joint variables [rad, slides m]."]
+        residuals = [one.code(self._python_notation) for one in family.stated]
+        body = ["    return np.stack(", "        [", *(f"            {text}," for text in residuals), "        ],"]
+        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in family.stated)]
+        returns = f"(..., {len(residuals)}) residuals, all zero exactly on the family."
+        joints = sorted({joint for one in family.stated for joint in one.joints})
+        body += ["        axis=-1,", "    )"]
+        return self._python_definition(_function(family.id), said, self._used(family), returns, joints, body)
+
+    def _python_determinant(self, minor: Minor) -> str:
+        text = minor.value.code(self._python_notation)
+        joints = [j for j in range(1, self.n + 1) if re.search(rf"\bq{j}\b", text)]
+        said, lengths = [f"{_plain(minor.name)} of the Jacobian."], self._in(minor.value.polynomial)
+        body = [f"    return {text} + np.zeros(q.shape[:-1])"]
+        return self._python_definition(minor.mark, said, lengths, "(...) its value.", joints, body)
+
+    @property
+    def _python_notation(self) -> Python:
+        names = {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
+        return Python(shifts=self.shifts, names=names)
+
+    def _python_definition(
+        self, name: str, said: list[str], lengths: list[str], returns: str, joints: list[int], body: list[str]
+    ) -> str:
+        """A function of q and of lengths, with what is said of it, and what it returns."""
+        names = self._python_notation.names
+        used = {names.get(length, length): float(self.letters[length]) for length in lengths}
+        keywords = "".join(f", {length}={value!r}" for length, value in used.items())
+        lines = [f"def {name}(q{', *' if used else ''}{keywords}):", f'    """{said[0]}']
+        lines += [f"    {line}" if line else "" for line in (*said[1:], "", "Args:")]
+        lines += [f"        q: (..., {self.n}) joint variables [rad, slides m]."]
         lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
-        lines += ["", "    Returns:", f"        (..., {len(residuals)}) residuals, all zero exactly on the family."]
-        lines += ['    """', "    q = np.asarray(q, dtype=float)"]
-        lines += [f"    q{j} = q[..., {j - 1}]" for j in self._joints(family)]
-        lines += ["    return np.stack(", "        [", *(f"            {text}," for text in residuals), "        ],"]
-        lines += ["        axis=-1,", "    )"]
-        return "\n".join(lines) + "\n"
+        lines += ["", "    Returns:", f"        {returns}", '    """', "    q = np.asarray(q, dtype=float)"]
+        return "\n".join([*lines, *(f"    q{j} = q[..., {j - 1}]" for j in joints), *body]) + "\n"
 
     def c(self) -> str:
         """A C99 header: per family its name and inline functions of q: residuals, their gradients, and the distance.
@@ -137,7 +137,7 @@ class Code:
     def _c_function(self, family: ExactFamily, prefix: str, notation: C) -> list[str]:
         residuals = [one.code(notation) for one in family.stated]
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
-        lines += [f" * {_comment(line)}" for line in self._conditions(family)]
+        lines += [f" * {_comment(one.text())}" for one in family.stated]
         lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
         lines += [f"#define {prefix.upper()}_{_mark(family.id).upper()}_NAME \"{_plain(family.name)}\""]
         head = f"{prefix}_{_mark(family.id)}(const double q[{self.n}], double residual[{len(residuals)}])"
@@ -220,10 +220,6 @@ class Code:
         shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
         return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
 
-    def _conditions(self, family: ExactFamily) -> list[str]:
-        """The conditions in words."""
-        return [one.text() for one in family.stated]
-
     def _in(self, f: Polynomial) -> list[str]:
         """Lengths that occur in a polynomial."""
         degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
@@ -233,10 +229,6 @@ class Code:
         """Lengths that a family's conditions depend on."""
         found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
         return [name for name in self.letters if name in found]
-
-    def _joints(self, family: ExactFamily) -> list[int]:
-        """Joints that a family's conditions depend on."""
-        return sorted({joint for one in family.stated for joint in one.joints})
 
 
 def _mark(text: str) -> str:

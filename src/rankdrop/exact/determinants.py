@@ -322,7 +322,7 @@ def why_not(chain: Chain) -> str:
     if n < m:
         return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
     form = block_form(chain, structure)
-    if _always_singular(chain):
+    if chain.ring.determinant([list(row) for row in zip(*chain.columns, strict=True)]) == 0:
         return "the arm is singular at every configuration"
     if form is not None:
         return ""
@@ -396,12 +396,6 @@ def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: A
     if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
         return across_statement(chain.own, points, form.group, joints)
     return ""
-
-
-def _always_singular(chain: Chain) -> bool:
-    """Whether the determinant is zero as a polynomial."""
-    rows = [list(row) for row in zip(*chain.columns, strict=True)]
-    return bool(chain.ring.determinant(rows) == 0)
 
 
 def _wide(chain: Chain, structure: ExactStructure) -> str:

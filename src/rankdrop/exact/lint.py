@@ -287,13 +287,11 @@ class _Comparison:
 
     def holds(self, piece: ZeroSet) -> bool:
         """Whether every condition holds on all of a set."""
-        for one in self.parsed:
-            if one.form.f != 0 and not any(
-                piece.stands(atom.joint, atom.value) if atom.pinned else piece.half_vanishes(atom.f)
-                for atom in one.atoms
-            ):
-                return False
-        return True
+        return all(
+            one.form.f == 0
+            or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in one.atoms)
+            for one in self.parsed
+        )
 
     def rank(self, piece: ZeroSet) -> int:
         """Rank of the Jacobian almost everywhere on a set."""

@@ -25,8 +25,9 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import combinations, product
+from math import prod
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.field import P, Point, complete, value_at
@@ -85,29 +86,20 @@ class Stratum:
             >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Equality((), ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]
         """
-        parts: dict[tuple[object, ...], ZeroSet] = {}
-        for piece in self.pieces:
-            atoms = atoms_on(piece, condition, self.assumed)
-            here = [piece] if atoms is None else [part for one in atoms for part in meet(piece, one, self.assumed)]
-            parts.update(((part.key, frozenset(part.nonzero)), part) for part in here)
+        here = [part for piece in self.pieces for part in _holding(piece, condition, self.assumed)]
+        parts = {(part.key, frozenset(part.nonzero)): part for part in here}
         return replace(self, pieces=_largest([*parts.values()]), equalities=(*self.equalities, condition.whole))
 
     def avoid(self, condition: Equality) -> Stratum:
         """The part where a condition ≠ 0 holds; its polynomial is given."""
-        kept = []
-        for piece in self.pieces:
-            atoms = atoms_on(piece, condition, self.assumed)
-            if atoms is not None:
-                kept.append(piece.without(*atoms))
-        return replace(self, pieces=tuple(kept), inequalities=(*self.inequalities, condition.whole))
+        every = [(piece, atoms_on(piece, condition, self.assumed)) for piece in self.pieces]
+        kept = tuple(piece.without(*atoms) for piece, atoms in every if atoms is not None)
+        return replace(self, pieces=kept, inequalities=(*self.inequalities, condition.whole))
 
     def apart(self, other: Stratum) -> Polynomial | None:
         """A polynomial that is = 0 on one of the two strata and ≠ 0 on the other: they have no point in common."""
-        for one, two in ((self, other), (other, self)):
-            for p in one.equalities:
-                if p in two.inequalities:
-                    return p
-        return None
+        pairs = ((self, other), (other, self))
+        return next((p for one, two in pairs for p in one.equalities if p in two.inequalities), None)
 
     @cached_property
     def pins(self) -> dict[int, tuple[str, ...]]:
@@ -162,11 +154,9 @@ class Stratum:
     @cached_property
     def open(self) -> tuple[Polynomial, ...]:
         """The inequalities that do not follow from the pinned joints, as they read there."""
-        found = []
-        for p in self.inequalities:
-            if any(piece.ring.factor(piece.ring.at(p, piece.pins)).atoms for piece in self.pieces):
-                found.append(primitive(self.short(p)))
-        return _once(found)
+        ring = self.ring
+        kept = [p for p in self.inequalities if any(ring.factor(ring.at(p, x.pins)).atoms for x in self.pieces)]
+        return _once([primitive(self.short(p)) for p in kept])
 
 
 def atoms_on(piece: ZeroSet, condition: Equality, assumed: Assumed | None = None) -> tuple[Atom, ...] | None:
@@ -266,13 +256,14 @@ def _again(
     parts = [_with_equations(start, pins, start.equations, nonzero)]
     for f in equations:
         if _root(piece.ring, f) is None:
-            parts = [one for part in parts for one in _holding(part, f, assumed)]
+            condition = Equality((Atom(0, "", f, str(f)),))
+            parts = [one for part in parts for one in _holding(part, condition, assumed)]
     return parts
 
 
-def _holding(piece: ZeroSet, f: Polynomial, assumed: Assumed) -> list[ZeroSet]:
-    """Pieces that together are the part of one where f = 0, which may fall into factors there."""
-    atoms = atoms_on(piece, Equality((Atom(0, "", f, str(f)),)), assumed)
+def _holding(piece: ZeroSet, condition: Equality, assumed: Assumed) -> list[ZeroSet]:
+    """Pieces that together are the part of one where a condition holds, which may fall into factors there."""
+    atoms = atoms_on(piece, condition, assumed)
     return [piece] if atoms is None else [part for atom in atoms for part in meet(piece, atom, assumed)]
 
 
@@ -442,14 +433,9 @@ def _with_powers(ring: Ring, atoms: Mapping[Atom, int]) -> list[tuple[Polynomial
 
 def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
     """One trigonometric polynomial with the zeros of atoms that are not trigonometric one by one."""
-    f, at_pi = ring.half.constant(1), []
-    for atom in atoms:
-        if atom.value == "pi":
-            at_pi.append(atom.joint)
-        else:
-            f = f * ring.half_of(atom)
-    p = ring.trig_zero_set(f)
-    return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
+    finite = [ring.half_of(atom) for atom in atoms if atom.value != "pi"]
+    at_pi = [1 + ring.c[atom.joint] for atom in atoms if atom.value == "pi"]
+    return ring.reduce(_times(ring, [ring.trig_zero_set(prod(finite, start=ring.half.constant(1))), *at_pi]))
 
 
 def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
@@ -496,10 +482,7 @@ def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Poly
             every = [*atoms, *some]
             if any(atom.value == "pi" for atom in every):
                 continue
-            f = ring.half.constant(1)
-            for atom in every:
-                f = f * ring.half_of(atom)
-            found = ring.to_trig(f)
+            found = ring.to_trig(prod(map(ring.half_of, every), start=ring.half.constant(1)))
             if found is not None:
                 return found
     return _times(ring, [f.whole for f in joined(ring, atoms)])
@@ -544,10 +527,7 @@ def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
     """The product, reduced."""
-    found = ring.one
-    for f in factors:
-        found = ring.reduce(found * f)
-    return found
+    return reduce(lambda one, two: ring.reduce(one * two), factors, ring.one)
 
 
 def _random_point(ring: Ring) -> Point:
@@ -602,16 +582,13 @@ def choose(
         six, p = option
         return (not _with_triple(known, six), six[-1] - six[0], len(p), -six[0])
 
-    found = None
     for six, p in sorted(options, key=place):
         work.check()
-        if p == 0 or any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
-            continue
-        product = taken_apart(stratum, p)
-        if product is not None:
-            found = Basic(six, product)
-            break
-    return found
+        if p != 0 and not any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
+            product = taken_apart(stratum, p)
+            if product is not None:
+                return Basic(six, product)
+    return None
 
 
 def why(

@@ -82,11 +82,6 @@ class Dependence:
     on: tuple[int, ...]
     proof: Proof | None
 
-    @property
-    def circuit(self) -> tuple[int, ...]:
-        """All of them in order."""
-        return tuple(sorted((self.screw, *self.on)))
-
 
 @dataclass(frozen=True)
 class Obstacle:
@@ -376,20 +371,13 @@ class Suppression:
         return tuple(f.whole for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
     def steps(self) -> tuple[Step, ...]:
-        """The derivation step by step, as it is done by hand."""
-        return steps(self)
-
-
-def steps(suppression: Suppression) -> tuple[Step, ...]:
-    """The whole derivation: screws, basic determinant, every case with its dependent screw, families."""
-    found = [Step("Screws", tuple(_screws(suppression)))]
-    if suppression.start.basic is not None:
-        found.append(Step("Step 1: the determinant of the basic screws", tuple(_first(suppression))))
-        found += _cases(suppression, suppression.start)
-    found.append(Step("Families", tuple(_families(suppression))))
-    if suppression.left:
-        found.append(Step("Not finished", suppression.left))
-    return tuple(found)
+        """The derivation as it is done by hand: screws, basic determinant, cases with dependent screws, families."""
+        found = [Step("Screws", tuple(_screws(self)))]
+        if self.start.basic is not None:
+            found.append(Step("Step 1: the determinant of the basic screws", tuple(_first(self))))
+            found += _cases(self, self.start)
+        found.append(Step("Families", tuple(_families(self))))
+        return (*found, Step("Not finished", self.left)) if self.left else tuple(found)
 
 
 def _screws(suppression: Suppression) -> Iterator[str]:
@@ -460,7 +448,7 @@ def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
     """The screws of the circuit with the case's angles put in, where that changes short ones."""
     assert case.dependence is not None
     ring = suppression.chain.ring
-    for j in case.dependence.circuit:
+    for j in sorted((case.dependence.screw, *case.dependence.on)):
         column = suppression.columns[j - 1]
         short = [case.stratum.short(x) for x in column]
         if short != column and sum(map(len, short)) <= LONG:
@@ -652,7 +640,8 @@ class _Derivation:
         options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.work)
         basic = choose(self.chain, case.stratum, options, self.work)
         if first and basic is not None:
-            basic = replace(basic, reason=self.reason(case, options, basic))
+            reason = "asked for" if self.asked else why(self.chain, case.stratum, options, basic.joints, self.work)
+            basic = replace(basic, reason=reason)
         if basic is None:
             if first:
                 raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
@@ -662,12 +651,6 @@ class _Derivation:
         self.assume(basic.product)
         case = replace(case, basic=basic)
         return self.branch(case, above, basic.product.factors)
-
-    def reason(self, case: Case, options: Sequence[tuple[tuple[int, ...], Polynomial]], basic: Basic) -> str:
-        """Why these screws are the basic ones."""
-        if self.asked is not None:
-            return "asked for"
-        return why(self.chain, case.stratum, options, basic.joints, self.work)
 
     def branch(
         self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality], first: tuple[Case, ...] = ()
@@ -679,7 +662,9 @@ class _Derivation:
             here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
             if here.pieces:
                 cases.append(self.finished(Case(_number(case, cases), here, case.joints), (*above, case)))
-            self.tell()
+            self.done += 1
+            if self.progress is not None:
+                self.progress("dependent-screw suppression", self.done, self.known)
         return replace(case, cases=tuple(cases))
 
     def finished(self, case: Case, above: tuple[Case, ...]) -> Case:
@@ -727,14 +712,13 @@ class _Derivation:
         stratum = case.stratum
         atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
         atoms += [self.ring.atom(f) for one in stratum.pieces for f in one.equations]
-        for condition in joined(self.ring, list(dict.fromkeys(atoms))):
+        whole = [(condition, [condition]) for condition in joined(self.ring, list(dict.fromkeys(atoms)))]
+        pairs = ((p.whole, atom) for p in joined(self.ring, atoms) for atom in p.atoms)
+        single = [(Equality((atom,), p), joined(self.ring, [atom])) for p, atom in pairs]
+        for condition, factors in (*whole, *single):
             holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
-                return self.split(case, above, [condition])
-        for condition in (Equality((atom,), p.whole) for p in joined(self.ring, atoms) for atom in p.atoms):
-            holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
-            if any(holds) and not all(holds):
-                return self.split(case, above, joined(self.ring, condition.atoms))
+                return self.split(case, above, factors)
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
     def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality]) -> Case:
@@ -780,12 +764,6 @@ class _Derivation:
         """Take the factors in lengths alone for ≠ 0."""
         for f, _ in product.letters:
             self.work.assume(f)
-
-    def tell(self) -> None:
-        """Report a case done."""
-        self.done += 1
-        if self.progress is not None:
-            self.progress("dependent-screw suppression", self.done, self.known)
 
 
 def _frame_reason(chain: Chain) -> str:

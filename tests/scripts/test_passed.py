@@ -34,7 +34,7 @@ WHOLE = {
     "cli": (24, 21),
     "designs": (9, 10),
     "errors": (1, 8),
-    "exact": (37, 87),
+    "exact": (35, 85),
     "families": (26, 45),
     "family": (6, 19),
     "jobs": (4, 5),

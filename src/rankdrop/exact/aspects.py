@@ -24,8 +24,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import reduce
 from itertools import combinations
 from math import ceil, tau
+from operator import xor
 from typing import Any
 
 import numpy as np
@@ -109,10 +111,7 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
     basis = _not_needed(kept)
     candidates = (chosen for size in range(1, len(kept) + 1) for chosen in combinations(range(len(kept)), size))
     for chosen in sorted(candidates, key=lambda one: (len(one), not simple_pair([kept[i] for i in one]), one)):
-        total: set[int] = set()
-        for i in chosen:
-            total ^= odd[i]
-        if not total and _independent(basis, sum(1 << i for i in chosen)):
+        if not reduce(xor, (odd[i] for i in chosen)) and _independent(basis, sum(1 << i for i in chosen)):
             groups.append(chosen)
     joined = {i for chosen in groups for i in chosen}
     alone: list[tuple[int, ...]] = [(i,) for i in range(len(kept)) if i not in joined]

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import combinations
+from math import prod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -433,13 +434,11 @@ class DerivationBuilder:
         if key in self._work.assumed:
             return
         self._work.assume(factor)
-        total = Fraction(0)
+        lengths, total = self.chain.letters, Fraction(0)
         for powers, coefficient in factor.terms():
-            term = Fraction(int(coefficient.p), int(coefficient.q))
-            for name, power in zip(self.ring.names, powers, strict=True):
-                if power:
-                    term *= self.chain.letters[name] ** int(power)
-            total += term
+            monomial = ((name, int(power)) for name, power in zip(self.ring.names, powers, strict=True) if power)
+            number = Fraction(int(coefficient.p), int(coefficient.q))
+            total += prod((lengths[name] ** power for name, power in monomial), start=number)
         if total == 0:
             self.left.append(f"the arm with {key} = 0, which this arm has: its conditions are not these")
 

@@ -54,6 +54,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import combinations
+from operator import mul
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
@@ -266,22 +267,6 @@ DEEPEST = 3
 """Factors that are followed one after the other; what is left then is told as equations that hold together."""
 
 
-def vanishing(builder: DerivationBuilder, case: Case, screw: Sequence[Polynomial], words: Words) -> list[str]:
-    """The sets within a case on which every element of a screw vanishes, in words; none where it never does.
-
-    Args:
-        builder: of the method.
-        case: where.
-        screw: its elements, with the pinned joints of the case put in.
-        words: of the ring.
-
-    Raises:
-        OutOfTime: no time is left.
-    """
-    found = _merged(_sets(builder, case, screw, DEEPEST))
-    return list(dict.fromkeys(words.conjunction(Conjunction(one)) for one in found))
-
-
 def _sets(
     builder: DerivationBuilder, case: Case, screw: Sequence[Polynomial], deepest: int
 ) -> list[tuple[Equality, ...]]:
@@ -318,18 +303,12 @@ def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     kept = [frozenset(one) for one in sets]
     kept = [one for i, one in enumerate(kept) if not any(other < one or (other == one and j < i)
                                                          for j, other in enumerate(kept))]  # fmt: skip
-    joined = True
-    while joined:
-        joined = False
-        for i, one in enumerate(kept):
-            for other in kept[i + 1 :]:
-                both = _joined(one, other)
-                if both is not None:
-                    kept = [both if x is one else x for x in kept if x is not other]
-                    joined = True
-                    break
-            if joined:
-                break
+    while True:
+        pairs = ((one, other, _joined(one, other)) for one, other in combinations(kept, 2))
+        pair = next((pair for pair in pairs if pair[2] is not None), None)
+        if pair is None:
+            break
+        kept = [pair[2] or x if x is pair[0] else x for x in kept if x is not pair[1]]
     return [tuple(sorted(one, key=lambda equality: (equality.terms, [a.key for a in equality.atoms]))) for one in kept]
 
 
@@ -417,7 +396,8 @@ def _one_case(
             _note(builder, case, choice)
         redundant = len(columns) > len(columns[0])
         nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
-        products = [_product(builder, columns[j], screw) for j in range(len(columns)) if j not in joints]
+        others = [column for j, column in enumerate(columns) if j not in joints]
+        products = [ring.reduce(sum(map(mul, screw, column), ring.zero)) for column in others]
         factors = [case.factors(builder, p) for p in products]
         met = conjunctions([_equality(found) for found in factors if found is not None])
         always = frozenset.intersection(*known)  # where one of these vanishes, w does
@@ -455,11 +435,6 @@ def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
     )
 
 
-def _product(builder: DerivationBuilder, column: Sequence[Polynomial], screw: Sequence[Polynomial]) -> Polynomial:
-    """Reciprocal product of a screw with a joint's."""
-    return builder.ring.reduce(sum((w * x for w, x in zip(screw, column, strict=True)), builder.ring.zero))
-
-
 def _note(builder: DerivationBuilder, case: Case, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     words, ring = Words(builder.ring), builder.ring
@@ -470,7 +445,8 @@ def _note(builder: DerivationBuilder, case: Case, choice: _Choice) -> None:
     written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
     screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
     builder.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
-    known = vanishing(builder, case, elements, words)
+    sets = _merged(_sets(builder, case, elements, DEEPEST))
+    known = list(dict.fromkeys(words.conjunction(Conjunction(one)) for one in sets))
     if builder.sizes["choices"] == 1:
         builder.sizes["exceptional"] = len(known)
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))

@@ -508,7 +508,8 @@ class Latex(Notation):
         """c_{23}, or the name in full."""
         if _joined(wave.turns):
             return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
-        text = latex_subscripts(_spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}"))
+        text = _spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}")
+        text = re.sub(r"_(\d\d+)", r"_{\1}", text)
         text = re.sub(r"\\tfrac\{\((.*)\)\}", r"\\tfrac{\1}", text)
         return rf"\{wave.kind}({text})"
 
@@ -530,11 +531,6 @@ def latex_name(name: str) -> str:
     head = head if len(head) == 1 else rf"\mathrm{{{head}}}"
     tail = tail.replace("_", r"\_")
     return head if not tail else f"{head}_{tail}" if len(tail) == 1 else f"{head}_{{{tail}}}"
-
-
-def latex_subscripts(text: str) -> str:
-    r"""\theta_12 → \theta_{12}."""
-    return re.sub(r"_(\d\d+)", r"_{\1}", text)
 
 
 def angle_words(value: float) -> str:

@@ -131,20 +131,19 @@ class Sampled:
         """Every rank that these joints' screws have at the points."""
         key = tuple(sorted(joints))
         if key not in self._ranks:
-            every = (point for piece in self.points for point in piece)
-            self._ranks[key] = {rank([screws[j - 1] for j in key], prime) for screws, prime in every}
+            self._ranks[key] = set().union(*(self._ranks_on(piece, key) for piece in self.points))
         return self._ranks[key]
+
+    def _ranks_on(self, piece: list[tuple[list[list[int]], int]], joints: tuple[int, ...]) -> set[int]:
+        return {rank([screws[j - 1] for j in joints], prime) for screws, prime in piece}
 
     def mixed(self, joints: Sequence[int]) -> tuple[int, ...] | None:
         """The smallest set of joints whose rank differs from point to point of one piece: it has several components."""
         if max(map(len, self.points), default=0) <= SAMPLES:
             return None
-        for size in range(1, len(joints) + 1):
-            for chosen in combinations(joints, size):
-                for piece in self.points:
-                    if len({rank([screws[j - 1] for j in chosen], prime) for screws, prime in piece}) > 1:
-                        return chosen
-        return None
+        subsets = (chosen for size in range(1, len(joints) + 1) for chosen in combinations(joints, size))
+        several = (joint for joint in subsets if any(len(self._ranks_on(piece, joint)) > 1 for piece in self.points))
+        return next(several, None)
 
 
 def candidates(sampled: Sampled, joints: Sequence[int]) -> Iterator[tuple[int, tuple[int, ...]]]:

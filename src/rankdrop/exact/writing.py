@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import atan2, pi, tau
+from math import atan2, pi, prod, tau
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -197,11 +197,8 @@ class _Search:
 
     def spread(self, f: Polynomial, place: int) -> int:
         """Terms of the factors of all coefficients of f in one variable: what is left to be written."""
-        count = 0
-        for coefficient in coefficients(f, place):
-            if coefficient != 0:
-                count += sum(len(factor) for factor, _ in coefficient.factor()[1])
-        return count
+        parts = (coefficient for coefficient in coefficients(f, place) if coefficient != 0)
+        return sum(len(factor) for coefficient in parts for factor, _ in coefficient.factor()[1])
 
     def sines_and_cosines(self, f: Polynomial) -> Product | None:
         """f in sines and cosines of single angles, where it has whole ones."""
@@ -232,9 +229,7 @@ class _Search:
         loose = [(factor, p) for factor, p in pins if not (isinstance(factor, Wave) and not factor.halved)]
         if odd and (len(odd) + len(loose)) > 1 and len(odd) + len(loose) < len(rest) + len(pins):
             kept = [(factor, p) for factor, p in pins if isinstance(factor, Wave) and not factor.halved]
-            one = number_of(Fraction(1), ring)
-            for g, p in odd:
-                one = one * g**p
+            one = prod((g**p for g, p in odd), start=number_of(Fraction(1), ring))
             more = half_of(Product(Fraction(1), tuple(loose)), ring)
             counted = tuple(a + b for a, b in zip(ring.form(one).degrees, more.degrees, strict=True))
             together = self.best(Form(ring, one * more.f, counted))

@@ -18,6 +18,7 @@ DOCUMENTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "docs/json
                                     "docs/command-line.md")]  # fmt: skip
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
+EXIT_CODES = (ROOT / "docs" / "exit-codes.md").read_text(encoding="utf-8")
 CLAIMS = (ROOT / "docs" / "claims.md").read_text(encoding="utf-8")
 
 
@@ -68,7 +69,7 @@ def test_every_command_is_on_the_page_of_the_command_line() -> None:
 
 def test_exit_codes_are_documented() -> None:
     for code, meaning in exits.MEANING.items():
-        assert f"| {code} | {meaning} |" in COMMAND_LINE
+        assert f"| {code} | {meaning} |" in EXIT_CODES
 
 
 def test_the_checks_run_the_test_command_of_the_readme() -> None:

@@ -208,11 +208,11 @@ def _suppressed(
 def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
     """Random points of each method's sets, tried on those of the other."""
     pieces = [piece for family in suppression.families for piece in family.stratum.pieces]
-    missing = []
-    for piece in pieces:
-        point = piece.point(work.rng)
-        if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops):
-            missing.append(piece)
+    drawn = [(piece, piece.point(work.rng)) for piece in pieces]
+    missing = [
+        piece for piece, point in drawn
+        if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops)
+    ]  # fmt: skip
     surplus = [
         drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in pieces)
     ]
@@ -232,10 +232,10 @@ def _compared(
     seconds = max(work.left, 0.1)
     basic, frame = chosen
     found = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
-    different = []
-    for family in families:
-        if not found.left and not found.holds(family.witness).all():
-            different.append(f"the witness of {family.id} does not satisfy the conditions of the method {method}")
+    different = [
+        f"the witness of {family.id} does not satisfy the conditions of the method {method}"
+        for family in families if not found.left and not found.holds(family.witness).all()
+    ]  # fmt: skip
     q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
     sigma = singular_values(chain.robot, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
     wrong = int((found.holds(q[sigma > 1e-3])).sum())

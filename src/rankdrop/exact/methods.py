@@ -54,6 +54,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import combinations
+from math import prod
 from operator import mul
 
 from rankdrop.errors import OptionError
@@ -161,9 +162,7 @@ def cofactors(builder: DerivationBuilder) -> None:
     builder.notes.append(f"{len(found)} minors, {sum(terms)} terms together, {len(common)} common factors")
     rest = [c for c in builder.conditions if len(c.equal) > 1]
     for conjunction in rest:
-        ways = 1
-        for equality in conjunction.equal:
-            ways *= max(1, len(equality.atoms))
+        ways = prod(max(1, len(equality.atoms)) for equality in conjunction.equal)
         builder.notes.append(
             f"besides them {len(conjunction.equal)} equations hold together; their factors combine in {ways} ways"
         )
@@ -423,10 +422,8 @@ def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
     found = []
     for joints in combinations(range(len(columns)), m - 1):
         chosen = [columns[j] for j in joints]
-        screw = []
-        for row in range(m):
-            minor = builder.minor(chosen, [i for i in range(m) if i != row])
-            screw.append(-minor if row % 2 else minor)
+        minors = (builder.minor(chosen, [i for i in range(m) if i != row]) for row in range(m))
+        screw = [-minor if row % 2 else minor for row, minor in enumerate(minors)]
         if any(w != 0 for w in screw):
             found.append((joints, tuple(screw)))
     wished = {j - 1 for j in builder.basic} if builder.basic is not None else set(range(len(columns)))
@@ -523,14 +520,10 @@ def _bordering(
     builder: DerivationBuilder, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
 ) -> list[tuple[int, int, Polynomial]]:
     """(row, column, minor) for each row and column besides the pivots', minors that are not zero."""
-    found = []
-    for column in range(len(columns)):
-        for row in range(len(columns[0])):
-            if row not in rows and column not in chosen:
-                minor = builder.minor([columns[c] for c in (*chosen, column)], (*rows, row))
-                if minor != 0:
-                    found.append((row, column, minor))
-    return found
+    others = [column for column in range(len(columns)) if column not in chosen]
+    places = [(row, column) for column in others for row in range(len(columns[0])) if row not in rows]
+    bordering = [(r, c, builder.minor([columns[k] for k in (*chosen, c)], (*rows, r))) for r, c in places]
+    return [entry for entry in bordering if entry[2] != 0]
 
 
 def _pivot(

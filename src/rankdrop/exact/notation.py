@@ -696,14 +696,12 @@ class _Reader:
 
     def scripted(self) -> str:
         """One thing with what is written below and above it."""
-        base, below, above = self.one(), "", ""
-        while self.at < len(self.tokens) and self.tokens[self.at] in {"_", "^"}:
-            sign = self.tokens[self.at]
+        base, scripts = self.one(), {"_": "", "^": ""}
+        while self.at < len(self.tokens) and self.tokens[self.at] in scripts:
             self.at += 1
-            if sign == "_":
-                below = self.one()
-            else:
-                above = self.one()
+            sign = self.tokens[self.at - 1]
+            scripts[sign] = self.one()
+        below, above = scripts.values()
         if below and above:
             return f"<msubsup>{base}{below}{above}</msubsup>"
         return f"<msub>{base}{below}</msub>" if below else f"<msup>{base}{above}</msup>" if above else base

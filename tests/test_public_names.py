@@ -14,7 +14,7 @@ import rankdrop
 
 SOURCE = Path(__file__).resolve().parents[1] / "src" / "rankdrop"
 FILES = sorted(SOURCE.rglob("*.py"))
-ROOMS = ("robot", "local", "family", "families", "exact", "compare", "text", "results", "verbs", "jobs", "designs")
+ROOMS = ("robot", "local", "family", "families", "exact", "text", "results", "verbs", "jobs", "designs")
 NAMES: list[str] = getattr(rankdrop, "__all__", [])
 
 

@@ -62,7 +62,7 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 SENTENCES = {
     "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 92,
-    "motion": 138, "proof": 37, "questions": 22, "results": 219, "robot": 59, "units": 2, "verbs": 44,
+    "motion": 138, "proof": 37, "questions": 22, "results": 221, "robot": 59, "units": 2, "verbs": 44,
 }  # fmt: skip
 """Room -> sentences in it today."""
 

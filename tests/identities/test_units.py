@@ -257,8 +257,8 @@ def explained(robot: Robot, q: np.ndarray, power: int) -> list[Any]:
         [one.words for one in found.blame.smallest], [one.numbers for one in found.blame.circuits],
         [(one.number, one.gain, one.order, one.receptors, one.within_limits, digits(one.step * unit[one.number - 1]))
          for one in found.escape.single],
-        digits(np.abs(found.escape.best_direction.delta) * unit), found.escape.avoidable_words,
-        found.escape.boundary_words, [(one.family.name, digits(one.distance)) for one in found.far.families],
+        digits(np.abs(found.escape.best_direction.delta) * unit), found.escape.avoidable_reason,
+        found.escape.boundary_reason, [(one.family.name, digits(one.distance)) for one in found.far.families],
         None if nearest is None else (digits(nearest.distance), digits(np.array(nearest.q) * unit)),
     ]  # fmt: skip
 

@@ -17,6 +17,7 @@ import pytest
 pytest.importorskip("flint")
 
 from papers.am_method import mixture_falls
+from papers.planar import planar_two_link
 from rankdrop import (
     conditions,
     explain,
@@ -43,7 +44,6 @@ from rankdrop.local import (
     lost_in_sparsest_frame,
     motion,
     null_space_motion,
-    planar_two_link,
     plane_rotation,
     rate_growth,
     readable_basis,

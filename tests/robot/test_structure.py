@@ -266,7 +266,7 @@ def test_a_file_with_rounded_angles_is_recognised_as_the_arm_of_the_catalogue(na
 def test_the_exact_side_sees_the_same_arm(rng: np.random.Generator) -> None:
     arm, _ = squared(noisy(open_robot("iiwa14"), rng))
     found, remarks = sections(arm)
-    assert all(abs(one.error) < 1e-12 for one in remarks)  # lengths that are no short decimals
+    assert all(abs(one.miss) < 1e-12 for one in remarks)  # lengths that are no short decimals
     assert all(abs(turn.error) < 1e-15 for one in found for turn in (one.twist, one.phase))
     assert [(one.a == 0, one.d == 0) for one in found] == [
         (one.a == 0, one.d == 0) for one in sections(open_robot("iiwa14"))[0]

@@ -15,8 +15,8 @@ print(f"{found.verdict}: {found.reason}")
 print("singular values:", np.round(found.rank.sigma, 4))
 for member in found.met:
     print("family:", member.family.name, "-", ", ".join(f"{e} = 0" for e in member.family.equations))
-for seen in found.lost.seen:  # from the base, the tool, and a link where it is simpler there
-    print(f"in {seen.axes} the tool can only move so that", ", ".join(seen.constraints))
+for words in found.lost.words:  # in the axes in which the lost motion is simplest
+    print("lost:", words)
 for circuit in found.blame.smallest:
     print("to blame:", circuit.words)
 for way in found.escape.single:

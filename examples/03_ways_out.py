@@ -17,4 +17,4 @@ for title, q in (("stretched out", [0.0] * 7), ("elbow straight", [0.1, 0.5, 0.3
         print(f"  joint {way.number}: {words}")
     best = found.best_direction
     print(f"  all joints together, {best.step:.1f} rad: rank regained {best.measured_gain} of {found.corank}")
-    print(f"  {found.avoidable_words}")
+    print(f"  left with the tool at rest: {found.avoidable} ({found.avoidable_reason})")

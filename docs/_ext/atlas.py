@@ -75,7 +75,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
     heads = [joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
     rows = [
         f"| {family.id} | {_cell(family.name)} | "
-        + " | ".join(_cell(joint_cell(family, number, str(joint.kind)).replace("\n", " "))
+        + " | ".join(_cell(_joined(joint_cell(family, number, str(joint.kind))))
                      for number, joint in enumerate(robot.variables, start=1))
         + f" | {family.dimension} | {_cell(_lost(family))} |"
         for family in found.families[:_MOST]
@@ -125,6 +125,11 @@ def _lost(family: Family) -> str:
 
 def _maker(entry: CatalogEntry) -> str:
     return f"Maker: {entry.maker}. Families: " if entry.maker else "Families: "
+
+
+def _joined(cell: str | tuple[str, ...]) -> str:
+    """The values of a cell in one line."""
+    return cell if isinstance(cell, str) else ", ".join(cell)
 
 
 def _cell(text: str) -> str:

@@ -179,7 +179,7 @@ def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> 
     path = tmp_path / "long.toml"
     rows = "".join(f'[[joints]]\na = 0.{i + 10}\nalpha = "{i % 3 * 45} deg"\n' for i in range(40))
     path.write_text(f'convention = "standard"\n{rows}')
-    ended = run("explain", str(path), "--q", ",".join(["0"] * 40))
+    ended = run("explain", str(path), "--full", "--q", ",".join(["0"] * 40))
     assert ended.code in (exits.FINE, exits.SINGULAR)
     assert re.search(r"rank \d of 6", ended.out)
     assert "σ = " in ended.out

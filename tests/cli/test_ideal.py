@@ -141,7 +141,7 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
 
 @pytest.mark.slow
 def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
-    options = ("--starts", "1000", "--exact", "off", "--quiet")
+    options = ("--starts", "1000", "--exact", "off", "--ideal", "off", "--quiet")
     short, long = (run("analyze", CALIBRATED, *options, *more).out for more in ((), ("--all",)))
     rows = int(one_line(short).split("Corank 2 (rank 4 of 6): ")[1].split()[0])
     assert rows > 24

@@ -151,7 +151,7 @@ def test_an_arm_without_an_atlas_is_judged_and_its_crossings_are_named() -> None
     q = np.cumsum(rng.normal(size=(30, robot.n)) * 0.3, axis=0)
     found = check_path(robot, q)
     assert found.source == "on the spot"
-    assert found.verdict in ("free", "crossing", "touching")
+    assert found.verdict in ("free", "crossing", "touching", "outside limits")  # the walk leaves the joint limits
     ur = open_robot("ur5")
     q = np.linspace([0, -1.2, 1.0, 0.5, -0.4, 0.1], [0.3, -1.0, 1.2, 0.4, 0.5, 0.3], 10)
     known = check_path(ur, q)

@@ -85,3 +85,6 @@ def setup(app: Sphinx) -> None:
     app.add_lexer("console", TextLexer)  # what tables print is no shell: % and numbers mean nothing there
     app.connect("source-read", pages_that_exist)
     app.connect("missing-reference", public_name)
+
+# the decorator that takes a record or its fields has a signature that autodoc cannot print argument by argument
+suppress_warnings = ["autodoc"]

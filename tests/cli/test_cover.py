@@ -131,7 +131,7 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     Draft202012Validator(load_schema("cover")).validate(record)
     assert record["settings"]["corank"] == 2
     assert {one["id"][:2] for one in record["explained"]["families"]} == {"k2", "k3"}
-    without(*(one.id for one in known_analysis(UR5, TASK).families if one.corank > 1)).save(tmp_path / "part.json")
+    without("k2.f1", "k2.f4", "k3.f1").save(tmp_path / "part.json")
     code, text, _ = run("ur5", "--width", 0.8, "--corank", 2, "--analysis", tmp_path / "part.json")
     assert code == 3
     assert "singular, found" in text

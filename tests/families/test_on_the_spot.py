@@ -30,9 +30,6 @@ EACH = 2
 DIFFERENT = {("canadarm2", "k2.f2"), ("gen3", "k1.f1")}
 """Families whose members get another name: with θ3 = θ5 = 0 more axes of Canadarm2 are aligned than on all of its
 k2.f2, and Gen3 is nearly degenerate by its offset of 12 mm."""
-INEXACT = ("xarm7", "yumi")
-"""The xArm 7's first family pins θ4 to 2.5e-10 rad only, so that σ there is 7e-12; members of two families of the YuMi
-are named without the condition that all of them share."""
 UNLIKE = {("canadarm2", "k1.f1"), ("gen3", "k1.f1")}
 """Those whose joints may come out otherwise: members of Canadarm2's k1.f1 next to a place where D loses rank."""
 
@@ -67,7 +64,7 @@ def without_values(name: str) -> str:
 
 
 @pytest.mark.slow_at("canadarm2", "iiwa14", "pa10", "tiago", "gen3", "sawyer", "xarm7", "fr3", "kr16", "hc10", "m1013")
-@pytest.mark.parametrize("name", [name for name in KINDS if name not in INEXACT])
+@pytest.mark.parametrize("name", KINDS)
 def test_members_of_an_atlas_are_named_as_in_it(name: str, whole: None) -> None:
     """Word for word, and the atlas has these names, cut and told apart."""
     atlas = shipped(name)

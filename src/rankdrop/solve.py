@@ -32,13 +32,18 @@ _CORRECTIONS = 8
 _EARLY = 3  # steps of a curve before which it is not closed
 
 
-def shortest(a: Array, f: Array, cut: float = CUT) -> Array:
-    """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
+def shortest(a: Array, f: Array, cut: float = CUT, rank: int | None = None) -> Array:
+    """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out.
+
+    So are those beyond `rank`, where the number of independent equations is known.
+    """
     if a.shape[1] == 1:  # a·f/|a|², ten times as fast
         square = (a[:, 0] ** 2).sum(axis=1)
         return np.asarray(a[:, 0] * np.where(square > _SMALLEST**2, f[:, 0] / np.maximum(square, 1e-300), 0.0)[:, None])
     u, s, vt = np.linalg.svd(a, full_matrices=False)
     keep = s > np.maximum(cut * s[:, :1], _SMALLEST)
+    if rank is not None:
+        keep[:, rank:] = False
     inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)
     return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))
 
@@ -183,5 +188,5 @@ def _corrected(linear: Linear, x: Array, zero: float) -> tuple[Array, Array] | N
         f, slope = linear(x[None])
         if np.abs(f).max() <= zero:
             return x, slope[0]
-        x = x - shortest(slope, f)[0]
+        x = x - shortest(slope, f, rank=len(x) - 1)[0]  # more equations than that agree on the curve alone
     return None

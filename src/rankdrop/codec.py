@@ -25,6 +25,8 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 from rankdrop.disk import replace_file
 from rankdrop.errors import ResultFileError
 
+Record = dict[str, Any]
+"""Plain data of a file."""
 _SHOWN = 60  # characters of a value in an error
 _LARGEST = 2**53
 """Whole numbers up to here are the same in every reader of JSON."""

@@ -16,11 +16,9 @@ from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.explanation import far_to_dict, way_out_to_dict
-from rankdrop.results.findings import find_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import NAMES, load_schema
+from rankdrop.schema import NAMES, load_schema, record_of
 from rankdrop.units import WRITTEN
 from rankdrop.verbs.explain import explain
 
@@ -31,7 +29,7 @@ def validator(name: str) -> Draft202012Validator:
 
 @pytest.fixture(scope="module")
 def find_record() -> dict[str, Any]:
-    return json.loads(json_text(find_to_dict(search(open_robot("stanford"), 1, starts=20))))
+    return json.loads(json_text(record_of("find", search(open_robot("stanford"), 1, starts=20))))
 
 
 PLACES = {
@@ -51,7 +49,7 @@ def explained() -> dict[str, dict[str, Any]]:
     records = {}
     for place, (name, q, task) in PLACES.items():
         found = explain(open_robot(name), q, task, coranks=6)
-        way_out, far = way_out_to_dict(found, None), far_to_dict(found)
+        way_out, far = record_of("escape", found), record_of("nearest", found)
         written = {"explanation": found.to_dict(), "escape": way_out, "nearest": far}
         records |= {f"{kind} {place}": json.loads(json_text(record)) for kind, record in written.items()}
     return records

@@ -17,11 +17,10 @@ from rankdrop.families.searching import refine, search
 from rankdrop.family.which import families_at
 from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import json_text
-from rankdrop.results.findings import find_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import load_schema
+from rankdrop.schema import load_schema, record_of
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 
@@ -153,7 +152,7 @@ def test_random_arms_have_them_too_and_searching_from_them_stays():
 
 
 def test_the_record_satisfies_its_schema_and_tells_the_strata():
-    record = json.loads(json_text(find_to_dict(search(open_robot("ur5"), 1, starts=40, method="reciprocal"))))
+    record = json.loads(json_text(record_of("find", search(open_robot("ur5"), 1, starts=40, method="reciprocal"))))
     Draft202012Validator(load_schema("find")).validate(record)
     assert sum(one["count"] for one in record["strata"]) == 40
     assert all(one["residual"] <= EXACT for one in record["strata"])

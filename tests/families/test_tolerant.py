@@ -14,9 +14,9 @@ from rankdrop.families.tolerant import most_tolerant
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
 from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.failures import tolerant_sections, tolerant_to_dict
+from rankdrop.results.explanation.failures import tolerant_sections
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import load_schema
+from rankdrop.schema import load_schema, record_of
 from rankdrop.sections import text
 from rankdrop.task import resolve_task
 
@@ -92,7 +92,7 @@ def test_a_joint_that_is_always_needed_is_named(name, crucial):
 def test_the_record_is_valid_and_every_entry_is_described(regional):
     robot, task = regional
     for found in (most_tolerant(robot, task, starts=20), most_tolerant(open_robot("pa10"))):
-        record = json.loads(json_text(tolerant_to_dict(found)))
+        record = json.loads(json_text(record_of("tolerant", found)))
         Draft202012Validator(load_schema("tolerant")).validate(record)
         assert set(record) == set(load_schema("tolerant")["properties"])
         assert not Draft202012Validator(load_schema("tolerant")).is_valid(record | {"places": [{}]})

@@ -136,7 +136,8 @@ def _sections(
             ("summary", "escape", "lost", "blame", "numbers") if output.full else ("summary", "escape", "lost", "more")
         )
         return found.sections(parts=parts, full=output.full)
-    first, *sections = found.sections(full=output.full)
+    more = found.sections(parts=("more",), full=output.full)
+    first, *sections = (*found.sections(full=output.full), *more)
     if made is not None and beside is not None:
         sections[:0] = [here_section(made, beside), *([moved_section(made)] if output.full else [])]
     sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
@@ -146,10 +147,11 @@ def _sections(
 def _record(
     found: Explanation, made: Idealised | None, beside: Here | None, procedure: Any, only: str | None
 ) -> dict[str, Any]:
-    from rankdrop.results import far_to_dict, plain, way_out_to_dict
+    from rankdrop.results import plain
+    from rankdrop.schema import record_of
 
     if only is not None:
-        return far_to_dict(found) if only == "nearest" else way_out_to_dict(found, procedure)
+        return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})
     nearby = {} if made is None or beside is None else {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
     return found.to_dict() | nearby
 

@@ -98,7 +98,7 @@ def find(
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
         rankdrop find ur5 --corank 1 --starts 10_000_000 --store cloud
     """
-    from rankdrop.results import find_to_dict
+    from rankdrop.schema import record_of
 
     check_targets(
         {"--json": output.json, "--out": where.out, "--history": where.history},
@@ -119,7 +119,7 @@ def find(
 
     hand_over(
         to_stdout,
-        (output.json, lambda target: write_json(find_to_dict(found), target)),
+        (output.json, lambda target: write_json(record_of("find", found), target)),
         (where.out, lambda target: _save(found, target, history=False)),
         (where.history, lambda target: _save(found, target, history=True)),
     )
@@ -201,14 +201,15 @@ def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, d
 
 def _save(search: Search, target: str, *, history: bool) -> None:
     """The outcome, or its history, in the format that the ending of the file names."""
-    from rankdrop.results import find_to_csv, find_to_dict, find_to_npz, history_to_csv, history_to_npz
+    from rankdrop.results import find_to_csv, find_to_npz, history_to_csv, history_to_npz
+    from rankdrop.schema import record_of
 
     csv = target.lower().endswith(".csv")
     if history:
         if search.history is not None:
             write_bytes(history_to_csv(search.history).encode() if csv else history_to_npz(search.history), target)
     elif target.lower().endswith(".json"):
-        write_json(find_to_dict(search), target)
+        write_json(record_of("find", search), target)
     else:
         write_bytes(find_to_csv(search).encode() if csv else find_to_npz(search), target)
 

@@ -29,7 +29,8 @@ def tolerant(
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
     """
     from rankdrop.families import most_tolerant
-    from rankdrop.results import tolerant_sections, tolerant_to_dict
+    from rankdrop.results import tolerant_sections
+    from rankdrop.schema import record_of
 
     check_targets({"--json": output.json})
     model, task = open_arm(robot, arm)
@@ -42,7 +43,7 @@ def tolerant(
         show(results(), arm_section(model, task, found.generic_rank, lines))
         print_sections(tolerant_sections(found), first=False)
 
-    hand_over(to_stdout, (output.json, lambda target: write_json(tolerant_to_dict(found), target)))
+    hand_over(to_stdout, (output.json, lambda target: write_json(record_of("tolerant", found), target)))
     if not found.complete:
         return exits.INTERRUPTED
     return exits.FINE if found.places else exits.UNEXPLAINED

@@ -9,10 +9,7 @@ from .conditions_text import arm_lines as arm_lines
 from .conditions_text import steps_text as steps_text
 from .covered import Covered as Covered
 from .explanation.explanation import Explanation as Explanation
-from .explanation.explanation import far_to_dict as far_to_dict
-from .explanation.explanation import way_out_to_dict as way_out_to_dict
 from .explanation.failures import tolerant_sections as tolerant_sections
-from .explanation.failures import tolerant_to_dict as tolerant_to_dict
 from .explanation.parts import first_verdict as first_verdict
 from .explanation.parts import known_families as known_families
 from .explanation.text import condition_sentences as condition_sentences
@@ -22,7 +19,6 @@ from .explanation.words import angle_below as angle_below
 from .explanation.words import motion as motion
 from .explanation.words import short as short
 from .findings import find_to_csv as find_to_csv
-from .findings import find_to_dict as find_to_dict
 from .findings import find_to_npz as find_to_npz
 from .findings import history_to_csv as history_to_csv
 from .findings import history_to_npz as history_to_npz

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,14 +24,13 @@ from rankdrop.results.codec import (
     read_record,
     restored,
     robot_from_dict,
-    save_record,
     task_from_dict,
 )
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
-from rankdrop.schema import check_record, record_of
-from rankdrop.sections import html, text
+from rankdrop.schema import Result, check_record, record_of
+from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.families import inside_limits, overview, share_text
 from rankdrop.text.latex import latex_tables
@@ -102,7 +102,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Analysis:
+class Analysis(Result):
     """Every family of singular configurations that was found, of every corank, with what speaks for it.
 
     Attributes:
@@ -130,6 +130,7 @@ class Analysis:
     notes: tuple[str, ...] = ()
     exact: Derivation | None = None
     near: Near | None = None
+    FILE: ClassVar[str] = "analysis"
 
     @property
     def verdict(self) -> Verdict:
@@ -181,7 +182,7 @@ class Analysis:
 
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md."""
-        record = record_of("analysis", self)
+        record = super().to_dict()
         if self.settings.limits:
             for row, family in zip(record["families"], self.families, strict=True):
                 row["inside"] = record_of("inside", inside_limits(family, self.robot))
@@ -229,29 +230,19 @@ class Analysis:
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
         )
 
+    def sections(self) -> tuple[Section, ...]:
+        """One section for each corank."""
+        return tuple(overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                              limits=self.settings.limits))  # fmt: skip
+
     def __str__(self) -> str:
         """What may be claimed, and one table for each corank."""
-        told = overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
-                        limits=self.settings.limits)  # fmt: skip
-        return f"{self.robot.name}: {self.verdict.sentence}\n\n{text(told)}"
-
-    def _repr_html_(self) -> str:
-        """For notebooks: one table per corank."""
-        return html(overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
-                             limits=self.settings.limits))  # fmt: skip
+        return f"{self.robot.name}: {self.verdict.sentence}\n\n{super().__str__()}"
 
     def latex(self) -> str:
         """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.text.latex.latex_tables`."""
         return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
                             limits=self.settings.limits)  # fmt: skip
-
-    def save(self, path: str | Path) -> None:
-        """Write the analysis to a JSON file.
-
-        Raises:
-            ResultFileError: the file cannot be written; an old one of this name is as it was.
-        """
-        save_record(self.to_dict(), path)
 
     @classmethod
     def load(cls, path: str | Path) -> Analysis:

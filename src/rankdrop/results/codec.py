@@ -20,6 +20,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import msgspec
 import numpy as np
 
+from rankdrop.codec import Record as Record
 from rankdrop.codec import encode
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
@@ -31,8 +32,6 @@ from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.schema import table_of
 from rankdrop.task import Task
-
-Record = dict[str, Any]
 
 
 def read_record(path: str | Path) -> Any:
@@ -122,11 +121,6 @@ def task_from_dict(record: Record, length_scale: float) -> Task:
     """The task of a record made by `robot_to_dict`; its length scale [m] stands among the settings."""
     task: Task = restored(Task, {**record, "name": record["task"], "length_scale": length_scale})
     return task
-
-
-def counted(check: Check, agree: str) -> Record:
-    """A check in a file: those that agree stand under a word that says in what."""
-    return {"tested": check.tested, agree: check.agree}
 
 
 def _check(record: Record, agree: str) -> Check:

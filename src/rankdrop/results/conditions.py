@@ -5,12 +5,11 @@ As plain data it has the names of docs/json.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from numpy.typing import ArrayLike
 
@@ -20,13 +19,12 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import Step
 from rankdrop.family.record import Check
-from rankdrop.results.codec import Record, counted, plain, robot_to_dict, save_record
 from rankdrop.results.conditions_text import sections_of
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot, witness_text
+from rankdrop.schema import Result
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
-from rankdrop.units import heading
 
 if TYPE_CHECKING:
     from rankdrop.exact.aspects import Between, Flags
@@ -71,7 +69,7 @@ class ConditionSettings:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Conditions:
+class Conditions(Result):
     """The singularity conditions of an arm, exactly.
 
     Attributes:
@@ -121,12 +119,18 @@ class Conditions:
     limited: bool = False
     determinants: Determinants | None = None
     anew: Callable[[], Conditions] | None = None
+    FILE: ClassVar[str] = "conditions"
 
     @cached_property
     def chain(self) -> Chain:
         """The arm over the exact ring, in which conditions are polynomials: made for whoever asks."""
         made = exact_chain(self.robot, self.task, lengths=self.settings.lengths)
         return made if self.letters else replace(made, letters={}, written={})  # with letters it took too long
+
+    @property
+    def arm(self) -> tuple[Robot, Task, int]:
+        """What was derived for, for its entry in a file."""
+        return self.robot, self.task, self.generic_rank
 
     @property
     def verified(self) -> bool:
@@ -147,7 +151,8 @@ class Conditions:
 
     def __str__(self) -> str:
         """What the command line prints, unwrapped."""
-        return text(self._told())
+        verdict = Section(self.verdict.sentence)
+        return text((verdict, *self.sections(), verdict))
 
     def test(self, condition: str, *, seconds: float = 60.0) -> LintResult:
         """Is a condition exactly the singular set, too small, or too large? See `rankdrop.exact.lint.lint`.
@@ -198,18 +203,6 @@ class Conditions:
 
         return between(self.chain, first, second)
 
-    def to_dict(self) -> Record:
-        """Plain data: see docs/json.md. The time spent is not in it."""
-        return conditions_to_dict(self)
-
-    def save(self, path: str | Path) -> None:
-        """Write the conditions to a JSON file.
-
-        Raises:
-            ResultFileError: the file cannot be written.
-        """
-        save_record(self.to_dict(), path)
-
     def sections(self, *, width: int | None = None) -> tuple[Section, ...]:
         """The conditions in words: see `rankdrop.results.conditions_text.sections_of`."""
         return sections_of(self, width=width)
@@ -241,56 +234,17 @@ class Conditions:
         """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
         from rankdrop.exact.notation import typeset
 
+        witness = {
+            family.id: [f"witness: {witness_text(self.robot, family.witness)}"]
+            for family in self.families if any("witness" in words for words in family.lost_words)
+        }  # fmt: skip
         rows = "".join(
             f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
             f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
-            f"<td>{'<br>'.join(map(escape, (*family.lost_words, *self._witness(family))))}</td></tr>"
+            f"<td>{'<br>'.join(map(escape, (*family.lost_words, *witness.get(family.id, []))))}</td></tr>"
             for family in self.families
         )
         head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
         table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
         verdict = Section(self.verdict.sentence)
         return html([verdict]) + table + html([*sections_of(self, families=False), verdict])
-
-    def _witness(self, family: ExactFamily) -> Iterator[str]:
-        """Where a lost motion that is told for the witness is told."""
-        if any("witness" in words for words in family.lost_words):
-            yield f"witness: {witness_text(self.robot, family.witness)}"
-
-    def _told(self) -> tuple[Section, ...]:
-        """The verdict first and last."""
-        verdict = Section(self.verdict.sentence)
-        return (verdict, *self.sections(), verdict)
-
-
-def conditions_to_dict(conditions: Conditions) -> Record:
-    """All of it but the time spent: the same robot and settings give the same record."""
-    return {
-        **heading(SCHEMA),
-        "robot": robot_to_dict(conditions.robot, conditions.task, conditions.generic_rank),
-        **_entries(conditions, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
-        "determinants": None if conditions.determinants is None else conditions.determinants.to_dict(conditions.shifts),
-        **conditions.verdict.to_dict(),
-        **_entries(conditions, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
-        "families": [_family(conditions, family) for family in conditions.families],
-        **_entries(conditions, "assumptions", "not_real"),
-        "explained": counted(conditions.explained, "explained"),
-    }
-
-
-def _entries(record: object, *names: str) -> Record:
-    return {name: plain(getattr(record, name)) for name in names}
-
-
-def _family(conditions: Conditions, family: ExactFamily) -> Record:
-    """The entries of a family of an analysis that make sense here, and what is known exactly."""
-    pinned = [replace(one, values=tuple(sorted(one.values))) for one in family.pinned(conditions.robot)]
-    return {
-        **_entries(family, "id", "name", "corank", "dimension", "codimension"),
-        "pinned": plain(pinned),
-        **_entries(family, "free", "coupled"),
-        "conditions": list(family.texts),
-        **_entries(family, "latex", "equations"),
-        "terms": [equation.to_dict()["terms"] for equation in family.equations],
-        **_entries(family, "reality", "witness", "lost_words", "rank_check"),
-    }

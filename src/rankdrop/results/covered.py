@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,13 @@ from rankdrop.certify.covering import Covering
 from rankdrop.families.box_matching import Spot
 from rankdrop.family.record import Family
 from rankdrop.proof.boxes import digest
-from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
-from rankdrop.sections import Section, html, text
+from rankdrop.schema import Result
+from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.units import heading
 
-SCHEMA = "rankdrop/cover/1"
 _SHOWN = 20  # places in the text
-_WRITTEN = 1000  # in the JSON
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +43,7 @@ class Account:
 
 
 @dataclass(frozen=True, eq=False)
-class Covered:
+class Covered(Result):
     """Every singular configuration, of the corank asked for or more, is in a box of `covering`.
 
     Attributes:
@@ -59,6 +56,7 @@ class Covered:
     task: Task
     covering: Covering
     account: Account | None
+    FILE: ClassVar[str] = "cover"
 
     @property
     def complete(self) -> bool:
@@ -112,29 +110,6 @@ class Covered:
         corank = self.covering.plan.corank
         return "singular configuration" if corank == 1 else f"configuration of corank {corank} or more"
 
-    def to_dict(self) -> dict[str, Any]:
-        """The record that `rankdrop cover --json` writes; docs/json.md. Boxes are in the file of `--out`."""
-        covering, plan = self.covering, self.covering.plan
-        return {
-            **heading(SCHEMA),
-            "robot": robot_to_dict(self.robot, self.task, plan.rank),
-            "settings": {"width": plan.width, "limits": plan.limits, "corank": plan.corank, "version": plan.version},
-            "method": plan.method,
-            "sentence": self.sentence,
-            "complete": self.complete,
-            "stopped": covering.stopped or None,
-            "joints": list(plan.variables),
-            "ranges": [list(pair) for pair in zip(plan.lower, plan.upper, strict=True)],
-            "leaf": {"halvings": list(plan.depth), "width": self.width},
-            "boxes": {
-                "all": float(np.prod([float(n) for n in covering.tree.shape.cells(covering.tree.shape.levels)])),
-                "left": covering.tree.leaves, "proven": covering.tree.proven_leaves, "tested": covering.tested,
-            },
-            "free_share": covering.free_share,
-            "sha256": self.sha256 or None,
-            "explained": None if self.account is None else _account(self.account),
-        }  # fmt: skip
-
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text; angles of places in degrees, or radians."""
         covering, plan = self.covering, self.covering.plan
@@ -163,32 +138,6 @@ class Covered:
         if self.account is not None:
             parts += _account_sections(self.account, plan.variables, deg=deg)
         return (*parts, Section("", lines=(self.sentence,)))
-
-    def __str__(self) -> str:
-        return text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
-
-
-def _account(account: Account) -> dict[str, Any]:
-    return {
-        "source": account.source,
-        "families": [
-            {"id": family.id, "name": family.name, "boxes": int(count)}
-            for family, count in zip(account.families, account.explained, strict=True)
-        ],
-        "freed": account.freed,
-        "diagonal": account.diagonal,
-        "places": [
-            {
-                "boxes": one.boxes, "proven": one.proven, "kind": one.kind, "sigma": one.sigma, "q": plain(one.q),
-                "lower": plain(one.lower), "upper": plain(one.upper),
-            }
-            for one in account.spots[:_WRITTEN]
-        ],
-        "places_in_all": len(account.spots),
-    }  # fmt: skip
 
 
 def _account_sections(account: Account, joints: tuple[int, ...], *, deg: bool) -> list[Section]:

@@ -7,59 +7,31 @@ import io
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET, UnsetType
 
+from rankdrop.codec import Record
 from rankdrop.families.search_record import History, Outcome, Search
-from rankdrop.results.codec import Record, robot_to_dict
-from rankdrop.units import heading
-from rankdrop.version import VERSION
-
-SCHEMA = "rankdrop/find/1"
 
 
-def find_to_dict(search: Search) -> Record:
-    """A search as plain data, starts that were not run left out: see docs/json.md."""
-    return {
-        **heading(SCHEMA),
-        "robot": robot_to_dict(search.robot, search.task, search.rank + search.corank),
-        "settings": {
-            "corank": search.corank,
-            "rank": search.rank,
-            "method": search.method,
-            "seed": search.seed,
-            "starts": len(search.q),
-            "limits": search.limits,
-            "step": search.step or None,
-            "tie": search.tie,
-            "iterations": search.most,
-            "length_scale": float(search.task.scale(search.robot)),
-            "tolerances": search.tolerances.to_dict(),
-            "version": VERSION,
-        },
-        **({} if search.stratum is None else {"strata": _strata(search)}),
-        "counts": {outcome.name.lower(): search.count(outcome) for outcome in Outcome},
-        "complete": search.complete,
-        "configurations": [
-            {
-                "start": int(index) + 1,
-                "outcome": Outcome(search.outcome[index]).name.lower(),
-                "iterations": int(search.iterations[index]),
-                "q": search.q[index].tolist(),
-                "sigma": search.sigma[index].tolist(),
-            }
-            for index in _run(search)
-        ],
-    }
+def configurations(search: Search) -> list[Record]:
+    """The starts that were run, in order."""
+    return [
+        {"start": int(index) + 1, "outcome": Outcome(search.outcome[index]).name.lower(),
+         "iterations": search.iterations[index], "q": search.q[index], "sigma": search.sigma[index]}
+        for index in _run(search)
+    ]  # fmt: skip
 
 
-def _strata(search: Search) -> list[Record]:
-    """How many configurations are from each stratum, and the largest σ_r/σ_1 of them."""
+def strata(search: Search) -> list[Record] | UnsetType:
+    """How many configurations are from each stratum, and the largest σ_r/σ_1 of them; only of method reciprocal."""
+    if search.stratum is None:
+        return UNSET
     ratio = search.sigma[:, search.rank] / search.sigma[:, 0]
-    which = np.zeros(0, np.int32) if search.stratum is None else search.stratum
-    rows = []
-    for k, name in enumerate(search.strata):
-        mine = which == k
-        rows.append({"name": name, "count": int(mine.sum()), "residual": float(ratio[mine].max(initial=0.0))})
-    return rows
+    members = [search.stratum == k for k in range(len(search.strata))]
+    return [
+        {"name": name, "count": int(mine.sum()), "residual": float(ratio[mine].max(initial=0.0))}
+        for name, mine in zip(search.strata, members, strict=True)
+    ]
 
 
 def find_to_csv(search: Search) -> str:

@@ -38,7 +38,7 @@ from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family, Pin, family_from_metres
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words
 from rankdrop.results.codec import Record, restored
-from rankdrop.results.conditions import SCHEMA, Conditions, ConditionSettings, conditions_to_dict
+from rankdrop.results.conditions import SCHEMA, Conditions, ConditionSettings
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
@@ -214,7 +214,7 @@ def to_stored(conditions: Conditions) -> Record:
         raise ResultFileError(
             "only a complete derivation is stored", where=conditions.robot.name, got="; ".join(conditions.left)
         )
-    record = {key: value for key, value in conditions_to_dict(conditions).items() if key not in _AGAIN}
+    record = {key: value for key, value in conditions.to_dict().items() if key not in _AGAIN}
     record["answers"] = ANSWERS
     record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
     record["generic_rank"] = conditions.generic_rank

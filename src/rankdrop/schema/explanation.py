@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any, Literal
 
-from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table
+from msgspec import UNSET
+
+from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
 from rankdrop.families.tolerant import Place
 from rankdrop.local.axes import Relation, ScrewSystem
@@ -20,23 +23,29 @@ from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.second_order import LostMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.results.explanation.data import Summary
+from rankdrop.results.explanation.text import lost_text, summary_lines
+from rankdrop.results.explanation.words import LOST_TYPE, avoidable_words, boundary_words
 from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.version import VERSION
 
 ESCAPE_SETTINGS = table(
     "escape_settings",
-    near=(num("distance", ge=0), "near within this distance [rad]"),
-    small=(num("1", ge=0), "σ_r at or below it is small"),
-    limits=bool,
-    evaluations=(Count, "budget of the certified radius"),
-    step=(num("distance", ge=0), "of the motions tried [rad; slides in length scales]"),
-    seed=Count,
+    near=(num("distance", ge=0), "near within this distance [rad]", attrgetter("options.near")),
+    small=(num("1", ge=0), "σ_r at or below it is small", attrgetter("options.small")),
+    limits=(bool, "", attrgetter("options.limits")),
+    evaluations=(Count, "budget of the certified radius", attrgetter("options.evaluations")),
+    step=(num("distance", ge=0), "of the motions tried [rad; slides in length scales]", attrgetter("options.step")),
+    seed=(Count, "", attrgetter("options.seed")),
     length_scale=(num("m", gt=0), "translation is divided by it [m]"),
     tolerances=TOLERANCES,
-    version=(str, "of rankdrop"),
+    version=(str, "of rankdrop", lambda _: VERSION),
     frame=(optional(Literal["base", "tool", "link", ""]),
-        "in whose axes motions are told; empty: base, tool, and a link where they are simpler there"),
-    slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none"),
-    slow_turn=(optional(num("rad/s", ge=0)), "a straight rotation slower than this is slow; 0 for none"),
+        "in whose axes motions are told; empty: base, tool, and a link where they are simpler there",
+        lambda asked: asked.options.frame or ""),
+    slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none",
+        attrgetter("options.speed")),
+    slow_turn=(optional(num("rad/s", ge=0)), "a straight rotation slower than this is slow; 0 for none",
+        attrgetter("options.turn_speed")),
 )
 CIRCUIT = table(
     "circuit",
@@ -86,37 +95,39 @@ DIRECTION = table(
     measured_gain=int,
 )
 LOST_MOTION = table(
-    "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")), words=str
-)
+    "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")),
+    words=(str, "", lambda one: LOST_TYPE[one.type]),
+)  # fmt: skip
 ESCAPE = table(
     "escape",
     of=Escape,
     corank=Count,
     floor=num("1", ge=0),
     types=many(LOST_MOTION),
-    avoidable_words=str,
+    avoidable_words=(str, "", avoidable_words),
     avoidable_reason=optional(str),
     still_error=optional(num("1", ge=0)),
-    boundary_words=str,
+    boundary_words=(str, "", boundary_words),
     boundary_reason=optional(str),
     nearby=optional(bool),
 )
 _ASKED: dict[str, Any] = {
-    "robot": ROBOT,
-    "settings": (ESCAPE_SETTINGS, "what was asked for"),
+    "robot": (ROBOT, "", attrgetter("arm")),
+    "settings": (ESCAPE_SETTINGS, "what was asked for", attrgetter("asked")),
     "q": (many(num("joint")), "the configuration asked about [rad, m]"),
     "outside_limits": (many(Positive), "joints beyond a limit"),
     "at_limits": (many(Positive), "joints that stand at a limit"),
     "verdict": Literal["regular", "near", "singular", "always-singular"],
     "reason": str,
-    "rank": Count,
-    "generic_rank": (Count, "almost everywhere"),
-    "corank": (Count, "task freedoms lost: generic_rank - rank"),
-    "nullity": (Count, "joint motions that leave the task still: n - rank"),
-    "sigma": (many(num("1", ge=0)), "descending; translation divided by the length scale"),
+    "rank": (Count, "", attrgetter("rank.rank")),
+    "generic_rank": (Count, "almost everywhere", attrgetter("rank.generic_rank")),
+    "corank": (Count, "task freedoms lost: generic_rank - rank", attrgetter("rank.corank")),
+    "nullity": (Count, "joint motions that leave the task still: n - rank", attrgetter("rank.nullity")),
+    "sigma": (many(num("1", ge=0)), "descending; translation divided by the length scale", attrgetter("rank.sigma")),
 }
 _WAYS: dict[str, Any] = {
-    "circuits": (many(some(Positive)), "every inclusion-minimal dependent set of joints"),
+    "circuits": (many(some(Positive)), "every inclusion-minimal dependent set of joints",
+        lambda one: [circuit.numbers for circuit in one.blame.circuits]),
     "blame": (BLAME, "which joints make the dependency"),
     "escape": (ESCAPE, "how to get out"),
 }
@@ -127,19 +138,21 @@ ESCAPE_FILE = file(
     **_ASKED,
     **_WAYS,
     disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
-    lie=(dict[str, Any] | None, "with --lie: the procedure of Gallardo-Alvarado and Rico-Martínez, step by step"),
+    lie=(dict[str, Any] | None, "with --lie: the procedure of Gallardo-Alvarado and Rico-Martínez, step by step",
+        lambda _: None),
 )
 EXPLANATION_FAMILY = table(
     "explanation_family",
-    id=(str | None, "of the analysis; null where found on the spot"),
-    name=str,
-    corank=Positive,
-    dimension=(Count, "in joint space"),
-    pinned=(many(PINNED), "joints with fixed values [rad, m]"),
-    free=(many(Positive), "joints that do not matter"),
-    coupled=(many(Positive), "joints tied together"),
-    conditions=(many(str), "for reading"),
-    equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family"),
+    id=(str | None, "of the analysis; null where found on the spot", lambda one: one.family.id or None),
+    name=(str, "", attrgetter("family.name")),
+    corank=(Positive, "", attrgetter("family.corank")),
+    dimension=(Count, "in joint space", attrgetter("family.dimension")),
+    pinned=(many(PINNED), "joints with fixed values [rad, m]", attrgetter("family.pinned")),
+    free=(many(Positive), "joints that do not matter", attrgetter("family.free")),
+    coupled=(many(Positive), "joints tied together", attrgetter("family.coupled")),
+    conditions=(many(str), "for reading", lambda one: list(map(str, one.family.equations)) or one.family.words),
+    equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family",
+        attrgetter("family.equations")),
     residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),
     source=Literal["catalogue", "analysis", "on the spot"],
 )
@@ -154,11 +167,11 @@ SCREW = table(
 )
 LOST_FRAME = table(
     "lost_frame",
-    name=str,
-    axes=int,
-    origin=int,
-    point=row(num("m"), 3),
-    directions=many(row(num("1"), 6)),
+    name=(str, "", attrgetter("framed.name")),
+    axes=(int, "", attrgetter("framed.frame.axes")),
+    origin=(int, "", attrgetter("framed.frame.origin")),
+    point=(row(num("m"), 3), "", attrgetter("framed.frame.point")),
+    directions=(many(row(num("1"), 6)), "", attrgetter("framed.directions")),
     twist_screws=many(SCREW),
     wrench_screws=many(SCREW),
 )
@@ -197,8 +210,8 @@ NEAREST = table(
 )
 FAMILIES_AWAY = table(
     "families_away",
-    id=str,
-    name=str,
+    id=(str, "", attrgetter("family.id")),
+    name=(str, "", attrgetter("family.name")),
     distance=num("distance", ge=0),
     q=many(num("joint")),
     delta=many(num("joint")),
@@ -230,7 +243,8 @@ FAILURES = table(
     sigma_min=(num("1", ge=0), "the one at the generic rank of the whole arm; 0 where the rank is lower"),
     rank=Count,
     share=(num("1", ge=0, le=1.000001), "what is left of the square root of det(J Jᵀ)"),
-    lost_directions=(many(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words"),
+    lost_directions=(many(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words",
+        attrgetter("lost")),
     lost_words=many(str),
 )
 ELLIPSOID = table(
@@ -308,8 +322,8 @@ STRAIGHT_MOTION = table(
 )
 SLOW_FAMILY = table(
     "slow_family",
-    id=str,
-    name=str,
+    id=(str, "", attrgetter("family_id")),
+    name=(str, "", attrgetter("family")),
     distance=(num("distance", ge=0), "to its nearest point"),
     ideal=(bool, "a family of the ideal arm nearby, not of the arm itself"),
     length=(num("m", ge=0), "largest difference of a length between the two arms"),
@@ -339,16 +353,28 @@ LOST_SEEN = table(
     constraints=many(str),
     short=many(str),
 )
+
+
+def _nearest(explanation: Any) -> dict[str, Any] | None:
+    """The nearest singular configuration: q itself where it is one."""
+    if explanation.rank.corank:
+        return {"distance": 0.0, "q": explanation.q, "delta": 0.0 * explanation.q, "corank": explanation.rank.corank,
+                "family": explanation.met[0] if explanation.met else None}  # fmt: skip
+    far = explanation.far
+    return None if far.nearest is None else {**plain(far.nearest), "family": far.nearest_family}
+
+
 _FAR: dict[str, Any] = {
-    "nearest": (NEAREST | None, "null: none found"),
-    "families_away": (many(FAMILIES_AWAY), "nearest first"),
+    "nearest": (NEAREST | None, "null: none found", _nearest),
+    "families_away": (many(FAMILIES_AWAY), "nearest first", attrgetter("far.families")),
     "certified_radius": (num("distance", ge=0) | None,
         "no singular configuration within it, proven; 0 at a singular configuration, null where nothing can "
         "be certified"),
-    "certificate": CERTIFICATE | None,
-    "uncertified": (str, "why there is no certificate; else empty"),
+    "certificate": (CERTIFICATE | None, "", attrgetter("far.certificate")),
+    "uncertified": (str, "why there is no certificate; else empty", attrgetter("far.uncertified")),
     "near_miss": (num("1", ge=0) | None,
-        "σ_r at the nonzero minimum where a descent from q ends; null unless that is what is near"),
+        "σ_r at the nonzero minimum where a descent from q ends; null unless that is what is near",
+        attrgetter("far.near_miss")),
 }
 EXPLANATION_FILE = file(
     "explanation",
@@ -356,42 +382,53 @@ EXPLANATION_FILE = file(
     "task's frame.",
     **_ASKED,
     sentence=(str, "verdict and reason for people, printed first and last"),
-    sigma_error=(num("1", ge=0), "bound on the error of each"),
-    always_singular=(bool, "generic_rank is below the smaller of rows and joints"),
-    tolerance=(num("1", ge=0), "σ at or below it is zero"),
+    sigma_error=(num("1", ge=0), "bound on the error of each", attrgetter("rank.sigma_error")),
+    always_singular=(bool, "generic_rank is below the smaller of rows and joints",
+        attrgetter("rank.always_singular")),
+    tolerance=(num("1", ge=0), "σ at or below it is zero", attrgetter("rank.tolerance")),
     nearly_lost=(Count, "further singular values at or below settings.small: freedoms nearly lost"),
     focus=(many(num("joint")),
         "the configuration that family, relations and blame speak of: q, or the nearest singular one where q "
         "is near it"),
-    family=(EXPLANATION_FAMILY | None, "the family that is met; null where the verdict is regular"),
-    families=(many(EXPLANATION_FAMILY), "all that are met"),
-    family_source=Literal["catalogue", "analysis", "on the spot"],
+    family=(EXPLANATION_FAMILY | None, "the family that is met; null where the verdict is regular",
+        lambda one: one.met[0] if one.met else None),
+    families=(many(EXPLANATION_FAMILY), "all that are met", attrgetter("met")),
+    family_source=(Literal["catalogue", "analysis", "on the spot"], "", attrgetter("source")),
     relations=many(RELATIONS),
     lost_directions=(many(row(num("1"), 6)),
         "orthonormal; twists (v; ω) that cannot be made, in the task's frame. Nearly lost ones where the "
-        "verdict is near"),
-    lost_words=many(str),
-    blocked_wrenches=(many(row(num("1"), 6)), "the same numbers read as (f; τ): carried without joint torque"),
-    blocked_words=many(str),
-    lost_frame=(LOST_FRAME | None, "the frame where they are sparsest"),
-    weakest_direction=(row(num("1"), 6), "that of σ_r"),
-    never_possible=(many(row(num("1"), 6)), "twists beyond the generic rank"),
+        "verdict is near", attrgetter("lost.directions")),
+    lost_words=(many(str), "", attrgetter("lost.words")),
+    blocked_wrenches=(many(row(num("1"), 6)), "the same numbers read as (f; τ): carried without joint torque",
+        attrgetter("lost.directions")),
+    blocked_words=(many(str), "", attrgetter("lost.blocked_words")),
+    lost_frame=(LOST_FRAME | None, "the frame where they are sparsest",
+        lambda one: one.lost if one.lost.framed is not None else None),
+    weakest_direction=(row(num("1"), 6), "that of σ_r", attrgetter("lost.weakest")),
+    never_possible=(many(row(num("1"), 6)), "twists beyond the generic rank", attrgetter("lost.never")),
     **_WAYS,
-    joint_rates=(JOINT_RATES, "what motion costs"),
+    joint_rates=(JOINT_RATES, "what motion costs", attrgetter("rates")),
     **_FAR,
     failure_bound=(num("1", ge=0) | None,
-        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration"),
-    failures=(many(FAILURES), "what the failure of each joint leaves: it stands still, its column is gone"),
+        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration",
+        attrgetter("failures.bound")),
+    failures=(many(FAILURES), "what the failure of each joint leaves: it stands still, its column is gone",
+        attrgetter("failures.single")),
     ellipsoids=(ELLIPSOIDS, "velocity and force ellipsoids"),
     redundancy=(REDUNDANCY, "range, null space and projectors"),
     representations=(REPRESENTATIONS, "singularities of coordinates of the orientation"),
     disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
     ideal=(optional(EXPLANATION_IDEAL),
-        "with --ideal: the arm that was given, beside the ideal one that all else is about"),
-    lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]"),
-    summary=(optional(SUMMARY), "the answer: facts, then five sentences"),
-    slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits"),
-    slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide"),
+        "with --ideal: the arm that was given, beside the ideal one that all else is about", lambda _: UNSET),
+    lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
+        lambda one: [{"frame": frame, "directions": seen.directions, **lost_text(one.robot, seen)}
+                     for frame, seen in one.lost.seen.items()]),
+    summary=(optional(SUMMARY), "the answer: facts, then five sentences",
+        lambda one: plain(one.summary) | {"text": summary_lines(one)}),
+    slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits",
+        attrgetter("straight")),
+    slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide",
+        lambda one: None if one.slow_family is None else one.summary),
 )
 NEAREST_FILE = file(
     "nearest",
@@ -403,13 +440,14 @@ NEAREST_FILE = file(
 )
 TOLERANT_SETTINGS = table(
     "tolerant_settings",
-    measure=(Literal["sigma", "relative"], "the least σ_r left, or that divided by σ1 of the whole arm"),
+    measure=(Literal["sigma", "relative"], "the least σ_r left, or that divided by σ1 of the whole arm",
+        lambda one: "relative" if one.relative else "sigma"),
     seed=Count,
     starts=Positive,
     limits=bool,
-    length_scale=num("m", gt=0),
+    length_scale=(num("m", gt=0), "", lambda one: one.task.scale(one.robot)),
     tolerances=TOLERANCES,
-    version=str,
+    version=(str, "", lambda _: VERSION),
 )
 TOLERANT_PLACES = table(
     "tolerant_places",
@@ -417,16 +455,17 @@ TOLERANT_PLACES = table(
     q=some(num("joint")),
     value=num("1", ge=0),
     slope=num("1/distance", ge=0),
-    sigma_min=(num("1", ge=0), "σ_r of the whole arm"),
+    sigma_min=(num("1", ge=0), "σ_r of the whole arm", attrgetter("failures.sigma_min")),
     failure_bound=(num("1", ge=0) | None,
-        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration"),
-    failures=many(FAILURES),
+        "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration",
+        attrgetter("failures.bound")),
+    failures=(many(FAILURES), "", attrgetter("failures.single")),
 )
 TOLERANT_FILE = file(
     "tolerant",
     "Written by `rankdrop tolerant --json`: configurations that bear the failure of any one joint best.",
-    robot=ROBOT,
-    settings=TOLERANT_SETTINGS,
+    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.generic_rank)),
+    settings=(TOLERANT_SETTINGS, "", lambda one: one),
     complete=(bool, "false: interrupted"),
     done=(Count, "starts climbed from"),
     spare=(Count, "n − r, joints to spare"),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any, Literal
 
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
@@ -13,10 +14,13 @@ from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.notation import Step
+from rankdrop.families.search_record import Outcome
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
+from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.version import VERSION
 
 SETTINGS = table(
     "settings",
@@ -59,6 +63,11 @@ SOUNDNESS = table(
 )
 
 
+def _absent(_: Any) -> UnsetType:
+    """Value of an entry that is added to the record by whoever was asked for it."""
+    return UNSET
+
+
 def _terms(family: Any) -> list[Any]:
     return [equation.to_dict()["terms"] for equation in family.equations]
 
@@ -71,7 +80,7 @@ FAMILY = table(
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
     pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
-    inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values", lambda _: UNSET),
+    inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values", _absent),
     free=(many(Positive), "numbers of the joints that do not matter"),
     coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
     equations=(many(text(min_length=1)),
@@ -152,7 +161,7 @@ ANALYSIS_FILE = file(
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
         lambda one: one.near or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about",
-        lambda _: UNSET),
+        _absent),
 )
 RANK_CHECK = table("rank_check", of=Check, tested=(Count, "points tried"), agree=(Count, "how many have the rank"))
 CONDITIONS_SETTINGS = table(
@@ -232,11 +241,23 @@ CROSSINGS = table(
     kind=Literal["crosses", "touches", "starts on", "ends on", "lies in"],
 )
 BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), open=many(Count))
+
+
+def _exact_families(conditions: Any) -> list[dict[str, Any]]:
+    """The entries of a family of an analysis that make sense here, and what is known exactly."""
+    return [
+        {**vars(family), "conditions": family.texts, "latex": family.latex, "equations": family.equations,
+         "terms": _terms(family),
+         "pinned": [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned(conditions.robot)]}
+        for family in conditions.families
+    ]  # fmt: skip
+
+
 CONDITIONS_FILE = file(
     "conditions",
     "The singularity conditions of an arm, derived exactly: written by `rankdrop conditions --json` and "
     "Conditions.save.",
-    robot=ROBOT,
+    robot=(ROBOT, "", attrgetter("arm")),
     settings=CONDITIONS_SETTINGS,
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
@@ -245,14 +266,15 @@ CONDITIONS_FILE = file(
     reason=(str, "why so"),
     steps=(many(STEPS), "that derivation, step by step"),
     determinants=(optional(DETERMINANTS | None),
-        "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked "
-        "for"),
+        "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked for",
+        lambda one: one.determinants and one.determinants.to_dict(one.shifts)),
     verdict=(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted"]),
         "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
-        "ways differ; unsound: the conditions of a row hold elsewhere too"),
-    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds"),
-    sentence=(optional(str), "the verdict for people, printed first and last"),
+        "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
+    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
+        attrgetter("verdict.claims")),
+    sentence=(optional(str), "the verdict for people, printed first and last", attrgetter("verdict.sentence")),
     complete=(bool, "nothing was left unfinished"),
     interrupted=(bool, "Ctrl-C ended the derivation"),
     verified=(bool, "complete, and every check that was made holds"),
@@ -260,14 +282,15 @@ CONDITIONS_FILE = file(
     disagreements=(many(str),
         "what two methods, or the derivation and a check, say differently; empty when all is well"),
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
-    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
+    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank", _exact_families),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
     not_real=(many(str), "sets on which no real point is known, and why"),
     explained=SHARE,
-    test=(optional(TEST | None), "what --test says (command line only)"),
-    flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)"),
-    between=(optional(BETWEEN | None), "what --from and --to say (command line only)"),
-    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about"),
+    test=(optional(TEST | None), "what --test says (command line only)", _absent),
+    flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),
+    between=(optional(BETWEEN | None), "what --from and --to say (command line only)", _absent),
+    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about",
+        _absent),
 )
 FIND_SETTINGS = table(
     "find_settings",
@@ -275,14 +298,15 @@ FIND_SETTINGS = table(
     rank=(whole(ge=0, le=5), "rank kept"),
     method=Literal["lm", "gradient", "almarkhi", "reciprocal"],
     seed=(Count, "of every random choice"),
-    starts=(Positive, "random starts for each corank"),
+    starts=(Positive, "random starts for each corank", lambda one: len(one.q)),
     limits=(bool, "whether only the space within the joint limits was searched"),
-    step=(num("1", gt=0, le=2) | None, "share of the step to linearised zero; null: line search, or method lm"),
+    step=(num("1", gt=0, le=2) | None, "share of the step to linearised zero; null: line search, or method lm",
+        lambda one: one.step or None),
     tie=(num("1", ge=0, le=1), "relative gap below which almarkhi counts singular values as equal"),
-    iterations=(Count, "most iterations per start; 0: none, method reciprocal"),
-    length_scale=(num("m", gt=0), "translation rows were divided by it [m]"),
+    iterations=(Count, "most iterations per start; 0: none, method reciprocal", attrgetter("most")),
+    length_scale=(num("m", gt=0), "translation rows were divided by it [m]", lambda one: one.task.scale(one.robot)),
     tolerances=TOLERANCES,
-    version=(str, "of rankdrop"),
+    version=(str, "of rankdrop", lambda _: VERSION),
 )
 STRATA = table("strata", name=str, count=Count, residual=(num("1", ge=0), "largest σ_r/σ_1 of them"))
 COUNTS = table("counts", converged=Count, near_miss=Count, slow=Count, not_run=Count, crease=Count)
@@ -297,11 +321,11 @@ CONFIGURATIONS = table(
 FIND_FILE = file(
     "find",
     "Configurations of one corank, one per start.",
-    robot=ROBOT,
-    settings=FIND_SETTINGS,
+    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.rank + one.corank)),
+    settings=(FIND_SETTINGS, "", lambda one: one),
     strata=(optional(many(STRATA)),
-        "only of method reciprocal: what was begun with, and how many configurations came of it"),
-    counts=(COUNTS, "starts by outcome"),
+        "only of method reciprocal: what was begun with, and how many configurations came of it", strata),
+    counts=(COUNTS, "starts by outcome", lambda one: {kind.name.lower(): one.count(kind) for kind in Outcome}),
     complete=(bool, "false: interrupted"),
-    configurations=(many(CONFIGURATIONS), "one per start that was run, in order"),
+    configurations=(many(CONFIGURATIONS), "one per start that was run, in order", configurations),
 )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any, Literal
+
+import numpy as np
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
 from rankdrop.families.box_matching import Spot
@@ -99,8 +102,14 @@ COVER_SETTINGS = table(
     corank=(whole(ge=1, le=6), "the boxes hold every configuration of this corank or more"),
     version=str,
 )
-LEAF = table("leaf", halvings=many(Count), width=num("distance"))
-BOXES = table("boxes", all=num("1"), left=Count, proven=Count, tested=Count)
+LEAF = table("leaf", halvings=(many(Count), "", attrgetter("covering.plan.depth")), width=num("distance"))
+BOXES = table(
+    "boxes",
+    all=(num("1"), "", lambda one: float(np.prod(one.tree.shape.cells(one.tree.shape.levels), dtype=np.float64))),
+    left=(Count, "", attrgetter("tree.leaves")),
+    proven=(Count, "", attrgetter("tree.proven_leaves")),
+    tested=Count,
+)
 EXPLAINED_FAMILIES = table("explained_families", id=str, name=str, boxes=Count)
 PLACES = table(
     "places",
@@ -113,32 +122,38 @@ PLACES = table(
     lower=many(num("joint")),
     upper=many(num("joint")),
 )
+_MOST_PLACES = 1000
 EXPLAINED = table(
     "explained",
     source=Literal["catalogue", "analysis", "made here"],
-    families=many(EXPLAINED_FAMILIES),
+    families=(many(EXPLAINED_FAMILIES), "", lambda one: [
+        {"id": family.id, "name": family.name, "boxes": int(count)}
+        for family, count in zip(one.families, one.explained, strict=True)
+    ]),
     freed=Count,
     diagonal=num("distance"),
-    places=many(PLACES),
-    places_in_all=Count,
+    places=(many(PLACES), "", lambda one: one.spots[:_MOST_PLACES]),
+    places_in_all=(Count, "", lambda one: len(one.spots)),
 )
 COVER_FILE = file(
     "cover",
     "Written by `rankdrop cover --json`: boxes of the joint space that hold every singular configuration, and "
     "what known families explain of them. The boxes themselves are in the file of `--out`.",
-    robot=ROBOT,
-    settings=COVER_SETTINGS,
-    method=Literal["split determinant", "enclosures"],
+    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.covering.plan.rank)),
+    settings=(COVER_SETTINGS, "", attrgetter("covering.plan")),
+    method=(Literal["split determinant", "enclosures"], "", attrgetter("covering.plan.method")),
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
-    stopped=str | None,
-    joints=many(Positive),
-    ranges=many(row(num("joint"), 2)),
-    leaf=LEAF,
-    boxes=(BOXES, "all: boxes of the last level; left: not proven free; proven: to hold a singular configuration"),
-    free_share=num("1", ge=0, le=1),
-    sha256=str | None,
-    explained=EXPLAINED | None,
+    stopped=(str | None, "", lambda one: one.covering.stopped or None),
+    joints=(many(Positive), "", attrgetter("covering.plan.variables")),
+    ranges=(many(row(num("joint"), 2)), "",
+        lambda one: list(zip(one.covering.plan.lower, one.covering.plan.upper, strict=True))),
+    leaf=(LEAF, "", lambda one: one),
+    boxes=(BOXES, "all: boxes of the last level; left: not proven free; proven: to hold a singular configuration",
+        attrgetter("covering")),
+    free_share=(num("1", ge=0, le=1), "", attrgetter("covering.free_share")),
+    sha256=(str | None, "", lambda one: one.sha256 or None),
+    explained=(EXPLAINED | None, "", attrgetter("account")),
 )
 VERIFIED_FILE = file(
     "verified",

@@ -12,13 +12,12 @@ from rankdrop.kinematics import check_robot, one_configuration
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.data import Asked, ExplainSettings
+from rankdrop.results.explanation.data import Asked
 from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.results.explanation.parts import how_far, known_families, straight_motions, verdict_of
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.version import VERSION
 
 LARGEST_TOLERANCE = 1e-3
 """A singular value above this is not zero by any measure of rounding [1]."""
@@ -82,13 +81,9 @@ def explain(
         )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
     families, source = known_families(robot, resolved, analysis, tolerances)
-    settings = ExplainSettings(
-        how.near, how.small, how.limits, how.evaluations, how.step, how.seed, float(resolved.scale(robot)), tolerances,
-        VERSION, how.frame or "", how.speed, how.turn_speed,
-    )  # fmt: skip
     here = at(robot, configuration, resolved, tolerances)
     here.check_moves()
-    return _explained(Asked(here, families, source, how.coranks, settings))
+    return _explained(Asked(here, families, source, how))
 
 
 def _explained(asked: Asked) -> Explanation:

@@ -18,9 +18,10 @@ from rankdrop.local.directions import FramedDirections, Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import StraightMotion
+from rankdrop.questions import ExplainOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.tolerances import SLOW, SLOW_TURN, Tolerances
+from rankdrop.tolerances import Tolerances
 
 _AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 AT_LIMIT = 1e-3
@@ -67,40 +68,6 @@ class Summary:
     radius: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class ExplainSettings:
-    """What the explanation was asked for.
-
-    Attributes:
-        near: distance below which a configuration is near a singularity [rad].
-        small: σ_r below which it is near one whatever the distance [1].
-        limits: the nearest singularity within the joint limits.
-        evaluations: budget of the certified radius.
-        step: length of the motions out that were tried [rad; slides in length scales].
-        seed: of every random choice.
-        length_scale: translation rows were divided by it [m].
-        tolerances: thresholds.
-        version: of rankdrop.
-        frame: in whose axes motions are told: "base", "tool" or "link"; empty for base, tool, and a link where they
-            are simpler there.
-        slow, slow_turn: a configuration is near a singularity where some straight translation [m/s] or rotation
-            [rad/s] is slower within the rate limits of the joints; 0 asks for neither.
-    """
-
-    near: float
-    small: float
-    limits: bool
-    evaluations: int
-    step: float
-    seed: int
-    length_scale: float
-    tolerances: Tolerances
-    version: str
-    frame: str = ""
-    slow: float = SLOW
-    slow_turn: float = SLOW_TURN
-
-
 @dataclass(frozen=True, eq=False)
 class Asked:
     """A question in full: the configuration and all that is known before any part is worked out.
@@ -109,15 +76,13 @@ class Asked:
         here: what is asked about.
         families: known families of all coranks; empty where there are none.
         source: where they come from: "catalogue", "analysis" or "on the spot".
-        coranks: distances are worked out to families up to this corank.
-        settings: thresholds and budgets.
+        options: thresholds and budgets.
     """
 
     here: Configuration
     families: tuple[Family, ...]
     source: str
-    coranks: int
-    settings: ExplainSettings
+    options: ExplainOptions
 
     @property
     def robot(self) -> Robot:
@@ -138,6 +103,16 @@ class Asked:
     def rank(self) -> Rank:
         """Singular values, rank, generic rank, corank, nullity."""
         return self.here.measured
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """Thresholds."""
+        return self.here.tolerances
+
+    @property
+    def length_scale(self) -> float:
+        """Translation rows are divided by it [m]."""
+        return float(self.task.scale(self.robot))
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,12 +203,12 @@ class Far:
         """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
         if self.unasked:
             return None, self.unasked
-        asked, settings = self.asked, self.asked.settings
-        distance = self.nearest.distance if self.nearest is not None and not settings.limits else float("inf")
+        asked, options = self.asked, self.asked.options
+        distance = self.nearest.distance if self.nearest is not None and not options.limits else float("inf")
         try:
             return certified_radius(
                 asked.robot, asked.q, asked.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
-                enough=distance * (1 - _AS_GOOD), evaluations=settings.evaluations,
+                enough=distance * (1 - _AS_GOOD), evaluations=options.evaluations,
             ), ""  # fmt: skip
         except OptionError as error:  # a task that cannot be certified
             return None, error.what

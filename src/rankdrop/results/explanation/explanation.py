@@ -8,12 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
-from rankdrop.certify.ball import Certificate
 from rankdrop.configuration import Cause, Rank
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import Relation, relations_at
@@ -24,17 +22,14 @@ from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Rates, StraightMotion, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, escape
-from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
 from rankdrop.results.explanation.data import (
     AT_LIMIT,
     Asked,
     Blame,
-    ExplainSettings,
     Far,
     Lost,
     Summary,
 )
-from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.explanation.parts import (
     SlowFamily,
     blame_at,
@@ -46,179 +41,18 @@ from rankdrop.results.explanation.parts import (
     turned_task,
 )
 from rankdrop.results.explanation.text import (
-    DETAILS,
-    PARTS,
-    lost_text,
     reason_of,
     sections_of,
     sentence_of,
-    summary_lines,
 )
-from rankdrop.results.explanation.words import escape_to_dict
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html, text
+from rankdrop.schema import Result
+from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.units import heading
-
-SCHEMA = "rankdrop/explanation/1"
-
-
-def explanation_to_dict(explanation: Explanation) -> Record:
-    """Every part; what is asked for most stands at the top level."""
-    return {
-        **heading(SCHEMA),
-        **_head(explanation),
-        "sentence": sentence_of(explanation),
-        **_summary(explanation),
-        **plain(explanation.rank),
-        "nearly_lost": explanation.nearly_lost,
-        "focus": explanation.focus.tolist(),
-        "family": incidence_to_dict(explanation.met[0]) if explanation.met else None,
-        "families": [incidence_to_dict(one) for one in explanation.met],
-        "family_source": explanation.source,
-        "relations": plain(explanation.relations),
-        **_lost(explanation),
-        **_ways(explanation),
-        "joint_rates": plain(explanation.rates),
-        **_far(explanation),
-        **failures_to_dict(explanation.failures),
-        "ellipsoids": plain(explanation.ellipsoids),
-        "redundancy": plain(explanation.redundancy),
-        "representations": plain(explanation.representations),
-        "disagreements": list(explanation.disagreements),
-    }
-
-
-def _head(explanation: Explanation) -> Record:
-    return {
-        "robot": robot_to_dict(explanation.robot, explanation.task, explanation.rank.generic_rank),
-        "settings": plain(explanation.settings),
-        "q": explanation.q.tolist(),
-        "outside_limits": list(explanation.outside_limits),
-        "at_limits": list(explanation.at_limits),
-        "verdict": explanation.verdict,
-        "reason": explanation.reason,
-    }
-
-
-def _summary(explanation: Explanation) -> Record:
-    summary, slow = plain(explanation.summary), None
-    if explanation.slow_family is not None:
-        slow = {"id": summary["family_id"], "name": summary["family"]}
-        slow |= {name: summary[name] for name in ("distance", "ideal", "length", "angle")}
-    return {
-        "summary": {**summary, "text": list(summary_lines(explanation))},
-        "slowest": plain(explanation.straight),
-        "slow_family": slow,
-    }
-
-
-def _ways(explanation: Explanation) -> Record:
-    return {
-        "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
-        "blame": plain(explanation.blame),
-        "escape": escape_to_dict(explanation.escape),
-    }
-
-
-def _far(explanation: Explanation) -> Record:
-    far = explanation.far
-    away = (({key: value for key, value in plain(one).items() if key != "family"}, one.family) for one in far.families)
-    return {
-        "nearest": nearest_to_dict(explanation),
-        "families_away": [{"id": family.id, "name": family.name, **entries} for entries, family in away],
-        "certified_radius": explanation.certified_radius,
-        "certificate": None if far.certificate is None else certificate_to_dict(far.certificate),
-        "uncertified": far.uncertified,
-        "near_miss": plain(far.near_miss),
-    }
-
-
-def incidence_to_dict(met: Incidence) -> Record:
-    """A family that holds: what it is called, its conditions, and how well they hold."""
-    family = met.family
-    keys = ("name", "corank", "dimension", "pinned", "free", "coupled")
-    return {
-        "id": family.id or None,
-        **{key: plain(getattr(family, key)) for key in keys},
-        "conditions": [str(equation) for equation in family.equations] or list(family.words),
-        "equations": plain(family.equations),
-        "residual": met.residual,
-        "source": met.source,
-    }
-
-
-def _lost(explanation: Explanation) -> Record:
-    lost = explanation.lost
-    framed, robot = lost.framed, explanation.robot
-    return {
-        "lost_directions": lost.directions.tolist(),
-        "lost_words": list(lost.words),
-        "blocked_wrenches": lost.directions.tolist(),
-        "blocked_words": list(lost.blocked_words),
-        "lost_frame": None
-        if framed is None
-        else {
-            "name": framed.name,
-            **plain(framed.frame),
-            "directions": framed.directions.tolist(),
-            "twist_screws": plain(lost.twist_screws),
-            "wrench_screws": plain(lost.wrench_screws),
-        },
-        "lost_seen": [
-            {"frame": frame, "directions": seen.directions.tolist(), **lost_text(robot, seen)}
-            for frame, seen in lost.seen.items()
-        ],
-        "weakest_direction": lost.weakest.tolist(),
-        "never_possible": lost.never.tolist(),
-    }
-
-
-def nearest_to_dict(explanation: Explanation) -> Record | None:
-    """The nearest singular configuration: q itself where it is one."""
-    name = None if explanation.far.nearest_family is None else incidence_to_dict(explanation.far.nearest_family)
-    if explanation.rank.corank:
-        still = [0.0] * explanation.robot.n
-        first = incidence_to_dict(explanation.met[0]) if explanation.met else None
-        return {
-            "distance": 0.0,
-            "q": explanation.q.tolist(),
-            "delta": still,
-            "corank": explanation.rank.corank,
-            "family": first,
-        }
-    return None if explanation.far.nearest is None else {**plain(explanation.far.nearest), "family": name}
-
-
-def far_to_dict(explanation: Explanation) -> Record:
-    """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
-    return _picked(explanation, "rankdrop/nearest/1", _far(explanation))
-
-
-def way_out_to_dict(explanation: Explanation, procedure: Any) -> Record:
-    """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
-    return {**_picked(explanation, "rankdrop/escape/1", _ways(explanation)), "lie": plain(procedure)}
-
-
-def _picked(explanation: Explanation, schema: str, entries: Record) -> Record:
-    rank = plain(explanation.rank)
-    ranks = {name: rank[name] for name in ("rank", "generic_rank", "corank", "nullity", "sigma")}
-    return {
-        **heading(schema), **_head(explanation), **ranks, **entries, "disagreements": list(explanation.disagreements)
-    }
-
-
-def certificate_to_dict(certificate: Certificate) -> Record:
-    """The certificate as an entry of JSON."""
-    found: Record = plain(certificate)
-    return found
-
-
-_PLAIN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Explanation:
+class Explanation(Result):
     """Everything rankdrop can say of one configuration; parts that take long are made when first asked for, and kept.
 
     Attributes:
@@ -234,6 +68,17 @@ class Explanation:
     cause: Cause
     far: Far
     straight: tuple[StraightMotion, ...] = ()
+    FILE: ClassVar[str] = "explanation"
+
+    @property
+    def arm(self) -> tuple[Robot, Task, int]:
+        """Arm, task and generic rank, for their entry in a file."""
+        return self.robot, self.task, self.rank.generic_rank
+
+    @property
+    def sentence(self) -> str:
+        """Verdict and reason."""
+        return sentence_of(self)
 
     @property
     def reason(self) -> str:
@@ -265,17 +110,12 @@ class Explanation:
     @property
     def task(self) -> Task:
         """What the tool is to do, with the length scale that was used."""
-        return replace(self.asked.task, length_scale=self.asked.settings.length_scale)
+        return replace(self.asked.task, length_scale=self.asked.length_scale)
 
     @property
     def q(self) -> Array:
         """(n,) the configuration [rad, m]."""
         return self.asked.q
-
-    @property
-    def settings(self) -> ExplainSettings:
-        """Thresholds, seed, version."""
-        return self.asked.settings
 
     @property
     def rank(self) -> Rank:
@@ -323,13 +163,12 @@ class Explanation:
     @cached_property
     def escape(self) -> Escape:
         """Which motions lead out."""
-        settings = self.settings
-        return escape(self.asked.here, seed=settings.seed, step=settings.step)
+        return escape(self.asked.here, seed=self.asked.options.seed, step=self.asked.options.step)
 
     @cached_property
     def rates(self) -> Rates:
         """What motion costs the joints."""
-        task = turned_task(self.asked.task, self.settings.frame, self.lost)
+        task = turned_task(self.asked.task, self.asked.options.frame, self.lost)
         return joint_rates(self.asked.here) if task == self.asked.task else joint_rates(self.robot, self.q, task)
 
     @cached_property
@@ -350,7 +189,7 @@ class Explanation:
     @cached_property
     def representations(self) -> Representations:
         """How far the coordinates of the orientation are from singularities of their own."""
-        return representation_at(self.robot, self.q, tolerances=self.settings.tolerances)
+        return representation_at(self.robot, self.q, tolerances=self.asked.tolerances)
 
     @cached_property
     def disagreements(self) -> tuple[str, ...]:
@@ -361,7 +200,7 @@ class Explanation:
     def nearly_lost(self) -> int:
         """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
         kept = self.rank.sigma[: self.rank.rank]
-        return int((kept <= self.settings.small).sum())
+        return int((kept <= self.asked.options.small).sum())
 
     @property
     def outside_limits(self) -> tuple[int, ...]:
@@ -378,7 +217,7 @@ class Explanation:
     @property
     def _scale(self) -> Array:
         turning = [joint.unit == "rad" for joint in self.robot.variables]
-        return np.where(turning, 1.0, self.settings.length_scale)
+        return np.where(turning, 1.0, self.asked.length_scale)
 
     @cached_property
     def certified_radius(self) -> float | None:
@@ -390,26 +229,6 @@ class Explanation:
     def __repr__(self) -> str:
         return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"
 
-    def __str__(self) -> str:
-        """What the command line prints, unwrapped."""
-        return text(self.sections(parts=_PLAIN))
-
-    def to_dict(self) -> Record:
-        """Plain data: see docs/json.md."""
-        return explanation_to_dict(self)
-
-    def save(self, path: str | Path) -> None:
-        """Write the explanation to a JSON file.
-
-        Raises:
-            ResultFileError: the file cannot be written.
-        """
-        save_record(self.to_dict(), path)
-
     def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
         """The explanation in words: see `rankdrop.results.explanation.text.sections_of`."""
         return sections_of(self, full=full, parts=parts)
-
-    def _repr_html_(self) -> str:
-        """For notebooks."""
-        return html(self.sections(parts=_PLAIN))

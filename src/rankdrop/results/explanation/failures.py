@@ -1,7 +1,4 @@
-"""The failure of single joints in words and as data.
-
-The most fault-tolerant configurations as data (schema rankdrop/tolerant/1) and in words.
-"""
+"""The failure of single joints, and the most fault-tolerant configurations, in words."""
 
 from __future__ import annotations
 
@@ -10,12 +7,9 @@ from math import degrees
 
 from rankdrop.families.tolerant import Place, Tolerant
 from rankdrop.local.failures import Failures
-from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.results.explanation.words import fixed, numbers, plural, short
 from rankdrop.sections import Section
 from rankdrop.text.families import FREE, joint_symbol
-from rankdrop.units import heading
-from rankdrop.version import VERSION
 
 
 def failures_table(failures: Failures, title: str) -> Section:
@@ -33,60 +27,6 @@ def failures_table(failures: Failures, title: str) -> Section:
     return Section(title, "it stands still for good", (),
                    ("joint", f"σ{r} left", "ρ", "rank", "lost then"), rows, (0, 4), tuple(after),
                    ("ρ: the share of Yoshikawa's manipulability that is left",))  # fmt: skip
-
-
-def failures_to_dict(failures: Failures) -> Record:
-    """Plain data of every failure at one configuration."""
-    return {
-        "failure_bound": failures.bound,
-        "failures": [
-            {
-                "number": one.number,
-                "joint": one.joint,
-                "sigma": one.sigma.tolist(),
-                "sigma_min": one.sigma_min,
-                "rank": one.rank,
-                "share": one.share,
-                "lost_directions": one.lost.tolist(),
-                "lost_words": list(one.lost_words),
-            }
-            for one in failures.single
-        ],
-    }
-
-
-SCHEMA = "rankdrop/tolerant/1"
-
-
-def tolerant_to_dict(tolerant: Tolerant) -> Record:
-    """Plain data: see docs/json.md."""
-    return {
-        **heading(SCHEMA),
-        "robot": robot_to_dict(tolerant.robot, tolerant.task, tolerant.generic_rank),
-        "settings": {
-            "measure": "relative" if tolerant.relative else "sigma",
-            "seed": tolerant.seed,
-            "starts": tolerant.starts,
-            "limits": tolerant.limits,
-            "length_scale": float(tolerant.task.scale(tolerant.robot)),
-            "tolerances": tolerant.tolerances.to_dict(),
-            "version": VERSION,
-        },
-        "complete": tolerant.complete,
-        "done": tolerant.done,
-        "spare": tolerant.spare,
-        "bound": tolerant.bound,
-        "optimal": tolerant.optimal,
-        "free": list(tolerant.free),
-        "crucial": list(tolerant.crucial),
-        "places": [
-            {
-                "q": place.q.tolist(), "value": place.value, "slope": place.slope,
-                "sigma_min": place.failures.sigma_min, **failures_to_dict(place.failures),
-            }
-            for place in tolerant.places
-        ],
-    }
 
 
 def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:

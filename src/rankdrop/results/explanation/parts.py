@@ -82,17 +82,17 @@ def known_families(
 
 def incidences_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
     """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
-    robot, task, settings = asked.robot, asked.task, asked.settings
-    found = families_at(asked.families, robot, q, task, settings.tolerances, asked.source)
+    robot, task, options = asked.robot, asked.task, asked.options
+    found = families_at(asked.families, robot, q, task, asked.tolerances, asked.source)
     if found and found[0].family.corank >= corank:
         return found
-    local = name_on_the_spot(robot, q, task, corank, seed=settings.seed)
+    local = name_on_the_spot(robot, q, task, corank, seed=options.seed)
     return (Incidence(local, 0.0, "on the spot"), *found)
 
 
 def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
     """What is lost at the focus (`corank` directions; none where it is 0), and what is weakest at q."""
-    robot, q, task, rank, settings = asked.robot, asked.q, asked.task, asked.rank, asked.settings
+    robot, q, task, rank, options = asked.robot, asked.q, asked.task, asked.rank, asked.options
     never = _never(robot, q, task, rank)
     empty = np.zeros((0, 6))
     weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
@@ -109,7 +109,7 @@ def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
         twist_screws=tuple(screw_of(one).in_lengths(length) for one in framed.directions),
         wrench_screws=tuple(screw_of(np.roll(one, 3)).in_lengths(length) for one in framed.directions),
         never=never,
-        seen=_seen(robot, focus, task, corank, framed, settings.frame),
+        seen=_seen(robot, focus, task, corank, framed, options.frame or ""),
     )
 
 
@@ -152,12 +152,12 @@ def checked_frame(frame: str | None) -> str:
     return frame or ""
 
 
-def turned_task(task: Task, frame: str, lost: Lost) -> Task:
+def turned_task(task: Task, frame: str | None, lost: Lost) -> Task:
     """The same task with rows along the axes that were asked for; as it is where other axes would make it another one.
 
     Args:
         task: the rows that matter.
-        frame: "base", "tool", "link", or empty for the task's own axes.
+        frame: "base", "tool", "link", or None for the task's own axes.
         lost: gives the axes of the link.
     """
     whole = all(len(block & set(task.rows)) in (0, 3) for block in ({0, 1, 2}, {3, 4, 5}))
@@ -186,17 +186,17 @@ _SEEDS = 8  # nearest points of families that the search begins from
 
 def how_far(asked: Asked) -> Far:
     """Distances from the configuration asked about."""
-    away, rank, settings = _families_away(asked), asked.rank, asked.settings
+    away, rank, options = _families_away(asked), asked.rank, asked.options
     if rank.corank:
         return Far(asked, None, None, away, "the configuration is singular")
     try:
         nearest = nearest_singularity(
-            asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed,
-            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=settings.tolerances,
+            asked.robot, asked.q, asked.task, limits=options.limits, seed=options.seed,
+            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=asked.tolerances,
         )  # fmt: skip
     except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
         return Far(asked, None, None, away, f"{error.what}: {error.got}")
-    miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= settings.small else None
+    miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= options.small else None
     if nearest is None:
         return Far(asked, None, None, away, near_miss=miss)
     there = incidences_at(asked, np.array(nearest.q), nearest.corank)
@@ -206,10 +206,10 @@ def how_far(asked: Asked) -> Far:
 
 def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
     """Families that were reached and do not hold here."""
-    settings = asked.settings
-    targets = [one for one in asked.families if one.corank <= asked.coranks]
-    every = family_distances(targets, asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed)
-    least = settings.tolerances.explained if asked.rank.corank else -np.inf
+    options = asked.options
+    targets = [one for one in asked.families if one.corank <= options.coranks]
+    every = family_distances(targets, asked.robot, asked.q, asked.task, limits=options.limits, seed=options.seed)
+    least = asked.tolerances.explained if asked.rank.corank else -np.inf
     return tuple(one for one in every if least < one.distance < np.inf)
 
 
@@ -257,9 +257,9 @@ def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incide
 
 def _near_miss(asked: Asked) -> float | None:
     """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
-    settings = asked.settings
+    options = asked.options
     found = refine(
-        asked.robot, asked.q[None, :], 1, task=asked.task, seed=settings.seed, tolerances=settings.tolerances, threads=1
+        asked.robot, asked.q[None, :], 1, task=asked.task, seed=options.seed, tolerances=asked.tolerances, threads=1
     )
     return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
 
@@ -272,7 +272,7 @@ def verdict_of(asked: Asked, far: Far, slow: Sequence[StraightMotion]) -> tuple[
         far: distances.
         slow: straight motions that are slower than was asked.
     """
-    rank, settings = asked.rank, asked.settings
+    rank, options = asked.rank, asked.options
     r = rank.generic_rank
     if rank.corank:
         return "singular", Cause.LOST
@@ -280,19 +280,19 @@ def verdict_of(asked: Asked, far: Far, slow: Sequence[StraightMotion]) -> tuple[
         return "always-singular", Cause.NEVER
     if far.near_miss is not None:
         return "near", Cause.NEAR_MISS
-    if far.nearest is not None and far.nearest.distance <= settings.near:
+    if far.nearest is not None and far.nearest.distance <= options.near:
         return "near", Cause.DISTANCE
-    if r and float(rank.sigma[r - 1]) <= settings.small:
+    if r and float(rank.sigma[r - 1]) <= options.small:
         return "near", Cause.SMALL
     return ("near", Cause.SLOW) if slow else ("regular", Cause.NONE)
 
 
 def straight_motions(asked: Asked) -> tuple[StraightMotion, ...]:
     """The slowest translation and the slowest rotation; none without rate limits, or where the arm lacks a freedom."""
-    robot, rank, settings = asked.robot, asked.rank, asked.settings
+    robot, rank, options = asked.robot, asked.rank, asked.options
     if rank.generic_rank < asked.task.m:
         return ()
-    limits = {"m/s": settings.slow, "rad/s": settings.slow_turn}
+    limits = {"m/s": options.speed, "rad/s": options.turn_speed}
     found = []
     for one in slowest_motions(robot, asked.q[None], asked.task):
         x, y, z = one.direction[0].tolist()
@@ -316,14 +316,14 @@ def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
     near = near_ideal(asked.robot)
     if near is not None:
         model = _ideal_arm(asked.robot, near.tolerance.length, near.tolerance.angle)
-        task = replace(asked.task, length_scale=asked.settings.length_scale)
+        task = replace(asked.task, length_scale=asked.length_scale)
         try:
-            there = nearest_singularity(model, asked.q, task, seed=asked.settings.seed)
+            there = nearest_singularity(model, asked.q, task, seed=asked.options.seed)
         except OptionError:  # too many joints for a search
             there = None
         if there is not None and there.distance < own:
-            families, source = known_families(model, task, None, asked.settings.tolerances)
-            question = replace(asked, here=at(model, asked.q, task), families=families, source=source)
+            families, source = known_families(model, task, None, asked.tolerances)
+            question = replace(asked, here=at(model, asked.q, task, asked.tolerances), families=families, source=source)
             family = incidences_at(question, np.array(there.q), there.corank)[0].family
             return family, there.distance, near
     if far.nearest is None or far.nearest_family is None:

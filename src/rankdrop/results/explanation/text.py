@@ -94,7 +94,7 @@ def reason_of(explanation: Explanation) -> str:
             f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}")
         return f"{lost}, but a singular configuration is {angle(far.nearest.distance)} away{several}"
     if cause == Cause.SMALL:
-        return f"{lost}, but {small[0]} is at most {short(explanation.settings.small)}"
+        return f"{lost}, but {small[0]} is at most {short(explanation.asked.options.small)}"
     if cause == Cause.SLOW:
         slow = " and ".join(_speed_words(one) for one in explanation.straight if one.speed < one.limit)
         return f"{lost}, but the tool is slow: at most {slow}"
@@ -256,7 +256,7 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
     lines = [
         f"rank {rank.rank} of {r}, corank {rank.corank}; {_idle(explanation)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
-        f"task {explanation.task.name}; σ has translation divided by {short(explanation.settings.length_scale)} m",
+        f"task {explanation.task.name}; σ has translation divided by {short(explanation.asked.length_scale)} m",
     ]
     names = [joint.name for joint in joints]
     if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
@@ -283,7 +283,7 @@ def _idle(explanation: Explanation) -> str:
 
 def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
     """Values that the arm cannot have."""
-    reach, outside = explanation.settings.length_scale, list[str]()
+    reach, outside = explanation.asked.length_scale, list[str]()
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
     for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
@@ -546,7 +546,7 @@ def _rate_and_step(explanation: Explanation, joint: JointEscape) -> tuple[str, s
 def _direction(explanation: Explanation, direction: Direction) -> str:
     """The joints that matter, in words, and what they reach."""
     joints = explanation.robot.variables
-    scale = np.where([joint.unit == "m" for joint in joints], explanation.settings.length_scale, 1.0)
+    scale = np.where([joint.unit == "m" for joint in joints], explanation.asked.length_scale, 1.0)
     size = np.abs(np.array(direction.delta)) / scale
     large = [number for number in direction.numbers if size[number - 1] >= SHARE * size.max()]
     parts = [
@@ -634,7 +634,7 @@ def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 def _axes_of(explanation: Explanation) -> str:
     """Along whose axes."""
-    axes = turned_task(explanation.task, explanation.settings.frame, explanation.lost).frame.axes
+    axes = turned_task(explanation.task, explanation.asked.options.frame, explanation.lost).frame.axes
     return {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
 
 
@@ -758,7 +758,9 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "more": _more,
 }
 """Every part by its name, in order."""
-DETAILS = frozenset(("blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers"))
+DETAILS = frozenset(
+    ("blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
+)
 """Parts that are shown only on demand."""
 
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from math import ceil, degrees, floor, inf, isinf, log10, pi
-from typing import Any
 
 import numpy as np
 
-from rankdrop.codec import plain
 from rankdrop.local.directions import Screw
 from rankdrop.local.ways_out import Escape
 from rankdrop.robot.model import Array, Robot
@@ -187,10 +185,3 @@ def boundary_words(out: Escape) -> str:
     """Whether the tool is at an edge of its reach."""
     words = _EDGE[out.boundary_reason]
     return f"{_NEARBY}: {words}" if out.nearby else words
-
-
-def escape_to_dict(out: Escape) -> dict[str, Any]:
-    """Ways out as data, with the sentences on them."""
-    types = [{**plain(one), "words": LOST_TYPE[one.type]} for one in out.types]
-    said = {"avoidable_words": avoidable_words(out), "boundary_words": boundary_words(out)}
-    return {**plain(out), **said, "types": types}

@@ -12,13 +12,14 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import NAMES, load_schema, record_of
+from rankdrop.schema import NAMES, load_schema
 from rankdrop.units import WRITTEN
 from rankdrop.verbs.explain import explain
 

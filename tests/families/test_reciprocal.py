@@ -11,6 +11,7 @@ from reference import arms
 from reference.kinematics import jacobian as reference_jacobian
 
 from rankdrop.certify.setting import enclose, settings_for
+from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.searching import refine, search
@@ -20,7 +21,7 @@ from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import load_schema, record_of
+from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.families import tolerant
 from rankdrop.families.tolerant import most_tolerant
@@ -16,7 +17,7 @@ from rankdrop.local.failures import worst_case
 from rankdrop.results.codec import json_text
 from rankdrop.results.explanation.failures import tolerant_sections
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import load_schema, record_of
+from rankdrop.schema import load_schema
 from rankdrop.sections import text
 from rankdrop.task import resolve_task
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from known.arms import FEW
 
+from rankdrop.codec import record_of
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
@@ -21,7 +22,6 @@ from rankdrop.results.known import known_analysis, known_names, shipped
 from rankdrop.robot.model import Joint, JointKind, Robot, geometry
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import record_of
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled
 from rankdrop.verbs.analyze import analyze

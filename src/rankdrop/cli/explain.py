@@ -147,8 +147,8 @@ def _sections(
 def _record(
     found: Explanation, made: Idealised | None, beside: Here | None, procedure: Any, only: str | None
 ) -> dict[str, Any]:
+    from rankdrop.codec import record_of
     from rankdrop.results import plain
-    from rankdrop.schema import record_of
 
     if only is not None:
         return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})

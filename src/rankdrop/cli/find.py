@@ -98,7 +98,7 @@ def find(
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
         rankdrop find ur5 --corank 1 --starts 10_000_000 --store cloud
     """
-    from rankdrop.schema import record_of
+    from rankdrop.codec import record_of
 
     check_targets(
         {"--json": output.json, "--out": where.out, "--history": where.history},
@@ -201,8 +201,8 @@ def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, d
 
 def _save(search: Search, target: str, *, history: bool) -> None:
     """The outcome, or its history, in the format that the ending of the file names."""
+    from rankdrop.codec import record_of
     from rankdrop.results import find_to_csv, find_to_npz, history_to_csv, history_to_npz
-    from rankdrop.schema import record_of
 
     csv = target.lower().endswith(".csv")
     if history:

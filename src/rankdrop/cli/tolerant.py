@@ -28,9 +28,9 @@ def tolerant(
 
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
     """
+    from rankdrop.codec import record_of
     from rankdrop.families import most_tolerant
     from rankdrop.results import tolerant_sections
-    from rankdrop.schema import record_of
 
     check_targets({"--json": output.json})
     model, task = open_arm(robot, arm)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from rankdrop.codec import plain
+from rankdrop.codec import Result, plain
 from rankdrop.designs.outcome import APART, measure_text
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.spec import GOALS, Asks
@@ -15,7 +15,6 @@ from rankdrop.errors import OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.numbers import reach
-from rankdrop.schema import Result
 from rankdrop.schema.design import MEANINGS, UNITS
 from rankdrop.sections import Section
 from rankdrop.task import resolve_task

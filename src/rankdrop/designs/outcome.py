@@ -13,11 +13,11 @@ from math import degrees
 from pathlib import Path
 from typing import Any, ClassVar
 
+from rankdrop.codec import Result
 from rankdrop.designs.changes import Change, Structure, changes, structures
 from rankdrop.designs.ranking import Ranking, rank
 from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
-from rankdrop.schema import Result
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section

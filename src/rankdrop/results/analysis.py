@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from rankdrop.codec import shown
+from rankdrop.codec import Result, check_record, record_of, shown
 from rankdrop.errors import ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Derivation, Family
@@ -29,7 +29,6 @@ from rankdrop.results.codec import (
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
-from rankdrop.schema import Result, check_record, record_of
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.families import inside_limits, overview, share_text

@@ -21,7 +21,7 @@ import msgspec
 import numpy as np
 
 from rankdrop.codec import Record as Record
-from rankdrop.codec import encode
+from rankdrop.codec import encode, table_of
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.codec import save_record as save_record
@@ -30,7 +30,6 @@ from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, CorankSummary, Family, Sampled
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
-from rankdrop.schema import table_of
 from rankdrop.task import Task
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from numpy.typing import ArrayLike
 
+from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -22,7 +23,6 @@ from rankdrop.family.record import Check
 from rankdrop.results.conditions_text import sections_of
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot, witness_text
-from rankdrop.schema import Result
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
 

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.covering import Covering
+from rankdrop.codec import Result
 from rankdrop.families.box_matching import Spot
 from rankdrop.family.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
-from rankdrop.schema import Result
 from rankdrop.sections import Section
 from rankdrop.task import Task
 

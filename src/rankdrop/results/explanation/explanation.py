@@ -12,6 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from rankdrop.codec import Result
 from rankdrop.configuration import Cause, Rank
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import Relation, relations_at
@@ -46,7 +47,6 @@ from rankdrop.results.explanation.text import (
     sentence_of,
 )
 from rankdrop.robot.model import Array, Robot
-from rankdrop.schema import Result
 from rankdrop.sections import Section
 from rankdrop.task import Task
 

@@ -11,8 +11,6 @@ from .circuits import Circuit as Circuit
 from .circuits import blame as blame
 from .circuits import circuits_at as circuits_at
 from .circuits import make_all as make_all
-from .cofactors import Hunt as Hunt
-from .cofactors import hunt as hunt
 from .directions import arrow_of as arrow_of
 from .directions import constraint as constraint
 from .directions import in_short as in_short
@@ -29,8 +27,10 @@ from .minimax import spread as spread
 from .minimax import tied_gradients as tied_gradients
 from .nearest import nearest_singularity as nearest_singularity
 from .ordered import PRINTED_IN_GR as PRINTED_IN_GR
+from .ordered import Hunt as Hunt
 from .ordered import OrderedReport as OrderedReport
 from .ordered import OrderedScrewSet as OrderedScrewSet
+from .ordered import hunt as hunt
 from .ordered import lie_product as lie_product
 from .ordered import motion as motion
 from .ordered import render as render

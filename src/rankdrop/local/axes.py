@@ -1,29 +1,23 @@
-"""The arm as lines in space: `Lines` of one configuration, mimic joints too; `Scene` of many, about the variables.
+"""What the axes of an arm have in common: relations, dependent sets in words, screw systems.
 
-What the axes of an arm have in common at one configuration: lines that coincide, are parallel, meet in a point.
+`Lines` holds every axis at one configuration, mimic joints included; `Scene` the axes of the variables at many.
 
-A dependent set of joints in words: what its axes and slides have in common.
+Dependent sets of joints follow Paden and Sastry (two collinear axes, three parallel coplanar ones, four that meet in a
+point, four in a plane, a slide normal to the plane of two parallel axes, six that meet a line), and what these leave
+out.
 
-The patterns are those of Paden and Sastry (two collinear axes, three parallel coplanar ones, four that meet in a point,
-four in a plane, a slide normal to the plane of two parallel axes, six that meet a line) and what they leave out.
-
-Screw systems that stay dependent for ever: joints inside one subgroup of the rigid motions.
-
-The screws of such joints span no more than the subgroup's dimension, and no motion of these joints themselves leaves
-the subgroup: Hunt's systems of full-cycle mobility, which GR's second rule (section 3) takes out of the search for a
-joint that escapes.
-
-Which joints lie in one proper subgroup of the rigid motions, at one configuration.
-
-The connected subgroups, as Lie algebras of twists (all there are up to the choice of axis, point and pitch):
+A screw system is a set of joints inside one proper subgroup of the rigid motions. The screws span no more than the
+dimension of the subgroup, and no motion of these joints leaves the subgroup: these are Hunt's systems of full-cycle
+mobility, which GR's second rule (section 3) excludes from the search for a joint that escapes. The connected subgroups,
+as Lie algebras of twists (all of them up to the choice of axis, point and pitch):
 
     dimension 1  turns about a line, screws of one pitch along a line, slides along a direction
     dimension 2  cylindrical (a line), translations of a plane
     dimension 3  spherical (a point), planar (a normal), translations of space, planar with a screw (a normal, a pitch)
     dimension 4  Schönflies (a direction): translations of space and turns about parallel axes
 
-A set of joints inside one of them stays inside when joints of the set move; so it does when a joint moves that only
-maps the subgroup onto itself, that is one of its normaliser.
+A set of joints inside one of them stays inside when joints of the set move, and when a joint moves that maps the
+subgroup onto itself: a joint of its normaliser.
 """
 
 from __future__ import annotations

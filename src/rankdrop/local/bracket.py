@@ -1,8 +1,6 @@
 """The bracket of two screws: what one joint's motion does to another's, ∂S_i/∂q_k = [S_k, S_i] for k < i.
 
 Twists are (v; ω), all in one frame. GR write the same product with the direction first: `lie_product`.
-
-Small vector algebra over leading axes.
 """
 
 from __future__ import annotations

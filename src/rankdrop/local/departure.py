@@ -1,4 +1,4 @@
-"""The Jacobian along a straight motion of the joints, as a power series, exact but for rounding.
+"""How the rank comes back along a straight motion of the joints: a power series of J, and finite motions that judge it.
 
 Let the joints move as q + t Δ, and let every screw be written in the task's own frame F. With Ŝ_i the screw of joint i
 in F, ρ_k the rate of joint k,
@@ -13,12 +13,8 @@ a screw along (bracket rule), the frame's own motion is taken off. Comparing pow
 valid for turning, sliding and helical joints, in every frame. A mimic joint is a joint with the rate of its leader
 times the multiplier. In the frame SPACE and with Δ = e_j this is ad_{S_j}^p S_i / p! for i > j (GR section 2).
 
-Mimic joints let go: what belongs to one screw alone is asked of a chain in which every joint is a variable.
-
-How the rank comes back along a straight motion: which singular values leave zero, at which order, how fast.
-
-J(q + t Δ) = Σ J_p t^p has a local Smith form: min(m, n) exponents, one for each singular value, that say at which power
-of t it leaves zero (or never). They are read from ranks of block Toeplitz matrices,
+J(q + t Δ) = Σ J_p t^p has a local Smith form: min(m, n) exponents, one for each singular value: the power of t at which
+it leaves zero (or never). They are read from ranks of block Toeplitz matrices,
 
     T_p = [[J_0], [J_1, J_0], …, [J_p, …, J_0]],   rank T_p − rank T_{p−1} = how many exponents are ≤ p.
 
@@ -26,12 +22,10 @@ How far p has to go: a motion of one joint carries screws by Ad(exp(S_j t)), and
 exterior powers. A turning joint has the weights 0, 0, ±1, ±1 (i times), so minors are trigonometric polynomials of
 degree 2: five coefficients, and one that vanishes to order 5 is zero for ever. A slide is unipotent: polynomials of
 degree 2. A helical joint gives e^{±2it}, e^{±it}(1, t), 1, t, t²: nine functions, order 8. Other motions (mimic joints,
-several joints, tasks that pick single rows) have no such small bound; 8 is where the product stops, and says so.
+several joints, tasks that pick single rows) have no such small bound; the search for orders stops at 8.
 
-Near a second family the small singular values of T_p are products of small numbers and its rank hangs on the cut. Then
-the series is summed up at a finite t instead, and the gain is what exceeds the cut there.
-
-Finite motions inside the joint limits, and the motion of a given length that restores most.
+Near a second family the small singular values of T_p are products of small numbers and its rank depends on the cut.
+Then the series is summed up at a finite t instead, and the gain is what exceeds the cut there.
 """
 
 from __future__ import annotations

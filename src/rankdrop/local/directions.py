@@ -1,11 +1,7 @@
-"""Twists and wrenches as screws, and in plain English, units always.
+"""Lost directions: which end-effector motions no joint rate can make, in a readable basis and frame, and in words.
 
-A screw has an axis, a pitch and a magnitude; the frame it is written in can be changed. Lost directions and blocked
-wrenches become sentences.
-
-Lost directions: which end-effector motions no joint rate can make, in a basis and a frame that can be read.
-
-A readable basis of a subspace: orthonormal, with as many zeros as plane rotations find.
+A twist or a wrench is a screw with an axis, a pitch and a magnitude, whatever the frame it is written in. A readable
+basis of a subspace is orthonormal, with as many zeros as plane rotations find.
 """
 
 from __future__ import annotations

@@ -1,38 +1,30 @@
-"""Ordered screw sets with the procedures of Gallardo-Alvarado and Rico-Martínez (GR, sections 2 to 4).
+"""Ordered screw sets and the procedures of Gallardo-Alvarado and Rico-Martínez (GR, sections 2 to 5).
 
-GR's conventions hold in this file: a screw is (s; s_o), direction first, moment about the point O second, and screws
-are numbered from 1. The moment of a line through p is s_o = p × s (+ pitch · s). The Lie product is GR's equation 2,
+Here a screw is (s; s_o) as in GR, direction first, moment about the point O second, and screws are numbered from 1. The
+moment of a line through p is s_o = p × s (+ pitch · s). The Lie product is GR's equation 2,
 
     [S_1, S_2] = (s_1 × s_2 ; s_1 × s_o2 − s_2 × s_o1),
 
 and joint j at small time t carries every later screw: S_k(t) = S_k + [S_j, S_k] t, k > j (rule 1).
 
-The Lie product of two screws and the motion that a screw makes, direction first as in GR.
+`report` gives three answers for every joint of a set at a singular configuration. First GR as printed (sections 4 and
+5): a minimal singular run, Lie products that leave its span, screws moved up to the end of the run only. Second the
+same to first order with the motion carried to the end of the chain. With the dependencies Σ λ_i S_i = 0 the sum
 
-A screw is (s; s_o): direction, and moment about a point O.
+    Σ_{i>j} λ_i [S_j, S_i]  outside  span{S_1 … S_n}
 
-GR's search for the joint that escapes, step by step as they print it, and beside it what the joints really do.
+decides: with U₂ a basis of the lost directions and V₂ of the λ, the rank of U₂ᵀ([S_j, S_i])_{i>j} V₂ is gained. One
+product outside is not enough, because the weighted sum may vanish. Third the judge: the rank after a finite motion of
+the joint.
 
-Three answers for every joint of an ordered screw set at a singular configuration:
-
-1. GR as printed (sections 4 and 5): a minimal singular run, Lie products that leave its span, screws moved up to the
-   end of the run only.
-2. The same to first order with motion carried to the end of the chain. At the dependencies Σ λ_i S_i = 0 it is
-
-       Σ_{i>j} λ_i [S_j, S_i]  outside  span{S_1 … S_n}
-
-   that counts: with U₂ a basis of the lost directions and V₂ of the λ, the rank of U₂ᵀ([S_j, S_i])_{i>j} V₂ is gained.
-   One product outside is not enough: the weighted sum may vanish.
-3. The judge: the rank after a finite motion of the joint.
-
-Below also a session with GR's instructions, each of which prints what theirs prints, and the report as text.
+`session` runs GR's instructions and prints what theirs print; `render` writes a report as text.
 """
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 
@@ -40,15 +32,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.kinematics import jacobian, one_configuration
+from rankdrop.kinematics import jacobian, one_configuration, task_jacobian_derivative
 from rankdrop.local.block import STRUCTURE_SEED, structural_sample
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, read_screw_list
 from rankdrop.task import SPACE, Task
-from rankdrop.tolerances import DEPENDENT
+from rankdrop.tolerances import DEFAULT, DEPENDENT, Tolerances
 
 NO_TURN = 1e-12
 """A direction shorter than this share of the whole screw: a slide."""
@@ -199,7 +192,7 @@ class OrderedScrewSet:
     def dimension(self, first: int, last: int) -> int:
         """Dimension of the span of a run."""
         self._check(first, last)
-        return int(self._rank(self.screws[None, first - 1 : last])[0])
+        return int(_ranks(self._rows(self.screws[None, first - 1 : last]), self.tolerance)[0])
 
     def msos(self, first: int, last: int) -> OrderedSubset:
         """GR's test of a run: its dimension and loss. `minimal` is about runs inside, `generic` is not known here."""
@@ -223,7 +216,7 @@ class OrderedScrewSet:
         pairs = [(u, v) for u in range(first, last + 1) for v in range(u + 1, last + 1)]
         run = self.screws[first - 1 : last]
         with_product = np.array([[*run, self._sized(self.lie(u, v))] for u, v in pairs])
-        grown = self._rank(with_product.reshape(-1, len(run) + 1, 6))
+        grown = _ranks(self._rows(with_product.reshape(-1, len(run) + 1, 6)), self.tolerance)
         entries = tuple((u, v, bool(rank == dimension)) for (u, v), rank in zip(pairs, grown, strict=True))
         outside = {u: [not inside for a, _, inside in entries if a == u] for u in range(first, last)}
         return Products(first, last, entries, tuple(u for u, told in outside.items() if all(told)))
@@ -252,18 +245,10 @@ class OrderedScrewSet:
             raise OptionError("there is no such run of screws", got=f"({first}, {last})", allowed=f"1 … {len(self)}")
 
     def _sized(self, screw: Array) -> Array:
-        """Zero where a Lie product is rounding."""
-        s, moment = self._lengths()
-        small = np.linalg.norm(screw[:3]) <= self.tolerance * s and np.linalg.norm(screw[3:]) <= self.tolerance * moment
-        return np.zeros(6) if small else screw
-
-    def _lengths(self) -> tuple[float, float]:
-        """Sizes that occur: of directions, and of moments."""
-        return float(np.linalg.norm(self.screws[:, :3], axis=1).max()), float(np.linalg.norm(self.screws, axis=1).max())
-
-    def _rank(self, runs: Array) -> Array:
-        """(B,) ranks of runs (B, k, 6)."""
-        return _ranks(self._rows(runs), self.tolerance)
+        """Zero where a Lie product is rounding, next to the largest direction and the largest moment of the set."""
+        direction, moment = (np.linalg.norm(part, axis=1).max() for part in (self.screws[:, :3], self.screws))
+        rounding = np.linalg.norm(screw[:3]) <= self.tolerance * direction
+        return np.zeros(6) if rounding and np.linalg.norm(screw[3:]) <= self.tolerance * moment else screw
 
     def _rows(self, screws: Array) -> Array:
         """(..., 6) screws brought to unit length about a point amid the axes of the set."""
@@ -293,24 +278,18 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         >>> [(run.first, run.last) for run in found if run.minimal]
         [(1, 5), (3, 7)]
     """
-    return _runs(_at(robot, one_configuration(robot, q)), _elsewhere(robot, task))
+    return _runs(_screws_at(robot, one_configuration(robot, q)), _elsewhere(robot, task))
 
 
-def _at(robot: Robot, q: Array) -> OrderedScrewSet:
+def _screws_at(robot: Robot, q: Array) -> OrderedScrewSet:
     return OrderedScrewSet(np.roll(jacobian(robot, q, SPACE).T, 3, axis=1))
 
 
-_samples: dict[tuple[int, float], Array] = {}  # by id and length scale, as long as the arm is there
-
-
+@lru_cache(maxsize=16)
 def _elsewhere(robot: Robot, task: Task) -> Array:
     """(s, n, 6) unit rows at random configurations, always the same ones."""
-    key = (id(robot), task.scale(robot))
-    if key not in _samples:
-        sets = [_at(robot, q) for q in structural_sample(robot, task, _SAMPLES)]
-        _samples[key] = np.stack([one._rows(one.screws) for one in sets])
-        weakref.finalize(robot, _samples.pop, key, None)
-    return _samples[key]
+    sets = [_screws_at(robot, q) for q in structural_sample(robot, task, _SAMPLES)]
+    return np.stack([screws._rows(screws.screws) for screws in sets])
 
 
 def _runs(here: OrderedScrewSet, elsewhere: Array | None = None) -> tuple[OrderedSubset, ...]:
@@ -724,3 +703,137 @@ def _corrected(report: OrderedReport) -> Iterator[str]:
 
 def _dimensions(trial: Trial, *, carried: bool) -> str:
     return " ".join(f"{i}–{j}:{d}" for i, j, d in (trial.carried if carried else trial.dimensions))
+
+
+# σ grows at first order where it is faster than this [1/rad]: derivatives of Jacobians of unit size are good to 1e-14,
+# and null vectors of an angle that is right to 1e-9 to as much
+_FIRST_ORDER = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class HuntJoint:
+    """One column of the matrix.
+
+    Attributes:
+        number: of the joint, from 1.
+        share: length of its column over that of the longest: 0 for a joint that is not in the dependency.
+        named: whether the column is not zero: Hunt's responsible screws.
+        actuator: GR's procedure names it, on a minimal singular run.
+        rate: ∂ det J/∂q_j over the product of the other singular values: how fast σ grows [1/rad; slides: 1/length
+            scale].
+        tells: whether that is not zero: the matrix says that the joint leads out.
+        escapes: the rank is restored after a finite motion of the joint alone.
+    """
+
+    number: int
+    share: float
+    named: bool
+    actuator: bool
+    rate: float
+    tells: bool
+    escapes: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Hunt:
+    """What the matrix of cofactors tells of one configuration.
+
+    Attributes:
+        applies: a square Jacobian of corank 1.
+        words: why not; else whom it names, and whether finite motion agrees.
+        matrix: (m, n) cofactors, largest entry 1, rows of the task with lengths in length scales; empty where it does
+            not apply.
+        joints: one per joint; empty likewise.
+    """
+
+    applies: bool
+    words: str
+    matrix: tuple[tuple[float, ...], ...] = ()
+    joints: tuple[HuntJoint, ...] = ()
+
+    @property
+    def agrees(self) -> bool:
+        """Whether every joint that it says leads out does, and no other does."""
+        return all(one.tells == one.escapes for one in self.joints)
+
+
+def hunt(
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Hunt:  # fmt: skip
+    """Hunt's matrix of cofactors (Robotica 4, 1986) at a singular configuration, judged by finite motion.
+
+    At corank 1 of a square Jacobian, with J λ = 0 and uᵀ J = 0 (u, λ of unit length),
+
+        cof J = ± (σ₁ … σ_{m−1}) u λᵀ
+
+    so that column j is zero where joint j is not in the dependency, and every other column is the wrench u that no
+    joint works against. By Jacobi's formula, ∂ det J/∂q_j = Σ (cof J) ∘ ∂J/∂q_j = ± (σ₁ … σ_{m−1}) uᵀ (∂J/∂q_j) λ, the
+    matrix shows which joint leaves the singularity at first order. At corank 2 and more the matrix is zero, and for
+    arms with more joints than rows there is none: GR's procedures are meant to remove these limits.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: resolved.
+        tolerances: `singular` decides what is lost, and whether a finite motion restores it.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("puma560")
+        >>> found = hunt(arm, np.array([0.3, 0.5, 0.4, 0.2, 0.0, 0.6]), resolve_task(None, arm))
+        >>> [one.number for one in found.joints if one.named], [one.number for one in found.joints if one.tells]
+        ([4, 6], [5])
+    """
+    here = at(robot, q, task, tolerances)
+    m, n = here.jacobian.shape
+    if n != m:
+        return Hunt(False, f"Hunt's matrix of cofactors is of a square Jacobian; this one has {m} rows, {n} joints")
+    left, sigma, right = np.linalg.svd(here.jacobian)
+    least = here.tolerances.singular
+    lost = int((sigma <= least).sum())
+    if lost != 1:
+        what = f"is zero where {lost} freedoms are lost" if lost else "tells nothing at a regular configuration"
+        return Hunt(False, f"Hunt's matrix of cofactors {what}: it names no screw")
+    u, null = left[:, -1], right[-1]
+    cofactors = np.linalg.det(left) * np.linalg.det(right) * np.outer(u, null)
+    shares = np.abs(null) / np.abs(null).max()
+    shares[shares <= DEPENDENT] = 0.0
+    rates = np.einsum("i,ikj,k->j", u, task_jacobian_derivative(here.robot, here.q, here.task), null) * here.scale
+    tells = np.abs(rates) > _FIRST_ORDER * max(1.0, sigma[0])
+    reached = here.singular_values(here.q + np.multiply.outer(_AMOUNTS, np.diag(here.scale)))[..., -1].max(axis=0)
+    escapes = reached > max(least, 10 * sigma[-1])
+    actuators = _actuators(here.robot, here.q)
+    columns = zip(shares.tolist(), rates.tolist(), tells.tolist(), escapes.tolist(), strict=True)
+    joints = tuple(
+        HuntJoint(number, share, share > 0.0, number in actuators, rate, leads, out)
+        for number, (share, rate, leads, out) in enumerate(columns, 1)
+    )
+    largest = np.abs(cofactors).max()
+    entries = np.where(np.abs(cofactors) > DEPENDENT * largest, cofactors / largest, 0.0)
+    return Hunt(True, _words(joints), tuple(map(tuple, entries.tolist())), joints)
+
+
+def _actuators(robot: Robot, q: Array) -> set[int]:
+    """Joints that GR's procedure names on some minimal singular run."""
+    try:
+        screws = OrderedScrewSet.of(robot, q)
+    except RobotError:  # mimic joints: GR's procedures do not know them
+        return set()
+    runs = [run for run in screws.subsets() if run.minimal and run.last > run.first]
+    return {j for run in runs for j in screws.subspace(run.first, run.last).actuators}
+
+
+def _words(joints: tuple[HuntJoint, ...]) -> str:
+    named = ", ".join(str(one.number) for one in joints if one.named)
+    told = [one.number for one in joints if one.tells]
+    missed = [one.number for one in joints if one.escapes and not one.tells]
+    wrong = [one.number for one in joints if one.tells and not one.escapes]
+    text = f"Hunt's cofactors name the screws {named}; they tell that "
+    text += f"joint {_list(told)} leads out at first order" if told else "no joint leads out at first order"
+    if missed:
+        return f"{text}; finite motion shows that joint {_list(missed)} leads out too, at a higher order"
+    if wrong:
+        return f"{text}; finite motion does not confirm it of joint {_list(wrong)}"
+    return f"{text}, and finite motion agrees"

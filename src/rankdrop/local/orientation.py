@@ -1,4 +1,6 @@
-"""Coordinates φ of a rotation, and the matrix E of ω = E(φ) φ̇ (base axes): where E is singular, so are the coordinates.
+"""Coordinates φ of a rotation, their singularities, and the displacement of a task from a start.
+
+The rates of the coordinates obey ω = E(φ) φ̇ (base axes):
 
     zyz          R = Rz(α) Ry(β) Rz(γ)              det E = −sin β        singular at β = 0, π
     rpy          R = Rz(yaw) Ry(pitch) Rx(roll)     det E = cos(pitch)    singular at pitch = ±π/2
@@ -10,22 +12,17 @@
     rodrigues    g = tan(θ/2) n of a turn θ about n   det E = 8/(1 + g²)²          singular, and infinite, at θ = π
     mrp          p = tan(θ/4) n (modified Rodrigues)  det E = 64/(1 + p²)³         at θ = 2π; kept to θ ≤ π, jump there
 
-How far the task has moved from where it was: the displacement from a start, its derivative, and the way back.
+The analytical Jacobian of (ṗ; φ̇) = J_a q̇ is J_a = diag(I, E⁻¹) J. Where E is singular, J_a does not exist or grows
+without bound although the arm moves freely: a *representation singularity*, which other coordinates do not have. The
+rank of J does not depend on the coordinates.
+
+The displacement from a start q0, its derivative, and the way back:
 
     d(q) = (Aᵀ(p(q) − p(q0)) ; Aᵀ log(R(q) R(q0)ᵀ)),  its task rows, translations divided by the length scale
 
-A are the axes of the task's frame as they stand at the start, p its reference point. At q0 the derivative is the task
-Jacobian. For a task that leaves some rotations free, `log` makes "no rotation about Z" a condition on where the arm is,
-and not only on how it moves.
-
-Analytical Jacobians, and the singularities that belong to the coordinates of the orientation, not to the arm.
-
-Coordinates φ of the orientation turn at φ̇ with ω = E(φ) φ̇ (base axes), so that
-
-    (ṗ; φ̇) = J_a q̇,    J_a = diag(I, E⁻¹) J.
-
-Where E is singular, J_a does not exist or blows up although the arm moves freely: a *representation singularity*. It
-goes away with other coordinates. The rank of J, the arm's own affair, does not know of it.
+A are the axes of the task's frame at the start, p its reference point. At q0 the derivative is the task Jacobian. For a
+task that leaves some rotations free, `log` makes "no rotation about Z" a condition on where the arm is, and not only on
+how it moves.
 """
 
 from __future__ import annotations

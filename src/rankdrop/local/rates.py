@@ -1,49 +1,34 @@
-"""Inverses of the task Jacobian, as functions of (robot, q): exact, damped, and damped only where something is lost.
+"""What motion costs the joints: inverses of the task Jacobian, joint rates, largest speeds, slowest straight motion.
 
-All of them are q̇ = W (Σ g_i v_i u_iᵀ) S ξ with the decomposition S J W = U Σ Vᵀ of below, and
-differ in the gains g_i alone:
+One decomposition S J W = U Σ Vᵀ serves every inverse, with the rank decided on σ. S divides translation rows by the
+length scale ℓ, W multiplies prismatic joints by it (`joint_scale`), so that neither Ĵ = S J W nor its singular values
+have a unit. Twists are measured as ‖(v/ℓ; ω)‖, joint rates as ‖W⁻¹q̇‖. The inverses q̇ = W (Σ g_i v_i u_iᵀ) S ξ differ in
+the gains g_i alone:
 
     pseudo-inverse        g_i = 1/σ_i, and 0 beyond the rank
     damped least squares  g_i = σ_i/(σ_i² + λ²)
     selective             g_i = σ_i/(σ_i² + λ_i²), λ_i = 0 for σ_i ≥ threshold
 
-Twists go in, rates come out, in SI units. S and W carry the length scale ℓ of the task. What depends on ℓ: which σ are
-small and how strongly a damping acts; at a singular configuration, which attainable twist counts as nearest to one that
-is not; and with prismatic joints, which of many rates counts as smallest. At full row rank without prismatic joints
-the pseudo-inverse is Jᵀ(JJᵀ)⁻¹ whatever ℓ is.
+What depends on ℓ: which σ are small and how strongly a damping acts; at a singular configuration, which attainable
+twist is nearest to one that is not; and with prismatic joints, which of many rates is smallest. At full row rank
+without prismatic joints the pseudo-inverse is Jᵀ(JJᵀ)⁻¹ whatever ℓ is.
 
-One decomposition behind every inverse: J = S⁻¹ U Σ Vᵀ W⁻¹, with the rank decided on σ.
-
-S divides translation rows by the length scale ℓ, W multiplies prismatic joints by it (`joint_scale`), so that Ĵ = S J W
-has no unit, and neither have its singular values. Twists are then measured as ‖(v/ℓ; ω)‖, joint rates as ‖W⁻¹q̇‖.
-A length scale of 1 m measures both in plain metres and radians.
-
-What a motion costs nearby: joint rates per unit of end-effector speed, and the speed that the joint limits leave.
+Joint rates and speeds for a twist d:
 
     rates needed      q̇ = J⁺ d, the smallest that make the twist d
     with these rates  s = min_i limit_i / |q̇_i|
     at best           s = max {s : J q̇ = s d, |q̇_i| ≤ limit_i}, which a redundant arm reaches by other rates
 
 Near a singularity the rates along the weakest direction grow as 1/σ_r; in a lost direction no rate helps, and the speed
-is exactly zero.
+is exactly zero. The largest speed is a small linear programme, solved exactly. All solutions of A ẋ = s d are
+ẋ = s (b + N z), b = A⁺d, N a basis of the null space, so that 1/s = min_z max_i |b_i + N_i z| / l_i: the best
+approximation of b in the maximum norm. Its dual is a maximum over the vertices of
+{y : Σ_i y_i N_i / l_i = 0, Σ|y_i| ≤ 1}, the circuits of the weighted rows of N: minimal dependent sets of at most k + 1
+rows for k null motions. For a handful of joints all are listed, and serve every d.
 
-The joint velocity limits of the n variables, those of the joints that follow them included.
-
-The largest speed along a direction that bounded joint rates allow: a small linear programme, solved exactly.
-
-    maximise s  subject to  A ẋ = s d,  |ẋ_i| ≤ l_i
-
-All solutions are ẋ = s (b + N z), b = A⁺d, N a basis of the null space, so that 1/s = min_z max_i |b_i + N_i z| / l_i:
-the best approximation of b in the maximum norm. Its dual is a maximum over the vertices of
-{y : Σ_i y_i N_i / l_i = 0, Σ|y_i| ≤ 1}. These are the circuits of the weighted rows of N: minimal sets of rows that are
-dependent, at most k + 1 of them for k null motions. For a handful of joints all are listed, and serve every d.
-
-The slowest straight motion: how fast the tool moves in its worst direction, every joint within its rate limit.
-
-    s(d) = max {s : J q̇ = s d, |q̇_i| ≤ l_i},      slowest = min s(d) over unit d, translations and rotations apart
-
-Attainable twists form a zonotope, so that min s(d) is its distance from the origin to the nearest facet, measured in
-the subspace of straight motions: with A = J diag(l) and y normal to a facet, scaled so that Σ|Aᵀy| = 1,
+The slowest straight motion, translations and rotations apart, is min s(d) over unit d. Attainable twists form a
+zonotope, so that min s(d) is its distance from the origin to the nearest facet, measured in the subspace of straight
+motions: with A = J diag(l) and y normal to a facet, scaled so that Σ|Aᵀy| = 1,
 
     slowest translation = min over facets of 1/|y_v|,   in the direction y_v.
 

@@ -1,25 +1,23 @@
-"""Range and null space of the task Jacobian, the projector on the null space, and motion inside it (JL).
+"""Range and null space of the task Jacobian, the projector on the null space, motion inside it (JL), and self-motions.
 
     rank J + dim N(J) = n,     P = I − J⁺J,     q̇ = J⁺ξ + P q̇₀
 
 J⁺ rests on a singular value decomposition whose rank is decided on σ, so that everything is right at exactly singular
 configurations. JL writes the projector P = I − Jᵀ(JJᵀ)†J. It is the same matrix, and as good where no σ is small, or
-where σ is zero and the rank is told from outside, as here. In between it loses half of the digits, because JJᵀ holds
-σ²: P is off by about eps/σ², and below σ ≈ 3e-8 ‖J‖ the direction drowns in rounding. Largest entry of the difference,
-PA-10, θ4 → 0:
+where σ is zero and the rank is given, as here. In between it loses half of the digits, because JJᵀ holds σ²: P is off
+by about eps/σ², and below σ ≈ 3e-8 ‖J‖ the direction drowns in rounding. Largest entry of the difference, PA-10,
+θ4 → 0:
 
     σ_min        1e-2    1e-3    1e-4    1e-5    1e-6    1e-7    1e-8    0
     difference   3e-12   1e-11   1e-8    1e-6    2e-4    3e-3    0.5     2e-15
 
-while J P stays below 3e-16 for the projector by SVD at all of them.
+while J P stays below 3e-16 for the projector by SVD at all of them. `away_from_limits`, `away_from_singularity` and
+`towards` are secondary objectives for `null_space_motion`, batched over q.
 
-Ready secondary objectives for `null_space_motion`: joint rates to climb along, batched over q.
-
-Self-motion: the curve of configurations that leave the task where it is, traced step by step.
-
-Predictor: a step along the null space. Corrector: Gauss–Newton on the displacement from the start
-(`rankdrop.local.orientation`), so that every point is right to rounding and errors do not add up. At a singular
-configuration null motions that are no tangents of a curve are told at second order, and never followed.
+`self_motion` traces the curve of configurations that leave the task where it is. Predictor: a step along the null
+space. Corrector: Gauss–Newton on the displacement from the start (`rankdrop.local.orientation`), so that every point is
+right to rounding and errors do not add up. At a singular configuration null motions that are no tangents of a curve are
+recognised at second order, and never followed.
 """
 
 from __future__ import annotations

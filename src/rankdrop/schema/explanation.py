@@ -12,7 +12,7 @@ from rankdrop.configuration import Rank
 from rankdrop.families.tolerant import Place
 from rankdrop.local.axes import Relation, ScrewSystem
 from rankdrop.local.circuits import Circuit
-from rankdrop.local.cofactors import Hunt, HuntJoint
+from rankdrop.local.ordered import Hunt, HuntJoint
 from rankdrop.local.directions import Screw
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest

@@ -13,7 +13,7 @@ from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import ScrewSystem
 from rankdrop.local.circuits import Circuit
-from rankdrop.local.cofactors import Hunt
+from rankdrop.local.ordered import Hunt
 from rankdrop.local.directions import FramedDirections, Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset

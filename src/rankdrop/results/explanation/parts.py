@@ -25,7 +25,7 @@ from rankdrop.family.which import Incidence, families_at
 from rankdrop.local.axes import always_singular_reason, systems_at
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
-from rankdrop.local.cofactors import hunt
+from rankdrop.local.ordered import hunt
 from rankdrop.local.directions import (
     FramedDirections,
     blocked_words,

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import chain_of, link_poses, one_configuration, task_jacobian, task_view
-from rankdrop.local.block import Decomposition, decompose
+from rankdrop.local.block import Decomposition, decompose, read_only
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -140,8 +140,7 @@ class Configuration:
     @cached_property
     def measured(self) -> Rank:
         """Rank, corank and nullity of the arm in metres."""
-        sigma = self.metric.sigma.copy()
-        sigma.flags.writeable = False
+        sigma = read_only(self.metric.sigma.copy())
         generic, least = self.problem.generic_rank, self.tolerances.singular
         rank = min(generic, int((sigma > least).sum()))
         return Rank(
@@ -272,6 +271,5 @@ def at(
     """
     if isinstance(robot, Configuration):
         return robot
-    configuration = one_configuration(robot, [] if q is None else q)
-    configuration.flags.writeable = False
+    configuration = read_only(one_configuration(robot, [] if q is None else q))
     return Configuration(Problem(robot, resolve_task(task, robot), tolerances=tolerances), configuration, corank)

@@ -53,7 +53,7 @@ class Options:
         for name, hint in hints(type(self)).items():  # type: ignore[arg-type]  # a class is hashable
             value = _plain(getattr(self, name))
             object.__setattr__(self, name, value)
-            _check(name, hint, value)
+            check_value(name, hint, value)
 
     @classmethod
     def of(cls, options: Self | None, given: Mapping[str, Any]) -> Self:
@@ -142,8 +142,12 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
 
 
-def _check(name: str, hint: Any, value: Any) -> None:
-    """Raises OptionError where the value is of another type or out of its bounds."""
+def check_value(name: str, hint: Any, value: Any) -> None:
+    """Check an option's value against its type with bounds.
+
+    Raises:
+        OptionError: the value is of another type, out of its bounds or not finite.
+    """
     try:
         msgspec.convert(value, hint)
     except msgspec.ValidationError as error:

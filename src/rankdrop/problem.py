@@ -132,17 +132,14 @@ class Problem:
         known = handles_of(self.robot).idle
         key = (self.task.frame, self.task.rows, self.task.scale(self.robot), self.limits)
         if key not in known:
-            known[key] = self._found_idle()
+            rng = np.random.default_rng(0)
+            q = np.repeat(self.random(16, rng)[None], self.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
+            j = np.arange(self.n)
+            q[j, :, j] = self.random(16, rng).T
+            sigma = self.sigma(q)
+            known[key] = np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < SAME_SIGMA
             known[key].flags.writeable = False
         return known[key]
-
-    def _found_idle(self) -> Mask:
-        rng = np.random.default_rng(0)
-        q = np.repeat(self.random(16, rng)[None], self.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
-        j = np.arange(self.n)
-        q[j, :, j] = self.random(16, rng).T
-        sigma = self.sigma(q)
-        return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < SAME_SIGMA)
 
     @cached_property
     def twins(self) -> tuple[Twin, ...]:

@@ -142,7 +142,7 @@ def test_rates_grow_as_one_over_the_distance_and_over_its_square_at_second_order
     assert second.power == pytest.approx(2.0, abs=0.05)
     nowhere = rate_growth(open_robot("planar2r"), [0.3, pi / 2], [1, 0])
     assert nowhere.power == pytest.approx(0.0, abs=1e-9)
-    with pytest.raises(OptionError, match="way"):
+    with pytest.raises(OptionError, match="direction of the joints"):
         rate_growth(arm, [0.0] * 7, [0.0] * 7)
 
 

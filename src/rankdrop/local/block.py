@@ -62,6 +62,25 @@ class Block:
     sigma: Array
 
 
+def read_only(array: Array) -> Array:
+    """The array itself, which can no longer be written to."""
+    array.flags.writeable = False
+    return array
+
+
+def svd(matrices: Array) -> tuple[Array, Array, Array]:
+    """U (..., m, m), σ (..., min(m, n)) and V (..., n, n) of matrices (..., m, n), by one-sided Jacobi."""
+    parts = _core.svd(np.ascontiguousarray(matrices).reshape(-1, *matrices.shape[-2:]))
+    u, sigma, v = (part.reshape(matrices.shape[:-2] + part.shape[1:]) for part in parts)
+    return u, sigma, v
+
+
+def sigma_of(matrices: Array) -> Array:
+    """(..., min(m, n)) singular values of matrices (..., m, n), descending."""
+    sigma = _core.svd(np.ascontiguousarray(matrices).reshape(-1, *matrices.shape[-2:]), False)
+    return sigma.reshape(matrices.shape[:-2] + sigma.shape[1:])
+
+
 def singular_values(robot: Robot, q: ArrayLike, task: Task | str | None = None, *, out: Array | None = None) -> Array:
     """Singular values of the task Jacobian, descending, by one-sided Jacobi; error at most 4 · eps · ‖J‖.
 
@@ -179,8 +198,8 @@ def joint_scale(robot: Robot, task: Task) -> Array:
     length = task.scale(robot)
     scales = handles_of(robot).scales
     if length not in scales:
-        scales[length] = np.array([length if one.kind is JointKind.PRISMATIC else 1.0 for one in robot.variables])
-        scales[length].flags.writeable = False
+        every = [length if one.kind is JointKind.PRISMATIC else 1.0 for one in robot.variables]
+        scales[length] = read_only(np.array(every))
     return scales[length]
 
 
@@ -196,8 +215,7 @@ def structural_sample(robot: Robot, task: Task, count: int) -> Array:
     samples = handles_of(robot).samples
     key = (count, task.scale(robot))
     if key not in samples:
-        samples[key] = sample(robot, task, count, STRUCTURE_SEED)
-        samples[key].flags.writeable = False
+        samples[key] = read_only(sample(robot, task, count, STRUCTURE_SEED))
     return samples[key]
 
 

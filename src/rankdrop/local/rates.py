@@ -40,18 +40,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, inf, isfinite, sqrt
+from math import comb, inf, prod, sqrt
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop import _core
 from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import configurations, one_configuration, task_jacobian
-from rankdrop.local.block import Decomposition, decompose, generic_rank, joint_scale, row_scale, singular_values
+from rankdrop.local.block import decompose, generic_rank, joint_scale, read_only, row_scale, sigma_of, svd
 from rankdrop.local.directions import lost_directions
-from rankdrop.robot.model import Array, Robot
+from rankdrop.options import check_value, option
+from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import counted, in_metres, into_metres, task_in_metres
@@ -106,36 +107,17 @@ def factor(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFA
         ConfigurationError: q has the wrong shape or is not finite.
     """
     parts, joints = decompose(robot, q, task), joint_scale(robot, task)
-    return _factored(parts, None if (joints == 1.0).all() else task_jacobian(robot, q, task), robot, task, tolerances)
-
-
-def factored(here: Configuration) -> Factored:
-    """`factor` at one configuration, from what is known there."""
-    return _factored(here.parts, here.jacobian, here.robot, here.task, here.tolerances)
-
-
-def _factored(
-    parts: Decomposition, jacobian: Array | None, robot: Robot, task: Task, tolerances: Tolerances
-) -> Factored:
-    u, sigma, v, joints = parts.u, parts.sigma, parts.v, joint_scale(robot, task)
-    rank = (sigma > tolerances.singular).sum(axis=-1)
-    if jacobian is not None and (joints != 1.0).any():
-        scaled = np.ascontiguousarray(jacobian * joints)
-        batch = scaled.shape[:-2]
-        found = _core.svd(scaled.reshape(-1, task.m, robot.n))
-        u, sigma, v = (part.reshape(batch + part.shape[1:]) for part in found)
+    rank = (parts.sigma > tolerances.singular).sum(axis=-1)
+    u, sigma, v = parts.u, parts.sigma, parts.v
+    if (joints != 1.0).any():
+        u, sigma, v = svd(task_jacobian(robot, q, task) * joints)
     sigma = np.where(np.arange(sigma.shape[-1]) < rank[..., None], sigma, 0.0)
     return Factored(u, sigma, v, rank, row_scale(robot, task), joints)
 
 
 def task_sigma(robot: Robot, q: ArrayLike, task: Task) -> Array:
     """(..., min(m, n)) singular values of S J W; those of the task Jacobian where no joint is prismatic."""
-    joints = joint_scale(robot, task)
-    if (joints == 1.0).all():
-        return singular_values(robot, q, task)
-    scaled = np.ascontiguousarray(task_jacobian(robot, q, task) * joints)
-    sigma = _core.svd(scaled.reshape(-1, task.m, robot.n), False)
-    return sigma.reshape(*scaled.shape[:-2], sigma.shape[-1])
+    return sigma_of(task_jacobian(robot, q, task) * joint_scale(robot, task))
 
 
 def pseudo_inverse(
@@ -204,9 +186,9 @@ def damped_inverse(
         OptionError: damping negative, or threshold not positive.
     """
     resolved = resolve_task(task, robot)
-    _not_negative("damping", damping)
+    check_value("damping", _NOT_NEGATIVE, damping)
     if threshold is not None:
-        _positive("threshold", threshold)
+        check_value("threshold", _POSITIVE, threshold)
     parts = factor(robot, q, resolved, tolerances)
     squared = np.full(parts.rank.shape, damping**2)
     if threshold is not None:
@@ -250,9 +232,9 @@ def selective_inverse(
         TaskError: there is no such task.
         OptionError: damping negative, or threshold not positive.
     """
-    _positive("threshold", threshold)
+    check_value("threshold", _POSITIVE, threshold)
     base = threshold / 2 if damping is None else damping
-    _not_negative("damping", base)
+    check_value("damping", _NOT_NEGATIVE, base)
     parts = factor(robot, q, resolve_task(task, robot), tolerances)
     if drop:
         return parts.inverse(np.where(parts.sigma >= threshold, parts.reciprocal, 0.0))
@@ -260,20 +242,13 @@ def selective_inverse(
     return parts.inverse(_damped(parts, squared))
 
 
+_POSITIVE, _NOT_NEGATIVE = Annotated[float, option("", gt=0)], Annotated[float, option("", ge=0)]
+
+
 def _damped(parts: Factored, squared: Array) -> Array:
     """σ/(σ² + λ²), zero beyond the rank even where λ is zero."""
     below = parts.sigma**2 + squared
     return np.where(parts.sigma > 0.0, parts.sigma / np.where(below > 0.0, below, 1.0), 0.0)
-
-
-def _positive(name: str, value: float) -> None:
-    if not (isfinite(value) and value > 0.0):
-        raise OptionError(f"{name} must be positive", got=value, allowed="a finite number above 0")
-
-
-def _not_negative(name: str, value: float) -> None:
-    if not (isfinite(value) and value >= 0.0):
-        raise OptionError(f"{name} must not be negative", got=value, allowed="a finite number, 0 or above")
 
 
 def rate_limits(robot: Robot) -> Array:
@@ -444,7 +419,8 @@ def joint_rates(
         0.0
     """
     here = at(robot, q, task, tolerances)
-    robot, resolved, verdict, parts = here.robot, here.task, here.measured, factored(here)
+    robot, resolved, verdict = here.robot, here.task, here.measured
+    parts = factor(robot, here.q, resolved, here.tolerances)
     limits = rate_limits(robot)
     rows, rank = list(resolved.rows), verdict.rank
     motions = [(_AXES[row], np.eye(6)[row]) for row in rows]
@@ -561,9 +537,7 @@ def rate_growth(
     resolved = resolve_task(task, robot)
     start = one_configuration(robot, singular)
     scale = factor(robot, start, resolved).joints
-    way, steps = np.asarray(away, dtype=np.float64), np.sort(np.asarray(distances, dtype=np.float64))[::-1]
-    if way.shape != (robot.n,) or not np.isfinite(way).all() or not way.any():
-        raise OptionError("the way needs one finite number per joint, not all zero", got=way.tolist())
+    way, steps = joint_direction(robot, away), np.sort(np.asarray(distances, dtype=np.float64))[::-1]
     if steps.ndim != 1 or len(steps) < 2 or not (np.isfinite(steps).all() and steps[-1] > 0.0):
         raise OptionError("two positive distances are needed at least", got=steps.tolist())
     unit = way / np.linalg.norm(way / scale)
@@ -573,9 +547,19 @@ def rate_growth(
         rates = 1.0 / sigma[:, generic - 1]
     near = slice(len(steps) // 2, None) if len(steps) > 3 else slice(None)
     power = -float(np.polyfit(np.log(steps[near]), np.log(rates[near]), 1)[0])
-    for array in (steps, rates):
-        array.flags.writeable = False
-    return RateGrowth(steps, rates, power)
+    return RateGrowth(read_only(steps), read_only(rates), power)
+
+
+def joint_direction(robot: Robot, direction: ArrayLike) -> Array:
+    """(n,) the direction of a joint motion.
+
+    Raises:
+        OptionError: not one finite number per joint, or all zero.
+    """
+    way = np.asarray(direction, dtype=np.float64)
+    if way.shape != (robot.n,) or not np.isfinite(way).all() or not way.any():
+        raise OptionError("a direction of the joints is one finite number per joint, not all zero", got=way.tolist())
+    return way
 
 
 MOST_FACETS = 1_000
@@ -697,3 +681,190 @@ def _slowest(unit: str, part: list[int], facets: Array, normals: Array, task: Ta
     direction[:, [task.rows[i] % 3 for i in part]] = normal[:, part] / np.maximum(longest, _TINY)[:, None]
     speed = np.where(longest > 0.0, 1.0 / np.maximum(longest, _TINY), np.inf)
     return Slowest(unit, speed, direction, np.abs(facets[each, best]).argmax(axis=1) + 1, normal, exact)
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """One ellipsoid about the reference point of the task's frame, in its axes.
+
+    Attributes:
+        axes: (k, d) unit vectors u_i as rows, d = 3 (translation or rotation) or 6 (task: (v/ℓ; ω), wrench (ℓf; τ)).
+        half_lengths: (k,) for a velocity ellipsoid descending and 0 in lost directions, for a force ellipsoid
+            ascending and inf in blocked ones.
+        semi_axes: (k, d) the semi-axes as twists [m/s, rad/s] or wrenches [N, N m]: half-length times axis, the length
+            scale taken out again. Where the half-length is infinite, so are the entries that are not zero.
+        unit: of the half-lengths: "m/s" or "rad/s", "N" or "N m"; for the whole task ℓ m/s count as 1 rad/s.
+    """
+
+    axes: Array
+    half_lengths: Array
+    semi_axes: Array
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """One number by which arms are compared.
+
+    Attributes:
+        name: "σ_min", "condition number" or "manipulability".
+        value: of it; a singular value below the tolerance counts as zero.
+        unit: of it; "1" for a pure number.
+        length_scale: the length that divides translations [m]; None where nothing is mixed.
+    """
+
+    name: str
+    value: float
+    unit: str
+    length_scale: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Ellipsoids and indices of one part of the Jacobian.
+
+    Attributes:
+        name: "translation", "rotation" or "task".
+        velocity, force: the two ellipsoids.
+        sigma_min: the smallest of the min(m, n) singular values.
+        condition: σ_max/σ_min, inf where σ_min is zero.
+        manipulability: √det(AAᵀ) = Π σ_i, taken from the singular values, never from a determinant (√det(AᵀA) where
+            the arm has fewer joints than the part has rows).
+    """
+
+    name: str
+    velocity: Ellipsoid
+    force: Ellipsoid
+    sigma_min: Index
+    condition: Index
+    manipulability: Index
+
+
+@dataclass(frozen=True, slots=True)
+class PartSet:
+    """The three parts for one unit ball of joint rates.
+
+    Attributes:
+        ball: the unit balls of joint rates and of joint torques, in words.
+        joints: (n,) the rate of each joint that counts as one [rad/s, m/s].
+        translation, rotation: None where the task has no such rows.
+        task: all rows of the task, translations divided by the length scale.
+    """
+
+    ball: str
+    joints: tuple[float, ...]
+    translation: Part | None
+    rotation: Part | None
+    task: Part
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipsoids:
+    """Ellipsoids at one configuration.
+
+    Attributes:
+        unit_rates: every joint counts alike: 1 rad/s, and the length scale per second for a slide.
+        rate_limits: joint rates as shares of their velocity limits; None unless all limits are given.
+        length_scale: in use [m].
+    """
+
+    unit_rates: PartSet
+    rate_limits: PartSet | None
+    length_scale: float
+
+
+def ellipsoids(
+    robot: Robot | Configuration, q: ArrayLike | None = None, task: Task | str | None = None, *,
+    tolerances: Tolerances = DEFAULT,
+) -> Ellipsoids:  # fmt: skip
+    """Velocity and force ellipsoids with σ_min, condition number and manipulability.
+
+    With A the part of the Jacobian that counts, its joint columns weighted, A = U Σ Vᵀ:
+
+        velocity   {A ẋ : ‖ẋ‖ ≤ 1}        half-lengths σ_i along u_i
+        force      {f : ‖Aᵀf‖ ≤ 1}         half-lengths 1/σ_i along the same u_i, infinite where nothing can move
+
+    Translation takes the task's rows among vx, vy, vz as they are [m/s per rad/s], rotation those among wx, wy, wz. A
+    part has as many axes as the task has rows in it, so a planar arm is not called singular for never leaving its
+    plane. The force ellipsoid belongs to the ball of joint torques that is dual to the ball of rates: where a joint
+    counts with rate w, its torque τ counts as w τ.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: name, `Task`, or None for the task the arm is made for.
+        tolerances: σ ≤ `singular`, translations divided by the length scale and turning joints in rad/s, is zero.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        TaskError: there is no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = ellipsoids(open_robot("planar2r"), [0.4, 0.0]).unit_rates.translation
+        >>> found.velocity.half_lengths.round(4).tolist(), found.force.half_lengths.round(4).tolist()
+        ([1.8385, 0.0], [0.5439, inf])
+        >>> found.manipulability.value, found.condition.value, found.sigma_min.unit
+        (0.0, inf, 'm/rad')
+    """
+    here = at(robot, q, task, tolerances)
+    weights, limits, zero = here.scale, rate_limits(here.robot), here.tolerances.singular
+    length = here.task.scale(here.robot)
+    slides = any(joint.kind is JointKind.PRISMATIC for joint in here.robot.variables)
+    ball = "Σ q̇² ≤ (1 rad/s)²" + (f", slides in units of {length:.4g} m" if slides else "") + "; Σ τ² ≤ (1 N m)²"
+    plain = _shapes(here.jacobian * weights, here.task, length, ball, weights, _PER_RATE, zero)
+    bounded = None
+    if np.isfinite(limits).all():
+        ball = "Σ (q̇/limit)² ≤ 1; Σ (τ · limit)² ≤ (1 W)²"
+        zero *= float((limits / weights).max())
+        bounded = _shapes(here.jacobian * limits, here.task, length, ball, limits, _PER_BALL, zero)
+    return Ellipsoids(plain, bounded, length)
+
+
+_PER_RATE = {"translation": "m/rad", "rotation": "1", "task": "1"}  # unit of σ: speed per joint rate
+_PER_BALL = {"translation": "m/s", "rotation": "rad/s", "task": "rad/s"}  # speed, since the ball has no unit
+
+
+def _shapes(
+    scaled: Array, task: Task, length: float, ball: str, weights: Array, units: dict[str, str], zero: float
+) -> PartSet:
+    """The three parts of the task Jacobian (translations divided by `length`) with weighted columns."""
+    rows, parts = np.array(task.rows), {}
+    for name, chosen, size in (("translation", rows < 3, length), ("rotation", rows >= 3, 1.0)):
+        if chosen.any():
+            parts[name] = _part(name, size * scaled[chosen], rows[chosen] % 3, np.ones(3), units[name], size * zero)
+    whole = _part("task", scaled, rows, np.repeat([length, 1.0], 3), units["task"], zero, length)
+    return PartSet(ball, tuple(weights.tolist()), parts.get("translation"), parts.get("rotation"), whole)
+
+
+def _part(
+    name: str, block: Array, places: Array, to_si: Array, unit: str, zero: float, length: float | None = None
+) -> Part:
+    """Ellipsoids of the rows `block` (k, n), which stand at `places` among the entries of an axis."""
+    u, measured, _ = svd(block)
+    values = np.where(measured > zero, measured, 0.0)
+    speeds, axes = np.zeros(len(places)), np.zeros((len(places), len(to_si)))
+    speeds[: len(values)] = values
+    axes[:, places] = u.T
+    forces = np.array([1.0 / value if value > 0.0 else inf for value in speeds])
+    velocity, force = (
+        Ellipsoid(read_only(axes), read_only(lengths), read_only(_stretched(axes, lengths) * to_given), of)
+        for lengths, to_given, of in (
+            (speeds, to_si, _PER_BALL[name]), (forces, 1.0 / to_si, "N" if name == "translation" else "N m"),
+        )
+    )  # fmt: skip
+    count, smallest = len(values), float(values[-1])
+    return Part(
+        name, velocity, force,
+        Index("σ_min", smallest, unit, length),
+        Index("condition number", float(values[0]) / smallest if smallest > 0.0 else inf, "1", length),
+        Index("manipulability", prod(values.tolist()), unit if unit == "1" or count == 1 else f"({unit})^{count}",
+              length),
+    )  # fmt: skip
+
+
+def _stretched(axes: Array, lengths: Array) -> Array:
+    """Axis times half-length; an infinite one leaves entries that are zero (1e-12) at zero."""
+    finite = np.where(np.isfinite(lengths), lengths, 0.0)[:, None] * axes
+    endless = np.where(np.abs(axes) > 1e-12, np.copysign(inf, axes), 0.0)
+    return np.where(np.isfinite(lengths)[:, None], finite, endless)

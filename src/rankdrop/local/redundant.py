@@ -30,11 +30,11 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.configuration import Configuration, Rank, at
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import configurations, one_configuration
-from rankdrop.local.block import block, generic_rank, joint_scale
+from rankdrop.local.block import block, generic_rank, joint_scale, read_only
 from rankdrop.local.directions import readable_basis
 from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.orientation import WEAK, Displacement
-from rankdrop.local.rates import Factored, factor, factored, task_sigma
+from rankdrop.local.rates import Factored, factor, joint_direction, task_sigma
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
@@ -196,28 +196,25 @@ def redundancy(
         [0.0, -0.43, 0.0, 0.816, 0.0, -0.387, 0.0]
     """
     here = at(robot, q, task, tolerances)
-    verdict, parts = here.measured, factored(here)
+    verdict, parts = here.measured, factor(here.robot, here.q, here.task, here.tolerances)
     scaled = here.jacobian * parts.joints
     null = parts.v[:, verdict.rank :]
     projector = null @ null.T
     closed = _closed_form(scaled, verdict.rank)
-    arrays = {
-        "range_basis": _range_basis(parts, here.task, verdict.rank),
-        "null_basis": readable_parts(null).T * parts.joints,
-        "projector": _unscaled(projector, parts.joints),
-        "closed_form": _unscaled(closed, parts.joints),
-        "joint_scale": parts.joints,
-    }
-    for array in arrays.values():
-        array.flags.writeable = False
+    twists = six_rows(parts.u[:, : verdict.rank].T / parts.rows, here.task)
+    given, form = (np.asarray(parts.joints[:, None] * one / parts.joints) for one in (projector, closed))
     return Redundancy(
         rank=verdict,
         check=_check(scaled, parts, verdict.rank, here.tolerances.singular),
-        difference=float(np.abs(arrays["projector"] - arrays["closed_form"]).max()),
+        range_basis=read_only(readable_parts(np.linalg.qr(twists.T)[0]).T),  # orthonormal in metres and radians
+        null_basis=read_only(readable_parts(null).T * parts.joints),
+        projector=read_only(given),
+        closed_form=read_only(form),
+        difference=float(np.abs(given - form).max()),
         idempotent=float(np.abs(projector @ projector - projector).max()),
         annihilates=float(np.abs(scaled @ projector).max()),
         closed_annihilates=float(np.abs(scaled @ closed).max()),
-        **arrays,
+        joint_scale=read_only(parts.joints),
     )
 
 
@@ -325,12 +322,6 @@ def _closed_form(scaled: Array, rank: int) -> Array:
     return np.asarray(np.eye(scaled.shape[1]) - scaled.T @ (vectors / values) @ vectors.T @ scaled)
 
 
-def _range_basis(parts: Factored, task: Task, rank: int) -> Array:
-    """(rank, 6) readable orthonormal twists that span the range in metres and radians."""
-    twists = six_rows(parts.u[:, :rank].T / parts.rows, task)
-    return readable_parts(np.linalg.qr(twists.T)[0]).T
-
-
 def _check(scaled: Array, parts: Factored, rank: int, tolerance: float) -> RankNullity:
     motions = parts.joints[:, None] * parts.v
     motions /= np.linalg.norm(motions, axis=0)  # the tolerance speaks of σ of the Jacobian without joint scale
@@ -338,10 +329,6 @@ def _check(scaled: Array, parts: Factored, rank: int, tolerance: float) -> RankN
     nullity = int((seen <= tolerance).sum())
     n = scaled.shape[1]
     return RankNullity(rank, nullity, n, rank + nullity == n, float(seen[rank:].max(initial=0.0)))
-
-
-def _unscaled(projector: Array, joints: Array) -> Array:
-    return np.asarray(joints[:, None] * projector / joints)
 
 
 def _vectors(name: str, value: ArrayLike, size: int, batch: tuple[int, ...]) -> Array:
@@ -443,7 +430,7 @@ def self_motion(
     verdict = here.measured
     where = Displacement(robot, start, resolved)
     low, high = (robot.lower, robot.upper) if limits else (np.full(robot.n, -np.inf), np.full(robot.n, np.inf))
-    wanted = None if direction is None else _wanted(robot, direction) / where.joints
+    wanted = None if direction is None else joint_direction(robot, direction) / where.joints
     points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
     if verdict.nullity:
         units, refusal = _units(here, wanted)
@@ -453,20 +440,11 @@ def self_motion(
             points, ended, words = trace.run(unit)
             if len(points) > 1 or ended == LIMIT:
                 break
-    found = np.array(points)
-    errors = np.array([np.linalg.norm(where.error(point)) for point in found])
-    sigma = task_sigma(robot, found, resolved)[:, verdict.generic_rank - 1]
-    for array in (found, errors, sigma):
-        array.flags.writeable = False
+    found = read_only(np.array(points))
+    errors = read_only(np.linalg.norm(where.error(found), axis=-1))
+    sigma = read_only(task_sigma(robot, found, resolved)[:, verdict.generic_rank - 1])
     travelled = float(np.linalg.norm(np.diff(found, axis=0) / where.joints, axis=1).sum())
     return SelfMotion(found, errors, sigma, travelled, ended, words, verdict.nullity, verdict.corank)
-
-
-def _wanted(robot: Robot, direction: ArrayLike) -> Array:
-    wanted = np.asarray(direction, dtype=np.float64)
-    if wanted.shape != (robot.n,) or not np.isfinite(wanted).all() or not wanted.any():
-        raise OptionError("a direction is one finite number per joint, not all zero", got=wanted.tolist())
-    return wanted
 
 
 def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], str]:

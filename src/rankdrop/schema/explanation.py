@@ -12,13 +12,11 @@ from rankdrop.configuration import Rank
 from rankdrop.families.tolerant import Place
 from rankdrop.local.axes import Relation, ScrewSystem
 from rankdrop.local.circuits import Circuit
-from rankdrop.local.ordered import Hunt, HuntJoint
 from rankdrop.local.directions import Screw
-from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
 from rankdrop.local.orientation import Representation, Representations
-from rankdrop.local.rates import DirectionRates, Rates, StraightMotion
+from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.second_order import LostMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape

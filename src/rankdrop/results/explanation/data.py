@@ -13,10 +13,9 @@ from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import ScrewSystem
 from rankdrop.local.circuits import Circuit
-from rankdrop.local.ordered import Hunt
 from rankdrop.local.directions import FramedDirections, Screw
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.ordered import Hunt, OrderedSubset
 from rankdrop.local.rates import StraightMotion
 from rankdrop.questions import ExplainOptions
 from rankdrop.robot.model import Array, Robot

@@ -16,11 +16,10 @@ from rankdrop.codec import Result
 from rankdrop.configuration import Cause, Rank
 from rankdrop.family.which import Incidence
 from rankdrop.local.axes import Relation, relations_at
-from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.orientation import Representations, representation_at
-from rankdrop.local.rates import Rates, StraightMotion, joint_rates
+from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.results.explanation.data import (

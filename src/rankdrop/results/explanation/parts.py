@@ -25,7 +25,6 @@ from rankdrop.family.which import Incidence, families_at
 from rankdrop.local.axes import always_singular_reason, systems_at
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
-from rankdrop.local.ordered import hunt
 from rankdrop.local.directions import (
     FramedDirections,
     blocked_words,
@@ -37,7 +36,7 @@ from rankdrop.local.directions import (
     words,
 )
 from rankdrop.local.nearest import Nearest, nearest_singularity
-from rankdrop.local.ordered import ordered_subsets
+from rankdrop.local.ordered import hunt, ordered_subsets
 from rankdrop.local.rates import StraightMotion, slowest_motions
 from rankdrop.local.ways_out import Escape, JointEscape
 from rankdrop.results.analysis import Analysis

@@ -15,8 +15,8 @@ import numpy as np
 
 from rankdrop.configuration import Cause
 from rankdrop.family.record import Family
-from rankdrop.local.ordered import Hunt
 from rankdrop.local.directions import FramedDirections, constraint, in_short
+from rankdrop.local.ordered import Hunt
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record

@@ -12,8 +12,7 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.redundant import REACHED, self_motion
-from rankdrop.local.second_order import distinct
-from rankdrop.local.ways_out import escape
+from rankdrop.local.ways_out import distinct, escape
 from rankdrop.results.explanation.words import avoidable_words
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task

@@ -9,11 +9,10 @@ from reference import arms
 from rankdrop.configuration import at
 from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
-from rankdrop.local import second_order as still
+from rankdrop.local import ways_out as still
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import Displacement, determined_by_pose
-from rankdrop.local.second_order import definite, forms, null_basis, trace, vanishing
-from rankdrop.local.ways_out import Escape, escape
+from rankdrop.local.ways_out import Escape, definite, escape, forms, null_basis, trace, vanishing
 from rankdrop.results.explanation.words import PROOF, avoidable_words, boundary_words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -39,7 +39,7 @@ WHOLE = {
     "family": (6, 19),
     "jobs": (4, 5),
     "kinematics": (1, 1),
-    "local": (18, 51),
+    "local": (17, 51),
     "motion": (34, 49),
     "options": (1, 1),
     "configuration": (1, 3),

@@ -134,12 +134,15 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
     finite motion, extrapolated to t = 0.
 
     Args:
-        place: a configuration of corank ≥ 1.
+        place: where; at a regular configuration the rate is dσ_r/dt, with its sign (AM eq. 7), and the order 1.
         directions: (d, n) in scaled joint coordinates; t is measured so, and so are the rates.
 
     Returns:
         One departure per direction.
     """
+    if not place.corank:
+        r, first = place.generic - 1, taylor(place.robot, place.q, place.task, directions * place.scale, 1)[1]
+        return tuple(Departure(0, 1, float(slope), ()) for slope in place.u[:, r] @ first @ place.v[:, r])
     highest = np.array([_highest(place, direction) for direction in directions])
     series = taylor(place.robot, place.q, place.task, directions * place.scale, int(highest.max(initial=2)))
     series[0] = place.kept()

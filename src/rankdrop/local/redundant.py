@@ -35,7 +35,7 @@ from rankdrop.local.directions import readable_basis
 from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.rates import Factored, factor, joint_direction, task_sigma
-from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
+from rankdrop.local.ways_out import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows

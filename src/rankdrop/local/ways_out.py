@@ -1,41 +1,56 @@
-"""How to get out of a singularity: joint by joint, by two joints, by all of them, and without moving the end effector.
+"""How to leave a singular configuration: motions of the joints that restore the rank, and edges of the reach.
 
 A joint a moved alone changes the block of the lost directions by D(e_a) = U₂ᵀ dJ(e_a) V₂, which GR build from the Lie
-products [S_a, S_i]; its rank is the rank regained at first order, its singular values the rates. Where it falls short,
-higher orders decide (`departure`). Every prediction is judged by a finite motion; σ is that of the task Jacobian with
-translation rows over the length scale, so rates depend on that scale, while ranks, orders and joints do not.
+products [S_a, S_i] (sections 3 and 4); its rank is the rank regained at first order, its singular values the rates.
+Where it falls short, higher orders decide (`rankdrop.local.departure`). Every prediction is judged by a finite motion;
+σ is that of the task Jacobian with translation rows over the length scale, so rates depend on that scale, while ranks,
+orders and joints do not.
 
-Actuators and receptors: which joint carries which screws out of what the screws span (GR sections 3 and 4).
+The second order says what the null space does to the lost motions. Move along q + sΔ + ½s²a with Δ in the null space of
+J. The end effector's twist is s (J a + dJ(Δ)Δ) + O(s²), so
+
+    Q_u(Δ) = u · dJ(Δ)Δ,   u a lost direction (uᵀJ = 0)
+
+is what the joints cannot take back: the end effector moves along u at second order. Q_u is a quadratic form on the null
+space. Where it is not zero, the lost direction can be reached so (type 1); where it vanishes, only an internal motion
+leaves (type 2). A self-motion needs Q_u(Δ) = 0 for every u; where some Q_u is definite there is none through q, not
+even one that starts with a cusp: the leading term c sᵏ of an analytic curve has Q_u(c) = 0 too.
+
+Null motions that can be tangents of a self-motion are traced a short way, all at once, to leave a singularity with the
+end effector at rest: steps ahead, each put back to where the end effector was (`Displacement`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.configuration import LEAST, Configuration, at
-from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
-from rankdrop.local import departure as finite_motions
-from rankdrop.local.bracket import brackets
-from rankdrop.local.departure import Departure, departures, taylor, unlocked
-from rankdrop.local.notebook import escape_html
-from rankdrop.local.second_order import (
-    EdgeReason,
-    LostMotion,
-    Stillness,
-    StillReason,
-    boundary,
-    find_still,
-    lost_motions,
-    null_basis,
+from rankdrop.local.bracket import brackets, unit
+from rankdrop.local.departure import (
+    Departure,
+    best_motion,
+    best_pair,
+    departures,
+    measured_gains,
+    scores,
+    single_motions,
+    taylor,
+    unlocked,
 )
+from rankdrop.local.directions import lost_directions
+from rankdrop.local.notebook import escape_html
+from rankdrop.local.orientation import Displacement, determined_by_pose
+from rankdrop.options import check_value, option
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
-from rankdrop.units import out_of_metres
+from rankdrop.units import counted, out_of_metres
 
 
 def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
@@ -124,6 +139,29 @@ class Direction:
 
 
 @dataclass(frozen=True, slots=True)
+class LostMotion:
+    """One lost direction at second order.
+
+    Attributes:
+        direction: (6,) as from `lost_directions`: vx vy vz wx wy wz in the task's frame.
+        type: 1 where the end effector can move along it at second order by Δ in the null space; 2 where not: it is
+            left only by internal motion.
+        form: eigenvalues of u · dJ(Δ)Δ on the null space, ascending, u of unit length in the scaled task [1/rad].
+    """
+
+    direction: tuple[float, ...]
+    type: int
+    form: tuple[float, ...]
+
+
+StillReason = Literal["always moves", "definite", "rows", "no tangent", "regular", "left", "stayed", "stayed so far",
+                      "too small", "untraced"]  # fmt: skip
+"""Why a singularity can be left with the tool held still ("left"), or cannot, or is not known to be."""
+EdgeReason = Literal["open", "never whole", "several", "both signs", "one sign", "flat"]
+"""What decides whether the tool is at an edge of its reach: the sign of the form on the null space, or why not."""
+
+
+@dataclass(frozen=True, slots=True)
 class Escape:
     """How to leave one configuration.
 
@@ -200,15 +238,14 @@ def escape(
     here = at(robot, q, task, tolerances, corank)
     here.check_moves()
     place = here.metric
-    check_step(step)
-    if seed < 0:
-        raise OptionError("seed is outside the range", got=seed, allowed="a whole number from 0 up")
+    check_value("step", _STEP, step)
+    check_value("seed", _SEED, seed)
     basis = null_basis(place)
+    each = forms(place, basis)
     single = _single(place, step)
-    stillness = find_still(place, basis, step, seed)
+    still, avoidable, reason, error = find_still(place, basis, each, step, seed)
     pair, best = _several(place, step, seed, single)
-    avoidable = stillness.avoidable
-    edge, edge_reason = boundary(place, stillness.forms)
+    edge, edge_reason = boundary(place, each)
     nearby = bool(place.corank and place.sigma[place.rank] > place.tolerances.singular)
     if nearby:  # q itself is regular: denials hold elsewhere
         avoidable, edge = avoidable or None, None
@@ -217,10 +254,10 @@ def escape(
         single=single,
         best_pair=pair,
         best_direction=best,
-        still=_still_direction(place, stillness),
+        still=still,
         avoidable=avoidable,
-        avoidable_reason=stillness.reason,
-        still_error=stillness.error,
+        avoidable_reason=reason,
+        still_error=error,
         types=lost_motions(place, basis),
         boundary=edge,
         boundary_reason=edge_reason,
@@ -230,42 +267,34 @@ def escape(
     return found if place is here else _out_of_metres(found, here.robot)
 
 
-def check_step(step: float) -> None:
-    """Refuse a length of motions that is not compared.
-
-    Raises:
-        OptionError: outside 1e-3 … 1.
-    """
-    if not 1e-3 <= step <= 1.0:
-        raise OptionError("the step is outside the range", got=step, allowed="1e-3 … 1 (rad, or length scales)")
+_STEP = Annotated[float, option("of the motions that are compared", unit="rad", ge=1e-3, le=1.0)]
+_SEED = Annotated[int, option("of the random starts", ge=0)]
 
 
 def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
     """Motions of `in_metres(robot)` as those of the arm itself."""
     unit = out_of_metres(robot, np.ones(robot.n))  # of slides
 
-    def several(one: Direction | None) -> Direction | None:
-        return None if one is None else replace(one, delta=tuple((unit * one.delta).tolist()))
+    def several(one: Direction) -> Direction:
+        return replace(one, delta=tuple((unit * one.delta).tolist()))
 
     def alone(joint: JointEscape) -> JointEscape:
         own = float(unit[joint.number - 1])
         first = tuple(value / own for value in joint.first_order)
         return replace(joint, rate=joint.rate / own ** (joint.order or 0), first_order=first, step=joint.step * own)
 
-    best = several(escape.best_direction)
-    assert best is not None
     return replace(
-        escape, single=tuple(alone(one) for one in escape.single), best_pair=several(escape.best_pair),
-        best_direction=best, still=several(escape.still),
+        escape, single=tuple(map(alone, escape.single)), best_pair=escape.best_pair and several(escape.best_pair),
+        best_direction=several(escape.best_direction), still=escape.still and several(escape.still),
     )  # fmt: skip
 
 
 def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
-    found = departures(place, units) if place.corank else _slopes(place, units)
-    gains = finite_motions.measured_gains(place, units)
-    steps, sigma = finite_motions.single_motions(place, step)
+    found = departures(place, units)
+    gains = measured_gains(place, units)
+    steps, sigma = single_motions(place, step)
     receives = receptors(place)
     down, up = place.room
     out = []
@@ -305,9 +334,9 @@ def _several(
     for row, joint in enumerate(single):
         moves[row, joint.number - 1] = joint.step / place.scale[joint.number - 1]
     moves = moves[np.abs(moves).max(axis=1) > 0]
-    pair = finite_motions.best_pair(place, step) if len(place.q) > 1 else None
+    pair = best_pair(place, step) if len(place.q) > 1 else None
     known = moves if pair is None else np.concatenate([pair[None], moves])
-    whole = finite_motions.best_motion(place, step, seed, known)
+    whole = best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
     described = _described(place, motions)
     return (described[1] if pair is not None else None), described[0]
@@ -320,47 +349,298 @@ def _described(place: Configuration, motions: Array) -> list[Direction]:
     units = np.where(inside[:, None], motions / np.maximum(lengths, 1e-300)[:, None], 0.0)
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
-    found = departures(place, units) if place.corank else _slopes(place, units)
-    reached = finite_motions.scores(place, units * lengths[:, None])
+    found = departures(place, units)
+    reached = scores(place, units * lengths[:, None])
     sigma = place.last(place.q + units * lengths[:, None] * place.scale)
     return [
-        Direction(
-            delta=tuple(float(x) for x in units[i] * place.scale),
-            numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(units[i]) > ENTRY)),
-            gain=made.gain,
-            order=made.order,
-            rate=made.rate,
-            step=float(lengths[i]),
-            sigma_after=float(sigma[i]),
-            restores=bool(sigma[i] > place.floor),
-            within_limits=bool(inside[i]),
-            measured_gain=int(reached[i, 0]) - place.rank,
-        )
+        _direction(place, units[i], made, float(lengths[i]), float(sigma[i]), gain=int(reached[i, 0]) - place.rank,
+                   inside=bool(inside[i]))
         for i, made in enumerate(found)
-    ]
+    ]  # fmt: skip
 
 
-def _slopes(place: Configuration, directions: Array) -> tuple[Departure, ...]:
-    """At a regular configuration: dσ_r/dt, with its sign (AM eq. 7)."""
-    first = taylor(place.robot, place.q, place.task, directions * place.scale, 1)[1]
-    r = place.generic - 1
-    slopes = place.u[:, r] @ first @ place.v[:, r]
-    return tuple(Departure(0, 1, float(slope), ()) for slope in slopes)
-
-
-def _still_direction(place: Configuration, found: Stillness) -> Direction | None:
-    """The traced self-motion that restores, as a direction at q."""
-    if found.tangent is None:
-        return None
+def _direction(
+    place: Configuration, unit: Array, made: Departure, step: float, sigma: float, *, gain: int, inside: bool
+) -> Direction:
+    """A motion along a unit vector (n,) in scaled coordinates as a record."""
     return Direction(
-        delta=tuple(float(x) for x in found.tangent * place.scale),
-        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(found.tangent) > ENTRY)),
-        gain=found.gain,
-        order=found.order,
-        rate=found.rate,
-        step=found.length,
-        sigma_after=found.sigma_after,
-        restores=found.sigma_after > place.floor,
-        within_limits=found.within_limits,
-        measured_gain=found.gain,
+        delta=tuple((unit * place.scale).tolist()),
+        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(unit) > ENTRY)),
+        gain=made.gain,
+        order=made.order,
+        rate=made.rate,
+        step=step,
+        sigma_after=sigma,
+        restores=sigma > place.floor,
+        within_limits=inside,
+        measured_gain=gain,
     )
+
+
+FLAT = DEFAULT.block_rank
+"""A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
+_STARTS = 48  # random starts for directions on which all forms vanish
+_NEWTON = 12  # steps of each
+_APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
+_SAMPLES = 256  # combinations of lost directions tried for a definite one
+
+
+def null_basis(place: Configuration) -> Array:
+    """(n, s) orthonormal basis of the null space of J in scaled joint coordinates."""
+    return np.asarray(np.linalg.qr(place.v2 / place.scale[:, None])[0])
+
+
+def forms(place: Configuration, basis: Array) -> Array:
+    """(m − rank, s, s) symmetric matrices of Q_u on the null space, u the columns of U₂."""
+    return _forms_of(place, basis, place.u2.T)
+
+
+def lost_motions(place: Configuration, basis: Array) -> tuple[LostMotion, ...]:
+    """Each lost direction with its form and its type."""
+    if not place.corank:
+        return ()
+    rows = lost_directions(place.robot, place.q, place.task, place.corank)
+    scaled = rows * np.repeat([place.task.scale(place.robot) / counted(place.robot), 1.0], 3)
+    each = _forms_of(place, basis, unit(scaled[:, list(place.task.rows)]))
+    return tuple(
+        LostMotion(tuple(row.tolist()), 1 if np.abs(values).max(initial=0.0) > FLAT else 2, tuple(values.tolist()))
+        for row, values in zip(rows, np.linalg.eigvalsh(each), strict=True)
+    )
+
+
+def _forms_of(place: Configuration, basis: Array, lost: Array) -> Array:
+    """(p, s, s) symmetric matrices of u · dJ(N_a) N_b, u the rows of `lost` (p, m), N the columns of a basis (n, s)."""
+    first = taylor(place.robot, place.q, place.task, basis.T * place.scale, 1)[1] @ (basis * place.scale[:, None])
+    each = np.einsum("pm,amb->pab", lost, first)
+    return np.asarray((each + np.swapaxes(each, -1, -2)) / 2)
+
+
+def definite(each: Array, seed: int) -> bool:
+    """Whether some combination of the forms (p, s, s) is definite; a search: False is not a proof."""
+    if not each.size:
+        return False
+    if len(each) == 1:
+        weights = np.array([[1.0], [-1.0]])
+    else:
+        weights = unit(np.random.default_rng(seed).normal(size=(_SAMPLES, len(each))))
+    least = np.linalg.eigvalsh(np.einsum("wp,pab->wab", weights, each))[:, 0]
+    return bool(least.max() > FLAT)
+
+
+def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
+    """Unit vectors on which all forms vanish, by Gauss–Newton on the sphere from random starts.
+
+    Args:
+        each: (p, s, s) forms.
+        seed: of the starts.
+
+    Returns:
+        (c, s) vectors, and whether the forms are zero as a whole (every vector counts then).
+    """
+    size = each.shape[-1]
+    starts = np.random.default_rng(seed).normal(size=(_STARTS, size))
+    starts = np.concatenate([np.eye(size), starts]) if size > 1 else np.eye(1)
+    x = unit(starts)
+    if not each.size or float(np.abs(each).max()) <= FLAT:
+        return x, True
+    _, sigma, vt = np.linalg.svd(each.reshape(-1, size))
+    x = np.concatenate([x, vt[int((sigma > FLAT).sum()) :]])  # every form sends these to zero: Newton finds them slowly
+
+    def along_sphere(x: Array, _active: NDArray[np.intp]) -> Array:
+        value, slope = np.einsum("pab,ca,cb->cp", each, x, x), 2 * np.einsum("pab,cb->cpa", each, x)
+        return unit(x - shortest(slope, value)) - x
+
+    x = iterate(along_sphere, x, iterations=_NEWTON)
+    left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
+    return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
+
+
+def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
+    """Indices of unit vectors (c, n) that differ by more than a sign, the first of each in the given order."""
+    near = np.abs(vectors @ vectors.T) >= 1.0 - _APART**2 / 2
+    kept: list[int] = []
+    for i in order:
+        if not near[i, kept].any():
+            kept.append(int(i))
+    return kept
+
+
+def boundary(place: Configuration, each: Array) -> tuple[bool | None, EdgeReason]:
+    """Whether q maps to the boundary of the workspace, and why; from the form on the null space, corank 1 only.
+
+    The form's kernel holds the null motions that are tangent to the same singular family (D vanishes on them, for D is
+    symmetric on the null space). Modulo them a definite form keeps the end effector on one side.
+    """
+    if not place.corank:
+        full = place.generic == place.task.m
+        return (False, "open") if full else (None, "never whole")
+    if place.corank > 1 or place.generic < place.task.m:
+        return None, "several"
+    eigenvalues = np.linalg.eigvalsh(each[0])
+    up, down = bool(eigenvalues[-1] > FLAT), bool(eigenvalues[0] < -FLAT)
+    if up and down:
+        return False, "both signs"
+    if up or down:
+        return True, "one sign"
+    return None, "flat"
+
+
+_MOST = 4  # tangents that are traced, both ways
+_STEPS = 4  # of a trace
+_LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
+_LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
+_STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
+_FIRST = 1e-6  # singular values of D along a tangent below this are zero
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Short self-motions from q, one per tangent.
+
+    Attributes:
+        q: (c, steps + 1, n) configurations, the first is q itself [rad, m].
+        sigma: (c, steps + 1) σ_r there, r the generic rank.
+        ranks: (c,) rank at the last one.
+        error: (c,) largest displacement of the task on the way, translations over the length scale.
+        length: (c,) how far the last one is from q, in scaled coordinates.
+        valid: (c,) the end effector stood still and the arm did move.
+    """
+
+    q: Array
+    sigma: Array
+    ranks: NDArray[np.intp]
+    error: Array
+    length: Array
+    valid: NDArray[np.bool_]
+
+
+Stillness = tuple[Direction | None, bool | None, StillReason, float]
+"""A self-motion that restores the rank, whether there is one and why, and the largest task error on its way."""
+
+
+def find_still(place: Configuration, basis: Array, each: Array, step: float, seed: int) -> Stillness:
+    """Look for a self-motion through q that restores the rank, and say what is known if there is none.
+
+    Args:
+        place: where.
+        basis: (n, s) of the null space, scaled coordinates.
+        each: (m − rank, s, s) the forms on it, from `forms`.
+        step: length of a trace, at least 0.12.
+        seed: of random starts.
+    """
+    if not basis.shape[1]:
+        return None, False, "always moves", 0.0
+    if place.corank and definite(each, seed):
+        return None, False, "definite", 0.0
+    if not determined_by_pose(place.task):
+        return None, None, "rows", 0.0
+    vectors, all_vanish = vanishing(each, seed)
+    if not len(vectors):
+        return None, None, "no tangent", 0.0
+    tangents, promise = _chosen(place, vectors @ basis.T)
+    traced = trace(place, tangents, max(step, _LENGTH))
+    least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
+    leaves = np.asarray(traced.valid & (traced.sigma[:, -1] > least))
+    if leaves.any():
+        return _best_trace(place, tangents, promise, traced, leaves)
+    return None, *_why_it_stays(place, traced, all_vanish or _few(each)), 0.0
+
+
+def trace(place: Configuration, tangents: Array, length: float) -> Trace:
+    """Follow self-motions with the given tangents.
+
+    Args:
+        place: where they start.
+        tangents: (c, n) unit vectors in scaled coordinates, in the null space of J.
+        length: how far to go, in scaled coordinates.
+
+    Returns:
+        What came of each; `valid` is False where the corrector did not bring the end effector back.
+    """
+    where = Displacement(place.robot, place.q, place.task)
+    path, valid = [np.broadcast_to(place.q, tangents.shape)], np.ones(len(tangents), dtype=bool)
+    ahead = tangents
+    for _ in range(_STEPS):
+        reached, arrived = where.back(path[-1] + ahead * (length / _STEPS) * place.scale)
+        ahead = unit((reached - path[-1]) / place.scale)
+        path.append(reached)
+        valid &= arrived
+    q = np.stack(path, axis=1)
+    sigma = place.singular_values(q)[..., : place.generic]
+    gone = np.linalg.norm((q[:, -1] - place.q) / place.scale, axis=1)
+    return Trace(
+        q=q,
+        sigma=sigma[..., -1],
+        ranks=(sigma[:, -1] > place.floor).sum(axis=-1),
+        error=np.linalg.norm(where.error(q), axis=-1).max(axis=1),
+        length=gone,
+        valid=valid & (gone >= 0.6 * length),
+    )
+
+
+def _few(each: Array) -> bool:
+    """Whether the directions on which the forms vanish are a few lines, which are then all found.
+
+    One form on a plane vanishes on two lines at most, a semidefinite one on its kernel only.
+    """
+    size = each.shape[-1]
+    if size == 1 or (size == 2 and len(each) == 1):
+        return True
+    if len(each) != 1:
+        return False
+    eigenvalues = np.linalg.eigvalsh(each[0])
+    one_sided = eigenvalues[0] >= -FLAT or eigenvalues[-1] <= FLAT
+    return bool(one_sided and (np.abs(eigenvalues) <= FLAT).sum() == 1)
+
+
+def _chosen(place: Configuration, tangents: Array) -> tuple[Array, Array]:
+    """The most promising tangents, both ways, and the k-th singular value of D along each."""
+    tangents = unit(tangents)
+    series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
+    if place.corank:
+        first = place.u2.T @ series @ place.v2
+        promise = np.linalg.svd(first, compute_uv=False)[:, place.corank - 1]
+    else:
+        r = place.generic - 1
+        promise = np.abs(place.u[:, r] @ series @ place.v[:, r])
+    kept = distinct(tangents, np.lexsort((np.arange(len(promise)), -np.round(promise, 9))))[:_MOST]
+    return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
+
+
+def _best_trace(
+    place: Configuration, tangents: Array, promise: Array, traced: Trace, leaves: NDArray[np.bool_]
+) -> Stillness:
+    """Of the traces that leave the singularity the one that restores most, inside the limits if any does."""
+    down, up = place.room
+    moved = (traced.q - place.q) / place.scale
+    inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
+    best = int(np.argmax(np.where(leaves, traced.sigma[:, -1] + 1e3 * inside, -1.0)))
+    sigma, length = traced.sigma[best], float(traced.length[best])
+    order, rate = _along(sigma, float(promise[best]), length)
+    gain, after = int(traced.ranks[best]) - place.rank, float(sigma[-1])
+    direction = _direction(
+        place, tangents[best], Departure(gain, order, rate, ()), length, after, gain=gain, inside=bool(inside[best])
+    )
+    return direction, True if place.corank else None, "left", float(traced.error[best])
+
+
+def _why_it_stays(place: Configuration, traced: Trace, complete: bool) -> tuple[bool | None, StillReason]:
+    """No trace restores the rank: whether those were all there are."""
+    if not place.corank:
+        return None, "regular"
+    stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
+    if complete and stayed and traced.valid.all():
+        return False, "stayed"
+    if traced.valid.any():
+        return None, "stayed so far" if stayed else "too small"
+    return None, "untraced"
+
+
+def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
+    """Order and rate of σ_r along a trace with evenly spaced points."""
+    if promise > _FIRST:
+        return 1, promise
+    quarter = length / (len(sigma) - 1)
+    ratio = float(sigma[2] / max(sigma[1], 1e-300))
+    order = max(1, round(np.log2(max(ratio, 1e-300))))
+    return order, float(sigma[1]) / quarter**order

@@ -18,8 +18,7 @@ from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
 from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
-from rankdrop.local.second_order import LostMotion
-from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation.data import Summary
 from rankdrop.results.explanation.text import lost_text, summary_lines
 from rankdrop.results.explanation.words import LOST_TYPE, avoidable_words, boundary_words

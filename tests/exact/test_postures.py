@@ -13,7 +13,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import CUSPS, NO_CUSP, OPEN, SIGNS, Unbounded, common_zeros, decide_postures
 from rankdrop.kinematics import task_jacobian
-from rankdrop.motion.postures.search import aspects_of
+from rankdrop.motion.aspects import aspects_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

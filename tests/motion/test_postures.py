@@ -14,11 +14,10 @@ from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.posture_changes import OPEN, Decision
 from rankdrop.kinematics import pose, task_jacobian
+from rankdrop.motion import aspects as search
+from rankdrop.motion.aspects import CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, Postures, aspects_of
 from rankdrop.motion.check import check_path
 from rankdrop.motion.inverse import Aim, solutions
-from rankdrop.motion.postures import search
-from rankdrop.motion.postures.record import CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, Postures
-from rankdrop.motion.postures.search import aspects_of
 from rankdrop.results.codec import json_text
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot

@@ -40,7 +40,7 @@ WHOLE = {
     "jobs": (4, 5),
     "kinematics": (1, 1),
     "local": (17, 51),
-    "motion": (34, 49),
+    "motion": (32, 48),
     "options": (1, 1),
     "configuration": (1, 3),
     "problem": (1, 2),

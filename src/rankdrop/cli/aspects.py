@@ -7,8 +7,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command, open_arm, parse_configuration
+from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ArmOptions, Output, command, open_arm, parse_configuration
 from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, say, write_json, write_text
+from rankdrop.motion import AspectsOptions
 
 
 @command
@@ -19,14 +20,9 @@ def aspects(
     q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
-    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    poses: Whole = 10,
-    most: Whole = 100,
-    starts: Whole = 600,
-    seed: Whole = 0,
+    search: AspectsOptions = AspectsOptions(),
     path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    output: Output = OUTPUT,
 ) -> int:
     """Find changes of posture without a singularity.
 
@@ -47,30 +43,23 @@ def aspects(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: A configuration whose pose is solved: one number per joint [rad, m]. Default: poses of random ones.
         deg: Angles without a unit are in degrees, and so are those printed.
-        limits: Solutions and paths within the joint limits only.
-        poses: How many random poses, where no configuration is given.
-        most: And at most how many, while no path is found and nothing is proven.
-        starts: Of Newton's method for the inverse of each pose.
-        seed: Of every random choice; the same seed gives the same result.
         path: Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout.
-        json: Write the result to this file as well; - writes it to stdout in place of the text.
-        quiet: No progress.
     """
     from rankdrop.motion import NOT_FOUND, aspects_of
 
-    check_targets({"--json": json, "--path": path}, {"--path": (".csv",)})
+    check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})
     model, task = open_arm(robot, arm)
     start = None if q is None else parse_configuration(q, model, deg=deg)
-    with reporter(quiet=quiet) as report:
+    with reporter(quiet=output.quiet) as report:
         found = aspects_of(
-            model, task, q=start, poses=poses, most=most, starts=starts, seed=seed, limits=limits,
+            model, task, q=start, options=search,
             progress=lambda done, total: report("poses solved", done, total),
         )  # fmt: skip
     csv = found.path_csv()
     hand_over(
         lambda: print_sections(found.sections(deg=deg)),
         (path if csv else None, lambda target: write_text(csv, target)),
-        (json, lambda target: write_json(found.to_dict(), target)),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
     )
     if path is not None and not csv:
         say(f"{path} is not written: there is no path")

@@ -1,3 +1,8 @@
+from .aspects import CUSPIDAL as CUSPIDAL
+from .aspects import NOT_CUSPIDAL as NOT_CUSPIDAL
+from .aspects import NOT_FOUND as NOT_FOUND
+from .aspects import Postures as Postures
+from .aspects import aspects_of as aspects_of
 from .bag_file import is_bag as is_bag
 from .cartesian import check_poses as check_poses
 from .certificate import path_certificate as path_certificate
@@ -13,6 +18,7 @@ from .many import check_file as check_file
 from .many import check_files as check_files
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
+from .options import AspectsOptions as AspectsOptions
 from .options import FileReading as FileReading
 from .options import PathOptions as PathOptions
 from .options import RemedyOptions as RemedyOptions
@@ -20,11 +26,6 @@ from .pose_file import Poses as Poses
 from .pose_file import holds_poses as holds_poses
 from .pose_file import length_hint as length_hint
 from .pose_file import read_poses as read_poses
-from .postures.record import CUSPIDAL as CUSPIDAL
-from .postures.record import NOT_CUSPIDAL as NOT_CUSPIDAL
-from .postures.record import NOT_FOUND as NOT_FOUND
-from .postures.record import Postures as Postures
-from .postures.search import aspects_of as aspects_of
 from .record import CROSSING as CROSSING
 from .record import FREE as FREE
 from .record import TOO_NEAR as TOO_NEAR

@@ -1,4 +1,4 @@
-"""What may be asked of a path: how it is checked, which remedies are tried, how its file is read."""
+"""What may be asked of a path: how it is checked, which remedies are tried, how its file is read; and of aspects."""
 
 from __future__ import annotations
 
@@ -62,3 +62,22 @@ class FileReading(Options):
     start: Annotated[
         tuple[float, ...] | None, option("Configuration near the first pose: which branch of the inverse kinematics")
     ] = None  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AspectsOptions(Options):
+    """How changes of posture are searched."""
+
+    TITLE = "Search"
+
+    poses: Annotated[
+        int, option("How many random poses, where no configuration is given", ge=1, le=100_000)
+    ] = 10  # fmt: skip
+    most: Annotated[
+        int, option("And at most how many, while no path is found and nothing is proven", ge=1, le=100_000)
+    ] = 100  # fmt: skip
+    starts: Annotated[int, option("Of Newton's method for the inverse of each pose", ge=1, le=1_000_000)] = 600
+    seed: Annotated[
+        int, option("Of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
+    ] = 0  # fmt: skip
+    limits: Annotated[bool, option("Solutions and paths within the joint limits only")] = False

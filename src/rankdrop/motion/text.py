@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rankdrop.local.block import generic_rank
-from rankdrop.results.explanation.words import angle, motion, short
+from rankdrop.results.explanation.words import angle, minus, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.units import counted_length
@@ -335,3 +335,14 @@ def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
         unit = ("°" if deg else " rad") if turns else " m"
         parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
     return ", ".join(parts)
+
+
+def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:
+    """Headings of columns of joint values."""
+    return tuple(f"{one.name} [{'°' if deg and one.unit == 'rad' else one.unit}]" for one in robot.variables)
+
+
+def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
+    """Joint values (n,) as cells of a table."""
+    for joint, value in zip(robot.variables, q.tolist(), strict=True):
+        yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")

@@ -26,8 +26,9 @@ followed on the path itself, and rates are those of the joints followed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from math import degrees
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,16 +37,17 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.motion.inverse import Aim, check_axes, rotation
+from rankdrop.motion.text import joint_cells, joint_heads
+from rankdrop.motion.trajectory import csv_text
 from rankdrop.problem import Mask
-from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
+from rankdrop.schema import Result
 from rankdrop.sections import Section
 from rankdrop.solve import newton
 from rankdrop.task import ROWS, Task, resolve_task
 from rankdrop.tolerances import DEFAULT
-from rankdrop.units import heading, in_metres, into_metres, out_of_metres, task_in_metres
-from rankdrop.version import VERSION
+from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 _SPAN = 0.1  # of σ to either side [rad]: four digits of a fifth-order term are left
 _POINTS = 12  # on each side
@@ -54,7 +56,6 @@ _CLOSE = 1e-12
 _MOST = 30  # steps of Newton's method
 
 
-SCHEMA = "rankdrop/through/1"
 HIGHEST = 6
 """Order that is looked for."""
 REGULAR, PASSES, TANGENT, TURNS, CORNER, NOT, UNDECIDED = (
@@ -64,7 +65,7 @@ TRACKABLE = (REGULAR, PASSES, TANGENT, CORNER)
 
 
 @dataclass(frozen=True, eq=False)
-class Through:
+class Through(Result):
     """What is known of a tool path at one configuration.
 
     Attributes:
@@ -92,15 +93,16 @@ class Through:
     along: Array
     bend: Array
     kind: str
-    order: int | None
     outside: float
-    side: int
-    times: Array
-    s: Array
-    joints: Array
-    off: float
-    rate: float
-    exponent: float
+    order: int | None = None
+    side: int = 0
+    times: Array = field(default_factory=partial(np.zeros, 0))
+    s: Array = field(default_factory=partial(np.zeros, 0))
+    joints: Array = field(default_factory=partial(np.zeros, 0))
+    off: float = 0.0
+    rate: float = 0.0
+    exponent: float = 0.0
+    FILE: ClassVar[str] = "through"
 
     @property
     def trackable(self) -> bool:
@@ -126,19 +128,6 @@ class Through:
             UNDECIDED: f"Undecided: nothing is settled by terms up to order {HIGHEST}.",
         }[self.kind]
 
-    def to_dict(self) -> Record:
-        """Plain data: docs/json.md."""
-        return {
-            **heading(SCHEMA),
-            "robot": robot_to_dict(self.robot, self.task, generic_rank(self.robot, self.task)),
-            "version": VERSION,
-            "q": self.q.tolist(), "along": self.along.tolist(), "bend": self.bend.tolist(),
-            "kind": self.kind, "sentence": self.sentence, "trackable": self.trackable, "order": self.order,
-            "side": self.side, "outside": self.outside,
-            "motion": {"times": self.times.tolist(), "s": self.s.tolist(), "q": self.joints.tolist()},
-            "off": self.off, "rate": self.rate, "exponent": self.exponent,
-        }  # fmt: skip
-
     def sections(self, *, deg: bool = False) -> Iterator[Section]:
         """For people: the verdict first and last."""
         yield Section(self.sentence)
@@ -158,24 +147,15 @@ class Through:
 
     def path_csv(self) -> str:
         """The motion with its times as a file that `rankdrop path` reads [s; rad, m]; empty where there is none."""
-        if not len(self.s):
-            return ""
-        head = ",".join(["time", *(joint.name for joint in self.robot.variables)])
-        rows = np.column_stack([self.times - self.times[0], self.joints])
-        return "\n".join([head, *(",".join(repr(float(x)) for x in row) for row in rows)]) + "\n"
+        names = [joint.name for joint in self.robot.variables]
+        return csv_text(names, self.joints, self.times - self.times[0]) if len(self.s) else ""
 
     def _table(self, *, deg: bool) -> Section:
-        turned = [deg and joint.unit == "rad" for joint in self.robot.variables]
         some = range(0, len(self.s), max(1, len(self.s) // 8))
-        rows = []
-        for i in some:
-            shown = zip(self.joints[i], turned, strict=True)
-            cells = (f"{degrees(x):.2f}" if angle else f"{x:.4f}" for x, angle in shown)
-            rows.append((f"{self.times[i]:.3f}", f"{self.s[i]:.3e}", *cells))
-        names = zip(self.robot.variables, turned, strict=True)
-        head = ("t [s]", "s", *(f"{joint.name} [{'°' if angle else joint.unit}]" for joint, angle in names))
-        return Section("The motion", columns=head, rows=tuple(tuple(minus(x) for x in row) for row in rows),
-                       texts=())  # fmt: skip
+        rows = tuple((minus(f"{self.times[i]:.3f}"), minus(f"{self.s[i]:.3e}"),
+                      *joint_cells(self.robot, self.joints[i], deg=deg)) for i in some)  # fmt: skip
+        head = ("t [s]", "s", *joint_heads(self.robot, deg=deg))
+        return Section("The motion", columns=head, rows=rows, texts=())
 
 
 def through(
@@ -219,30 +199,15 @@ def through(
     direction, curved = (_vector(name, value, resolved) for name, value in (("along", along), ("bend", bend)))
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
-    work = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length)
-    found = work.classified()
+    found = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classified()
     joints = out_of_metres(robot, found.joints) if len(found.joints) else found.joints
-    return Through(robot, resolved, at, direction, curved, found.kind, found.order, work.outside, found.side,
-                   found.times, found.s, joints, found.off, found.rate, found.exponent)  # fmt: skip
+    return replace(found, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
 
 
 def out_of_metres_factor(robot: Robot, task: Task, there: Task) -> Array:
     """(m,) by which the rows of a twist in the robot's unit are multiplied to get them in metres and rad."""
     ratio = float(there.scale(in_metres(robot)) / task.scale(robot))
     return np.array([ratio if row < 3 else 1.0 for row in task.rows])
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    kind: str
-    order: int | None = None
-    side: int = 0
-    times: Array = field(default_factory=lambda: np.zeros(0))
-    s: Array = field(default_factory=lambda: np.zeros(0))
-    joints: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    off: float = 0.0
-    rate: float = 0.0
-    exponent: float = 0.0
 
 
 class _Path:
@@ -267,13 +232,16 @@ class _Path:
         lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
         self.outside = lost if abs(lost) > _NOTHING else 0.0
 
-    def classified(self) -> _Found:
+    def _found(self, kind: str, *rest: Any) -> Through:
+        return Through(self.robot, self.task, self.q, self.along, self.bend, kind, self.outside, *rest)
+
+    def classified(self) -> Through:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
-            return _Found(REGULAR, 1)
+            return self._found(REGULAR, 1)
         return self._leaving() if self.outside else self._tangent()
 
-    def _leaving(self) -> _Found:
+    def _leaving(self) -> Through:
         """u·ξ ≠ 0: along the kernel."""
         q2 = self._quadric() / (2.0 * self.outside * self.size)
         values, vectors = np.linalg.eigh(q2)
@@ -285,14 +253,14 @@ class _Path:
         alone = self._alone(values, vectors)  # else other directions of the kernel may do what this one does not
         if order is None:
             still = float(np.abs(s).max()) * self.size < _CLOSE * 1e3
-            return _Found(NOT if still and alone else UNDECIDED)
+            return self._found(NOT if still and alone else UNDECIDED)
         if order % 2 == 0 and not alone:
-            return _Found(UNDECIDED)
+            return self._found(UNDECIDED)
         exponent = _exponent(s, joints / self.scale)
         rate = float(np.abs(np.gradient(joints / self.scale, sigma, axis=0)).max())
         kind = PASSES if order % 2 else TURNS
         side = 0 if order % 2 else int(np.sign(s[-1]))
-        return _Found(kind, order, side, sigma, s, joints, off, rate, exponent)
+        return self._found(kind, order, side, sigma, s, joints, off, rate, exponent)
 
     def _alone(self, values: Array, vectors: Array) -> bool:
         """Whether the terms of second order, or a kernel of one dimension, say how s goes in every direction.
@@ -308,7 +276,7 @@ class _Path:
         _, s, _, _ = self._followed(vectors[:, flat[0]])
         return float(np.abs(s).max()) * self.size < _CLOSE * 1e3
 
-    def _corner(self, behind: Array, ahead: Array) -> _Found:
+    def _corner(self, behind: Array, ahead: Array) -> Through:
         """In along one direction of the kernel, out along another; σ = t², so that the joints rest between."""
         halves = []
         for e in (behind, ahead):
@@ -319,9 +287,9 @@ class _Path:
         times, s = np.concatenate([-t0[::-1], t1[1:]]), np.concatenate([s0[::-1], s1[1:]])
         joints = np.concatenate([q0[::-1], q1[1:]])
         rate = float(np.abs(np.diff(joints / self.scale, axis=0) / np.diff(times)[:, None]).max())
-        return _Found(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
+        return self._found(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
 
-    def _tangent(self) -> _Found:
+    def _tangent(self) -> Through:
         """u·ξ = 0: the quadric decides."""
         jacobian = task_jacobian(self.robot, self.q, self.task) * self.scale
         particular = np.linalg.lstsq(jacobian, self.xi, rcond=DEFAULT.singular)[0]
@@ -334,9 +302,9 @@ class _Path:
             found = self._at_speed(particular + self.kernel @ mu)
             if found is not None:
                 return found
-        return _Found(NOT if _none(self._quadric(), b, g) else UNDECIDED)
+        return self._found(NOT if _none(self._quadric(), b, g) else UNDECIDED)
 
-    def _at_speed(self, slope: Array) -> _Found | None:
+    def _at_speed(self, slope: Array) -> Through | None:
         """The path followed at constant speed from a first guess of dq/ds; None where it is not followed."""
         span = _SPAN / max(1.0, float(np.linalg.norm(slope)))
         steps = span * np.arange(1, _POINTS + 1) / _POINTS
@@ -356,7 +324,7 @@ class _Path:
         rates = np.diff(joints, axis=0) / np.diff(s)[:, None]
         if np.abs(np.diff(rates, axis=0)).max() > 0.5 * (1.0 + np.abs(rates).max()):
             return None  # another branch was caught
-        return _Found(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()), 0.0)
+        return self._found(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()))
 
     def _solved(self, q: Array, s: float) -> Array | None:
         """Configuration at s near a first guess, by Newton's method with least change."""

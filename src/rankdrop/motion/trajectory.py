@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -46,6 +47,13 @@ class Trajectory:
     def at(self, time: float) -> Array:
         """(n,) joint values at a time [s], straight between rows, held before the first and after the last."""
         return np.array([np.interp(time, self.times, column) for column in self.q.T])
+
+
+def csv_text(names: Sequence[str], q: Array, times: Array | None = None) -> str:
+    """Rows of joint values as CSV, to the last bit, with a column of times in front where there are any."""
+    rows = q if times is None else np.column_stack([times, q])
+    head = names if times is None else ("time", *names)
+    return "\n".join([",".join(head), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
 
 
 def joint_names(robot: Robot) -> str:

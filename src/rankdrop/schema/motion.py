@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from operator import attrgetter
+from typing import Any, Literal
 
-from rankdrop.codec import Count, Positive, many, num, optional, row, some, table, text, whole
+from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
 from rankdrop.exact.posture_changes import Decision
+from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
+from rankdrop.version import VERSION
 
 VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",
                   "free"]
 """Of a path, worst first."""
+_ARM = (ROBOT, "", lambda found: (found.robot, found.task, generic_rank(found.robot, found.task)))
+_VERSION = (str, "of rankdrop", lambda _: VERSION)
+
+
+def _settings(found: Any) -> dict[str, Any]:
+    """The options of a result, with what else decides it."""
+    return {**plain(found.options), "length_scale": float(found.task.scale(found.robot)), "version": VERSION,
+            "tolerances": getattr(found, "tolerances", None)}  # fmt: skip
+
+
 ASPECTS_SETTINGS = table(
     "aspects_settings",
     poses=Positive,
@@ -37,7 +50,9 @@ SOLUTIONS = table(
 )
 POSES = table(
     "poses",
-    solutions=(some(SOLUTIONS), "the first is the configuration whose pose it is"),
+    solutions=(some(SOLUTIONS), "the first is the configuration whose pose it is",
+        lambda one: [dict(zip(("q", "aspect", "sign", "name"), row, strict=True))
+                     for row in zip(one.q, one.aspect, one.sign, one.names, strict=True)]),
     per_aspect=(some(Positive), "solutions in each aspect, most first"),
     near_cusp=(bool, "chosen next to a cusp, not at random"),
 )
@@ -45,7 +60,7 @@ PATH = table(
     "path",
     q=(some(some(num("joint")), min_length=2),
         "corners, straight lines in joint space between them; the end is a solution up to whole turns"),
-    from_q=(bool, "starts at the first solution of its pose"),
+    from_q=(bool, "starts at the first solution of its pose", attrgetter("own")),
     clearance=(num("1", gt=0), "smallest |det J| at its sample points, J without unit"),
     evaluations=Positive,
 )
@@ -53,14 +68,14 @@ ASPECTS_FILE = file(
     "aspects",
     "Written by `rankdrop aspects --json`: solutions of the inverse by the aspect they lie in, and a path from "
     "one to another without a singularity.",
-    robot=ROBOT,
-    settings=ASPECTS_SETTINGS,
+    robot=_ARM,
+    settings=(ASPECTS_SETTINGS, "", _settings),
     verdict=(Literal["cuspidal", "not cuspidal", "none found"],
         "cuspidal: with a path that is proven free; not cuspidal: proven; none found: no proof of absence"),
     sentence=str,
-    exact=ASPECTS_EXACT,
-    poses=many(POSES),
-    path=PATH | None,
+    exact=(ASPECTS_EXACT, "", attrgetter("decision")),
+    poses=(many(POSES), "", attrgetter("solved")),
+    path=(PATH | None, "", attrgetter("change")),
     notes=many(str),
     complete=(bool, "false: interrupted"),
 )
@@ -252,13 +267,13 @@ PATHS_FILE = file(
     "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
     robot=str, paths=many(PATHS),
 )  # fmt: skip
-MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=many(many(num("joint"))))
+MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=(many(many(num("joint"))), "", attrgetter("joints")))
 THROUGH_FILE = file(
     "through",
     "Written by `rankdrop through --json`: whether a tool path through a singular configuration can be tracked, "
     "and with which time law.",
-    robot=ROBOT,
-    version=str,
+    robot=_ARM,
+    version=_VERSION,
     q=some(num("joint")),
     along=(some(num("task")), "dx/ds, one number for each row of the task, in the base's axes"),
     bend=(some(num("task")), "d²x/ds²"),
@@ -268,7 +283,7 @@ THROUGH_FILE = file(
     order=(Positive | None, "k of s = c t^k; 1: any smooth law"),
     side=(Literal[-1, 0, 1], "of s, on which a path that turns back is tracked"),
     outside=(num("1", ge=-1.000001, le=1.000001), "share of the direction that is lost"),
-    motion=(MOTION, "followed by finite motion; empty where there is none"),
+    motion=(MOTION, "followed by finite motion; empty where there is none", lambda found: found),
     off=(num("1", ge=0), "largest deviation from the path, lengths by the length scale"),
     rate=(num("distance/s", ge=0), "largest joint rate under the law"),
     exponent=(num("1"), "measured power of |s| of the joint rates at constant path speed; 0 where they stay finite"),

@@ -17,7 +17,6 @@ from rankdrop.certify.ball import settings_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import joint_scale, limit_box, sample, sampling_box
 from rankdrop.motion.curve import curve
-from rankdrop.motion.postures.record import Change
 from rankdrop.motion.prove import prove
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -37,6 +36,23 @@ _TRIES = 3  # ways that are tried where the proof of one fails
 _SHORTER = 0.5  # share of the smallest |det J| that a shorter way keeps
 
 Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A path between two solutions of one pose, or any two configurations, proven free of singularities.
+
+    Attributes:
+        q: (T, n) corners [rad, m], straight lines in joint space between them; the end is a solution up to whole turns.
+        clearance: the smallest |det J| at sample points of it, J without unit.
+        evaluations: enclosures that the proof took.
+        own: it starts at the configuration that was asked about.
+    """
+
+    q: Array
+    clearance: float
+    evaluations: int
+    own: bool = False
 
 
 @dataclass(eq=False)

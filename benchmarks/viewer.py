@@ -10,8 +10,8 @@ import numpy as np
 from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.results.known import shipped
 from rankdrop.verbs.explain import explain
-from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.panel import details_html, status_html
+from rankdrop.viewer.scene import Live, Now
 from rankdrop.viewer.session import Session
 
 TARGET = 30.0  # updates a second

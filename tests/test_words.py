@@ -92,7 +92,7 @@ OWN = {
     "families/arm_header.py",
     "family/naming.py",
     "family/record.py",
-    "results/conditions_text.py",
+    "results/conditions.py",
     "results/explanation/text.py",
     "results/explanation/words.py",
     "robot/ideal.py",

@@ -20,8 +20,7 @@ from rankdrop.cli import exits
 from rankdrop.errors import OptionError, ResultFileError, TaskError
 from rankdrop.exact.family import Assumption
 from rankdrop.results.codec import json_text
-from rankdrop.results.conditions import Conditions
-from rankdrop.results.conditions_text import condition_lines, either, formula, sentence
+from rankdrop.results.conditions import Conditions, condition_lines, either, formula, sentence
 from rankdrop.results.known import shipped_conditions
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task

@@ -15,8 +15,8 @@ import pytest
 import rankdrop
 from rankdrop.cli import main
 from rankdrop.errors import OptionError
-from rankdrop.results import stored
-from rankdrop.results.stored import store_cloud
+from rankdrop.results import findings
+from rankdrop.results.findings import store_cloud
 
 parquet = pytest.importorskip("pyarrow.parquet")
 TEN_MILLION = 10_000_000
@@ -27,7 +27,7 @@ TEN_MILLION = 10_000_000
 def test_a_stored_cloud_is_that_of_one_search(
     name: str, corank: int, limits: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stored, "STARTS", 400)
+    monkeypatch.setattr(findings, "STARTS", 400)
     arm = rankdrop.open_robot(name)
     count = store_cloud(arm, corank, tmp_path, starts=1000, seed=3, limits=limits, workers=2)
     alone = rankdrop.search(arm, corank, starts=1000, seed=3, limits=limits)

@@ -16,7 +16,7 @@ from rankdrop.exact.determinants import Minor, determinants_of
 from rankdrop.exact.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
-from rankdrop.results.conditions_text import steps_text
+from rankdrop.results.conditions import steps_text
 from rankdrop.robot.open import open_robot
 from rankdrop.task import ROWS, resolve_task
 from rankdrop.verbs.conditions import conditions

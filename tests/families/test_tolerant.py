@@ -15,7 +15,7 @@ from rankdrop.families.tolerant import most_tolerant
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
 from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.failures import tolerant_sections
+from rankdrop.results.explanation.words import tolerant_sections
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.sections import text

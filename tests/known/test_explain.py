@@ -222,7 +222,7 @@ def test_what_was_not_asked_for_is_not_worked_out(monkeypatch: pytest.MonkeyPatc
         raise AssertionError("nobody asked for this")
 
     monkeypatch.setattr("rankdrop.results.explanation.explanation.escape", refused)
-    monkeypatch.setattr("rankdrop.results.explanation.data.certified_radius", refused)
+    monkeypatch.setattr("rankdrop.results.explanation.parts.certified_radius", refused)
     found = explain(open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2])
     assert found.far.nearest is not None
     assert (found.verdict, round(found.far.nearest.distance, 9)) == ("regular", 0.25)

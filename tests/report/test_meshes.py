@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
-from rankdrop.report.data import MOST, meshes_data, simplified
+from rankdrop.report.content import MOST, meshes_data, simplified
 
 trimesh = pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 

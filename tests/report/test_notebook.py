@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.report.notebook import arm_view
+from rankdrop.report.page import arm_view
 from rankdrop.results.known import known_conditions, shipped
 from rankdrop.robot.quantities import degrees_text
 

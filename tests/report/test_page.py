@@ -16,8 +16,7 @@ from rankdrop.exact.notation import typeset
 from rankdrop.family.record import Check, Sampled
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
-from rankdrop.report.content import Content, content, standing
-from rankdrop.report.data import page_data
+from rankdrop.report.content import Content, content, page_data, standing
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh

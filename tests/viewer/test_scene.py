@@ -11,8 +11,8 @@ from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.live import Live
 from rankdrop.viewer.scene import (
+    Live,
     arrows,
     axis_lines,
     barrel_mesh,

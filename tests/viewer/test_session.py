@@ -16,8 +16,8 @@ from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.panel import bar_share, details_html, legend_html, status_html
+from rankdrop.viewer.scene import Live, Now
 from rankdrop.viewer.session import Session
 
 START = np.array([0.3, 0.6, -0.5, 0.7, 0.8, 0.4])

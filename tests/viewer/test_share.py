@@ -23,8 +23,8 @@ from rankdrop.task import resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
 from rankdrop.motion.csv_file import parse_trajectory
-from rankdrop.viewer.handle import pulled
-from rankdrop.viewer.live import Now
+from rankdrop.viewer.controls import pulled
+from rankdrop.viewer.scene import Now
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import sentence_of, stops_of
 from rankdrop.viewer.tab_share import path_csv, state_of, state_text

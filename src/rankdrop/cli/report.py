@@ -163,7 +163,7 @@ def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
 
 def _meshes(analysis: Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[Mesh, ...]:
     """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
-    from rankdrop.report.data import simplified
+    from rankdrop.report.content import simplified
     from rankdrop.robot import meshes_of, visuals_of
 
     visuals, left_out = visuals_of(analysis.robot, arm.packages, arm.arguments)

@@ -1,14 +1,26 @@
 """What a report shows, worked out once: everything the page and the figures draw.
 
 Ways out of a witness, as the buttons of the page.
+
+What the page's own program is told, as plain data: the chain, the families, the sets in three joints.
+
+And what a reader takes away from the page: the families as CSV, the analysis as JSON.
+
+Shapes of links for the page: so few triangles that they can be drawn without a graphics card, and sent by mail.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import csv
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from html import escape as quoted
+from io import StringIO
+from math import isfinite, pi
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
@@ -24,12 +36,24 @@ from rankdrop.families import (
     workspace,
 )
 from rankdrop.family import Family
-from rankdrop.local import LARGEST_CHAIN, Direction, blame, circuits_at, escape, generic_rank, make_all
+from rankdrop.local import (
+    LARGEST_CHAIN,
+    Direction,
+    blame,
+    circuits_at,
+    escape,
+    generic_rank,
+    make_all,
+    sampling_box,
+    skeleton,
+    start_posture,
+)
+from rankdrop.problem import wrap
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, motion, of_analysis, short
-from rankdrop.robot import Array, Mesh, Robot
+from rankdrop.robot import Array, Mesh, Robot, lost_told, reach
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text import inside_limits
+from rankdrop.text import JOINT, columns, conditions_of, inside_limits, joint_symbol, one_line
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 
 _SINGLE = 3  # joints alone that are offered, the best first
@@ -152,7 +176,7 @@ def content(
         seed: of every random choice.
         made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
-        meshes: shapes of the links (`rankdrop.report.data.simplified`).
+        meshes: shapes of the links (`rankdrop.report.content.simplified`).
     """
     robot, task = analysis.robot, analysis.task
     families = tuple(posed(robot, task, family, analysis.families) for family in analysis.families)
@@ -233,3 +257,257 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
     smallest = blame(robot, family.witness, task)
     numbers = sorted({number for circuit in smallest for number in circuit.numbers})
     return tuple(numbers), tuple(circuit.words for circuit in found)
+
+
+MOST = 6_000
+"""Triangles of all links together: about 150 kB of the page."""
+_GROWS = 1.15  # by how much cells grow until there are few enough triangles
+_LEVELS = 8191  # steps of a coordinate over the size of its mesh: 0.1 mm in a metre
+
+
+def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
+    """The meshes with at most so many triangles together.
+
+    Vertices in one cell of a grid become one, their mean; the cells grow until there are few enough triangles. What
+    becomes thinner than a cell vanishes.
+
+    Args:
+        meshes: of any size.
+        most: triangles of all of them together.
+    """
+    meshes = [one for one in meshes if len(one.faces)]
+    every = sum(len(one.faces) for one in meshes)
+    if not every:
+        return ()
+    area = sum(_area(one.vertices, one.faces) for one in meshes)
+    span = max(float(np.ptp(one.vertices, axis=0).max(initial=0.0)) for one in meshes)
+    cell = 1e-6 * span if every <= most else max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
+    while True:
+        found = [_clustered(one, cell) for one in meshes]
+        if sum(len(one.faces) for one in found) <= most:
+            return tuple(one for one in found if len(one.faces))
+        cell *= _GROWS
+
+
+def _area(vertices: Array, faces: NDArray[Any]) -> float:
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def _clustered(mesh: Mesh, cell: float) -> Mesh:
+    """Vertices of one cell made one; triangles that have become lines go, and all but one of equal ones."""
+    keys = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) / cell).astype(np.int64)
+    wide = keys.max(axis=0) + 1
+    _, place, count = np.unique(
+        (keys[:, 0] * wide[1] + keys[:, 1]) * wide[2] + keys[:, 2], return_inverse=True, return_counts=True
+    )
+    vertices = np.stack([np.bincount(place, mesh.vertices[:, k]) for k in range(3)], axis=1) / count[:, None]
+    faces = place[mesh.faces.astype(np.int64)]
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    if len(faces):
+        _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+        faces = faces[np.sort(first)]
+    used, faces = np.unique(faces, return_inverse=True)
+    return Mesh(mesh.link, vertices[used], faces.reshape(-1, 3).astype(np.uint32), mesh.colour)
+
+
+def meshes_data(meshes: Sequence[Mesh]) -> list[dict[str, Any]]:
+    """The meshes for the page's program: whole numbers, a step and a corner to make metres of them."""
+    data = []
+    for one in meshes:
+        low = one.vertices.min(axis=0)
+        step = max(float(np.ptp(one.vertices, axis=0).max()), 1e-9) / _LEVELS
+        data.append({
+            "link": one.link,
+            "colour": "#{:02x}{:02x}{:02x}".format(*one.colour),
+            "low": [float(f"{value:.7g}") for value in low],
+            "step": float(f"{step:.7g}"),
+            "points": np.rint((one.vertices - low) / step).astype(int).ravel().tolist(),
+            "faces": one.faces.ravel().tolist(),
+        })  # fmt: skip
+    return data
+
+
+LIVE = 1e-7
+"""σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
+_DIGITS = 3  # of points in the cube of three joints
+
+
+def page_data(content: Content) -> dict[str, Any]:
+    """Everything the page's program reads, ready for JSON."""
+    analysis = content.analysis
+    ways = content.ways + ((),) * (len(analysis.families) - len(content.ways))
+    blame = zip(analysis.families, content.blamed, content.blame_words, ways, strict=True)
+    return {
+        "robot": robot_data(analysis.robot, analysis.task),
+        "generic_rank": analysis.generic_rank,
+        "live_tolerance": LIVE,
+        "view": first_view(analysis.robot),
+        "start": start_posture(analysis.robot, analysis.task).tolist(),
+        "families": [
+            _family(family, numbers, words, out, analysis.robot) | {"standing": standing(analysis, family)}
+            for family, numbers, words, out in blame
+        ],
+        "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
+        "meshes": meshes_data(content.meshes),
+        "downloads": downloads(content),
+    }
+
+
+def limit_range(robot: Robot, index: int) -> tuple[float, float] | None:
+    """Both limits of a joint [rad, m]; None where it has not both: its slider then keeps `slider_range`."""
+    low, high = float(robot.lower[index]), float(robot.upper[index])
+    return (low, high) if isfinite(low) and isfinite(high) and low < high else None
+
+
+def slider_range(analysis: Analysis, index: int) -> tuple[float, float]:
+    """Ends of a joint's slider without limits: a whole turn, or the travel of a slide with every witness inside."""
+    robot = analysis.robot
+    if robot.periodic[index]:
+        return -pi, pi
+    low, high = (float(end[index]) for end in sampling_box(robot, analysis.task, limits=False))
+    at = [0.0, *(family.witness[index] for family in analysis.families)]
+    return min(low, *at), max(high, *at)
+
+
+def robot_data(robot: Robot, task: Task) -> dict[str, Any]:
+    """The chain and the task as the page's kinematics take them."""
+    index = {joint.name: i for i, joint in enumerate(robot.variables)}
+    points, drawn = skeleton(robot)
+    count = len(robot.joints) + 1
+    chain = [
+        {
+            "kind": str(joint.kind),
+            "screw": joint.screw.tolist(),
+            "frame": _rows(joint.frame),
+            "variable": index[joint.mimic.leader if joint.mimic else joint.name],
+            "multiplier": joint.mimic.multiplier if joint.mimic else 1.0,
+            "offset": joint.mimic.offset if joint.mimic else 0.0,
+            "point": points[i].tolist(),
+            "drawn": drawn[i].tolist(),
+        }
+        for i, joint in enumerate(robot.joints)
+    ]
+    frame = task.frame
+    return {
+        "name": robot.name,
+        "joints": [
+            {"name": joint.name, "kind": str(joint.kind), "limits": limit_range(robot, i)}
+            for i, joint in enumerate(robot.variables)
+        ],
+        "chain": chain,
+        "home": _rows(robot.home),
+        "reach": _size(robot, points),
+        "rows": list(task.rows),
+        "length_scale": task.scale(robot),
+        "frame": {
+            "axes": frame.axes if frame.axes >= 0 else count,
+            "origin": frame.origin if frame.origin >= 0 else count,
+            "point": list(frame.point),
+        },
+    }
+
+
+def _size(robot: Robot, points: Array) -> float:
+    """The size that the arm is drawn in [m]: its reach, the base included."""
+    return max(reach(robot), float(np.linalg.norm(points[0])), 1e-6)
+
+
+def first_view(robot: Robot) -> dict[str, float]:
+    """From above where every axis is upright (planar arms, SCARA), else from the front and a little above."""
+    upright = all(abs(abs(joint.screw[5]) - 1) < 1e-9 for joint in robot.joints if np.any(joint.screw[3:]))
+    slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)
+    return {"turn": -1.2, "tilt": 1.05} if upright and not slides else {"turn": -0.9, "tilt": 0.38}
+
+
+def _rows(pose: Array) -> list[float]:
+    rows: list[float] = pose[:3].ravel().tolist()
+    return rows
+
+
+def _family(
+    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot
+) -> dict[str, Any]:
+    return {
+        "id": family.id,
+        "name": family.name,
+        "corank": family.corank,
+        "witness": list(family.witness),
+        "lost_directions": family.lost_directions.tolist(),
+        "blamed": list(numbers),
+        "told": family_html(family, words, robot),
+        "ways": [{"label": one.label, "after": one.after, "q": list(one.q)} for one in ways],
+    }
+
+
+def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
+    """A family in sentences: what is lost, in which axes, and who is to blame."""
+    lost = "".join(
+        f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
+        for index, one in enumerate(family.lost_words)
+    )
+    blame = f"<p><b>To blame:</b> {quoted('; '.join(words))}</p>" if words else ""
+    note = lost_told(robot, family.lost_words)
+    axes = f'<p class="small">{quoted(note)}</p>' if note else ""
+    return f"<b>{quoted(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
+
+
+def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:
+    kinds = [str(joint.kind) for joint in robot.variables]
+    return {
+        "family": solid.family,
+        "names": [joint_symbol(number, kinds[number - 1]) for number in solid.joints],
+        "colour": colour % 8,
+        "curves": [piece.round(_DIGITS).tolist() for line in solid.curves for piece in pieces(line)],
+        "vertices": solid.vertices.round(_DIGITS).tolist(),
+        "triangles": solid.triangles.tolist(),
+    }
+
+
+def pieces(line: Array) -> list[Array]:
+    """A curve that runs on past ±π, cut and brought back into the cube."""
+    inside = wrap(line)
+    jumps = np.flatnonzero((np.abs(np.diff(inside, axis=0)) > pi).any(axis=1)) + 1
+    return [piece for piece in np.split(inside, jumps) if len(piece) > 1]
+
+
+def finite(value: float) -> float | None:
+    """A number for JSON, None where it is infinite."""
+    return value if isfinite(value) else None
+
+
+def families_csv(content: Content) -> str:
+    """One row per family: id, name, corank, dimension, a column per joint, conditions, loss, tests, witness.
+
+    Angles of the witness are in degrees, slides in metres; the joints' columns are those of the tables (× any value,
+    c coupled, else the values in rad or m).
+    """
+    analysis = content.analysis
+    derived = () if content.exact is None else content.exact.families
+    robot = analysis.robot
+    kinds = [str(joint.kind) for joint in robot.variables]
+    joints = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]
+    units = ["deg" if joint.unit == "rad" else joint.unit for joint in robot.variables]
+    buffer = StringIO()
+    rows = csv.writer(buffer, lineterminator="\n")
+    rows.writerow([
+        "id", "family", "corank", "dimension", *joints, "conditions", "lost", "singular", "tested", "explained",
+        "fresh points", "joint limits", *(f"witness {name} [{unit}]" for name, unit in zip(joints, units, strict=True)),
+    ])  # fmt: skip
+    for family in analysis.families:
+        cells = [one_line(one, family) for one in columns(robot, family.corank) if one.holds == JOINT]
+        conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact, derived))
+        at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
+        rows.writerow([
+            family.id, family.name, family.corank, family.dimension, *cells, conditions, "; ".join(family.lost_words),
+            family.soundness.agree, family.soundness.tested, family.explained.agree, family.explained.tested,
+            standing(analysis, family), *(f"{value:.6g}" for value in at),
+        ])  # fmt: skip
+    return buffer.getvalue()
+
+
+def downloads(content: Content) -> dict[str, Any]:
+    """File name, CSV and JSON record, for the page's program."""
+    name = "".join(one if one.isalnum() or one in "-_" else "-" for one in content.analysis.robot.name)
+    return {"file": name, "csv": families_csv(content), "record": content.analysis.to_dict()}

@@ -20,8 +20,7 @@ from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
-from rankdrop.report.content import Content
-from rankdrop.report.data import pieces
+from rankdrop.report.content import Content, pieces
 from rankdrop.report.svg import angle_ticks, axis_name
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach

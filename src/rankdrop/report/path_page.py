@@ -14,7 +14,7 @@ from rankdrop.errors import MissingExtraError
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
 from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch, free_words
-from rankdrop.report.data import LIVE, first_view, robot_data
+from rankdrop.report.content import LIVE, first_view, robot_data
 from rankdrop.report.page import whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html

@@ -14,8 +14,7 @@ from math import degrees, pi
 import numpy as np
 
 from rankdrop.families import Slice, Solid, Sweep, Workspace
-from rankdrop.report.content import Content
-from rankdrop.report.data import pieces
+from rankdrop.report.content import Content, pieces
 from rankdrop.report.svg import Chart, angle_ticks, axis_name, plain_ticks
 from rankdrop.report.tables import scrolled
 from rankdrop.results import sampled, unseen

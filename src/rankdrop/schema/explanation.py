@@ -19,7 +19,7 @@ from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
-from rankdrop.results.explanation.data import Summary
+from rankdrop.results.explanation.parts import Summary
 from rankdrop.results.explanation.text import lost_text, summary_lines
 from rankdrop.results.explanation.words import LOST_TYPE, avoidable_words, boundary_words
 from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file

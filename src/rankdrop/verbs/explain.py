@@ -12,9 +12,8 @@ from rankdrop.kinematics import check_robot, one_configuration
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.data import Asked
 from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.parts import how_far, known_families, straight_motions, verdict_of
+from rankdrop.results.explanation.parts import Asked, how_far, known_families, straight_motions, verdict_of
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

@@ -13,7 +13,7 @@ from math import isfinite
 from rankdrop.family import Family
 from rankdrop.local import Circuit
 from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, short
-from rankdrop.viewer.live import Now
+from rankdrop.viewer.scene import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
 VERDICTS = {

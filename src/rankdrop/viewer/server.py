@@ -18,13 +18,11 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
 from rankdrop.viewer.access import Gate, bound_uploads, free_port, new_token, start_gated, stop
-from rankdrop.viewer.controls import Controls
-from rankdrop.viewer.handle import Handle
-from rankdrop.viewer.live import Live, Now
+from rankdrop.viewer.controls import Controls, Handle
+from rankdrop.viewer.scene import Live, Now
 from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
-from rankdrop.viewer.tab_escape import EscapeTab
-from rankdrop.viewer.tab_families import FamiliesTab, TourTab
+from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, TourTab
 from rankdrop.viewer.tab_path import PathTab
 from rankdrop.viewer.tab_share import ShareTab, state_of
 from rankdrop.viewer.tab_slice import SliceTab

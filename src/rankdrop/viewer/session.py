@@ -20,7 +20,7 @@ from rankdrop.local import joint_scale
 from rankdrop.results import Analysis, Explanation
 from rankdrop.robot import Array
 from rankdrop.tolerances import EVALUATIONS
-from rankdrop.viewer.live import Live, Now
+from rankdrop.viewer.scene import Live, Now
 
 FRAMES = 30.0  # of a motion, per second
 FASTEST = 60.0  # configurations that are looked at, per second: no screen shows more

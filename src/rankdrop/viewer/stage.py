@@ -9,9 +9,8 @@ import numpy as np
 
 from rankdrop.kinematics import link_poses
 from rankdrop.robot import Array, Mesh
-from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
-from rankdrop.viewer.scene import HEAD, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
+from rankdrop.viewer.scene import HEAD, Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
 
 if TYPE_CHECKING:
     import viser

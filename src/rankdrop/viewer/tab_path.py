@@ -19,7 +19,7 @@ from rankdrop.results import angle, short
 from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
-from rankdrop.viewer.live import Now
+from rankdrop.viewer.scene import Now
 from rankdrop.viewer.session import FRAMES
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
-from rankdrop.viewer.live import Now
+from rankdrop.viewer.scene import Now
 
 ROBOT_FILES = (".urdf", ".toml")
 """Robot files that are read from the page: those that cannot run a command, as a xacro file can."""

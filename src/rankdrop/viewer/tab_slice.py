@@ -22,7 +22,7 @@ from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
-from rankdrop.viewer.live import Now
+from rankdrop.viewer.scene import Now
 from rankdrop.viewer.stage import rgb
 
 EDGE = 0.8  # of the box, as a share of the arm's size

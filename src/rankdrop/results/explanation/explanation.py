@@ -22,16 +22,14 @@ from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, escape
-from rankdrop.results.explanation.data import (
+from rankdrop.results.explanation.parts import (
     AT_LIMIT,
     Asked,
     Blame,
     Far,
     Lost,
-    Summary,
-)
-from rankdrop.results.explanation.parts import (
     SlowFamily,
+    Summary,
     blame_at,
     disagreements,
     incidences_at,

@@ -20,10 +20,8 @@ from rankdrop.local.ordered import Hunt
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record
-from rankdrop.results.conditions_text import values_in_degrees
-from rankdrop.results.explanation.data import Summary
-from rankdrop.results.explanation.failures import failures_table
-from rankdrop.results.explanation.parts import IDLE, NO_RATE, SHARE, turned_task
+from rankdrop.results.conditions import values_in_degrees
+from rankdrop.results.explanation.parts import IDLE, NO_RATE, SHARE, Summary, turned_task
 from rankdrop.results.explanation.words import (
     LOST_TYPE,
     PROOF,
@@ -33,6 +31,7 @@ from rankdrop.results.explanation.words import (
     below,
     boundary_words,
     degrees_hint,
+    failures_table,
     fixed,
     minus,
     motion,

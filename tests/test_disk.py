@@ -16,6 +16,7 @@ from typing import IO, Any
 
 import numpy as np
 import pytest
+from sources import ROOT, nodes
 
 from papers.figures import save_figures
 from rankdrop import explain, open_robot
@@ -25,7 +26,6 @@ from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.results.codec import save_record
 from rankdrop.results.known import shipped
 
-ROOT = Path(__file__).resolve().parents[1]
 OLD = b"the good old file\n"
 SCARA = open_robot("scara")
 WRITERS = {"write_text", "write_bytes", "save", "savez", "savez_compressed", "savetxt", "savefig"}
@@ -40,7 +40,7 @@ SCRATCH = {"fuzz_readers.py", "mutate.py"}
 
 def writing(path: Path) -> Iterator[str]:
     """Lines of a module that write to a file by themselves."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if not isinstance(node, ast.Call):
             continue
         name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")

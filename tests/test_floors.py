@@ -13,10 +13,9 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-import rankdrop
+from sources import FILES, ROOT, SOURCE, nodes, parsed
 
-ROOT = Path(__file__).resolve().parents[1]
-SOURCE = ROOT / "src" / "rankdrop"
+import rankdrop
 
 FLOORS = {
     "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
@@ -45,7 +44,7 @@ FACES = {"rich", "cyclopts"}
 def modules() -> dict[str, Path]:
     """Every module of the package by its dotted name without `rankdrop.`; the package itself is left out."""
     found = {}
-    for path in sorted(SOURCE.rglob("*.py")):
+    for path in FILES:
         parts = path.relative_to(SOURCE).with_suffix("").parts
         parts = parts[:-1] if parts[-1] == "__init__" else parts
         if parts:
@@ -54,12 +53,6 @@ def modules() -> dict[str, Path]:
 
 
 MODULES = modules()
-
-
-@cache
-def parsed(path: Path) -> ast.Module:
-    """The syntax tree of a file."""
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def imports(path: Path, *, at_import_only: bool = False) -> Iterator[str]:
@@ -152,7 +145,7 @@ def test_the_package_root_is_not_imported_from_inside() -> None:
 def read_by_the_type_checker(module: str) -> set[str]:
     """Modules of the same room that `module` names for the type checker alone: a record and the words about it."""
     blocks = [
-        node for node in ast.walk(parsed(MODULES[module]))
+        node for node in nodes(MODULES[module])
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
     ]  # fmt: skip
     named = {one.module for block in blocks for one in block.body if isinstance(one, ast.ImportFrom) and one.module}

@@ -10,10 +10,10 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from sources import FILES, SOURCE, parsed
+
 import rankdrop
 
-SOURCE = Path(__file__).resolve().parents[1] / "src" / "rankdrop"
-FILES = sorted(SOURCE.rglob("*.py"))
 ROOMS = ("robot", "local", "family", "families", "exact", "text", "results", "verbs", "jobs", "designs")
 NAMES: list[str] = getattr(rankdrop, "__all__", [])
 
@@ -43,7 +43,7 @@ def test_nothing_else_looks_public() -> None:
 
 def public_definitions(path: Path) -> Iterator[tuple[str, ast.AST]]:
     """Public functions and classes of a file, and public methods and properties of the public classes."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = parsed(path)
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     for node in tree.body:
         if not isinstance(node, kinds) or node.name.startswith("_"):
@@ -59,7 +59,7 @@ def test_everything_public_has_a_docstring() -> None:
     for path in FILES:
         name = path.relative_to(SOURCE).as_posix()
         bare += [f"{name}: {inner}" for inner, node in public_definitions(path) if not ast.get_docstring(node)]  # type: ignore[arg-type]
-        if path.name != "__init__.py" and not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))):
+        if path.name != "__init__.py" and not ast.get_docstring(parsed(path)):
             bare.append(f"{name}: the module itself")
     assert FILES
     assert not bare, "without a docstring:\n" + "\n".join(bare)

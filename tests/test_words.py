@@ -14,18 +14,12 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from sources import FILES, ROOT, SOURCE, nodes, parsed
 
-ROOT = Path(__file__).resolve().parents[1]
-SOURCE = ROOT / "src" / "rankdrop"
 FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "codec"}
 """Rooms in which sentences are made; the schema's are the meanings of entries, options' their help."""
 FEWEST = 4  # words of a sentence
 _REFUSALS = re.compile(r"Error$|^(refuse|refused|damaged|error|fail|wrong|warn|Unproven)$")
-
-
-@cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def room_of(path: Path) -> str:
@@ -70,7 +64,7 @@ SENTENCES = {
 @cache
 def counted_sentences() -> Counter[str]:
     found: Counter[str] = Counter()
-    for path in SOURCE.rglob("*.py"):
+    for path in FILES:
         if room_of(path) not in FACES:
             found[room_of(path)] += sum(1 for _ in sentences(parsed(path)))
     return found
@@ -104,8 +98,8 @@ OWN = {
 
 def modules_with_patterns() -> set[str]:
     found = set()
-    for path in SOURCE.rglob("*.py"):
-        names = {alias.name for node in ast.walk(parsed(path)) if isinstance(node, ast.Import) for alias in node.names}
+    for path in FILES:
+        names = {alias.name for node in nodes(path) if isinstance(node, ast.Import) for alias in node.names}
         if "re" in names:
             found.add(path.relative_to(SOURCE).as_posix())
     return found
@@ -142,8 +136,8 @@ def prose() -> tuple[str, ...]:
 
 
 def texts() -> Iterator[str]:
-    for path in SOURCE.rglob("*.py"):
-        for node in ast.walk(parsed(path)):
+    for path in FILES:
+        for node in nodes(path):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
     pages = [path for path in (ROOT / "docs").rglob("*.md") if path.name != "reproduced.md"]
@@ -151,7 +145,7 @@ def texts() -> Iterator[str]:
         yield path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("room", sorted({room_of(path) for path in SOURCE.rglob("*.py")} - FACES))
+@pytest.mark.parametrize("room", sorted({room_of(path) for path in FILES} - FACES))
 def test_a_room_makes_no_more_sentences_than_before(room: str) -> None:
     assert counted_sentences()[room] <= SENTENCES.get(room, 0), "sentences are made in text/, from facts"
 

@@ -166,6 +166,7 @@ def test_what_is_left_out_has_one_sign_and_what_is_proven_has_two(name):
     assert (signs == signs[:, :1]).all()
 
 
+@pytest.mark.slow
 def test_the_bytes_do_not_depend_on_threads_or_lanes():
     robot = robot_of("ur5")
     usual = hashed(covered("ur5"))
@@ -321,6 +322,7 @@ def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch,
     assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
 
 
+@pytest.mark.slow_at("0")
 @pytest.mark.parametrize("halvings", [0, 1, 2])
 def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_of_a_leaf(halvings):
     robot = robot_of("puma560")
@@ -501,6 +503,7 @@ def plan_of_boxes(depth: int, variables: int = 4) -> Any:
                    turns=(True,) * variables, depth=(depth,) * variables, top=0)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_file_that_unpacks_to_too_much_is_refused_before_it_does(tmp_path):
     """A megabyte of the same byte: two thousand megabytes of boxes, all of which the plan has room for."""
     import tracemalloc

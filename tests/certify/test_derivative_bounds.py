@@ -60,7 +60,7 @@ def test_no_derivative_is_larger(name, task):
     assert largest > 0.0 or (name, task) == ("scara", "orientation")  # all its axes are parallel
 
 
-@pytest.mark.slow_at("2-panda", "1-panda", "0-panda", "pa10")
+@pytest.mark.slow_at("2-panda", "1-panda", "0-panda", "pa10", "1-puma560", "0-puma560", "2-puma560")
 @pytest.mark.parametrize("name", ["panda", "pa10", "puma560"])
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_the_bound_is_reached(name, order):

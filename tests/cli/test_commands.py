@@ -142,6 +142,7 @@ def test_a_bug_ends_with_one_and_a_traceback(run, monkeypatch: pytest.MonkeyPatc
     assert "rankdrop: internal error: ZeroDivisionError: this test's own" in ended.err
 
 
+@pytest.mark.slow
 def test_exit_codes_of_a_process(process) -> None:
     assert process("analyze", "nope").code == exits.BAD_INPUT
     assert process("--version").code == exits.FINE

@@ -345,6 +345,7 @@ def test_without_python_flint_the_mend_is_named(run, monkeypatch: pytest.MonkeyP
     assert ended.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_a_time_limit_leaves_what_was_done_and_says_what_is_left(run) -> None:
     ended = run("conditions", "canadarm2", "--time-limit", "0.001", "--points", "0", "--quiet", "--json", "-")
     record = json.loads(ended.out)

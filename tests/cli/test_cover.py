@@ -59,6 +59,7 @@ def test_how_far_a_covering_is_is_read_from_its_file(tmp_path: Path, run) -> Non
     assert run()[0] == 2
 
 
+@pytest.mark.slow
 def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
     # every family that lies in the wrist's sheet goes: what is left of it is a place to look at
     known = known_analysis(UR5, TASK)

@@ -79,12 +79,14 @@ def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str
     assert (done.returncode, done.stderr) == (exits.BROKEN_PIPE, b"")
 
 
+@pytest.mark.slow
 def test_files_are_written_though_stdout_is_closed(tmp_path: Path) -> None:
     ended = shell(f"$R analyze planar3r --quiet --starts 100 --json {tmp_path}/a.json >&-")
     assert ended.code == exits.BAD_INPUT
     assert (tmp_path / "a.json").stat().st_size > 1000
 
 
+@pytest.mark.slow_at("rich.console")
 @pytest.mark.parametrize("module", ["importlib.metadata", "cyclopts", "numpy", "rich.console", "rankdrop.questions"])
 def test_ctrl_c_while_a_module_is_imported(module: str) -> None:
     """The signal comes inside the import, deterministically: once as it is, once where the module swallows it."""
@@ -266,7 +268,7 @@ def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> Non
     assert told == {option: set() for option in told}
 
 
-@pytest.mark.slow_at("fish", "zsh")
+@pytest.mark.slow_at("fish", "zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])
 def test_completion_knows_every_command(word: str, run: Any) -> None:
     script = run("completion", word)
@@ -277,6 +279,7 @@ def test_completion_knows_every_command(word: str, run: Any) -> None:
         assert subprocess.run([word, "-n"], input=script.out, text=True, capture_output=True).returncode == 0
 
 
+@pytest.mark.slow
 def test_bash_completes_commands() -> None:
     bash = shutil.which("bash")
     if bash is None:
@@ -290,7 +293,7 @@ def test_bash_completes_commands() -> None:
     assert done.stdout.split() == ["analyze"], done.stderr
 
 
-@pytest.mark.slow_at("zsh")
+@pytest.mark.slow_at("zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh"])
 def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
     script = run("completion", word).out

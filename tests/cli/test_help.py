@@ -36,6 +36,7 @@ def test_options_of_a_command_stand_before_those_of_the_arm_and_of_the_output(ru
     assert text.index("\nOptions:") < text.index("  --near") < text.index("\nThe arm:") < text.index("\nOutput:")
 
 
+@pytest.mark.slow
 def test_the_help_fills_the_width_of_the_terminal(process: Any) -> None:
     narrow, wide = (process("explain", "--help", COLUMNS=width).out.splitlines() for width in ("80", "120"))
     assert 75 <= max(map(len, narrow)) <= 80 < 115 <= max(map(len, wide)) <= 120

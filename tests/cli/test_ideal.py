@@ -155,6 +155,7 @@ PIPER = str(Path(__file__).parents[1] / "data" / "arms" / "piper_description_2.u
 FEW = ("--starts", "60", "--exact", "off", "--quiet")
 
 
+@pytest.mark.slow
 def test_a_file_with_an_offset_of_a_cad_export_shows_the_intended_arm_first_and_its_own_below(run) -> None:
     """The wrist of this file misses a common point by 0.088 mm; its maker's table has none."""
     out = one_line(run("analyze", PIPER, *FEW).out)

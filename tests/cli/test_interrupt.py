@@ -38,6 +38,7 @@ def interrupted(line: str, *argv: str) -> tuple[int, str]:
         return process.wait(timeout=60), rest
 
 
+@pytest.mark.slow
 def test_an_interrupted_analysis_keeps_the_coranks_done(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     code, rest = interrupted("corank 2: search", "analyze", "pa10", "--starts", "3000", "--json", str(path))
@@ -77,6 +78,7 @@ def test_interrupted_conditions_keep_the_sets_found(tmp_path: Path) -> None:
     assert record["left"]
 
 
+@pytest.mark.slow
 def test_the_unfinished_corank_is_said(run, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = search_module.search
 

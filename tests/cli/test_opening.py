@@ -52,6 +52,7 @@ def test_a_missing_argument_is_named_as_the_option_to_type(run, command: str, ar
     assert ended.err.endswith("got no value of kind; fix: --arg kind:=VALUE\n")
 
 
+@pytest.mark.slow
 def test_arguments_reach_the_file(run, arm: Path) -> None:
     pytest.importorskip("xacro")
     ended = run("find", str(arm), "--arg", "kind:=continuous", "--task", "planar-position", "--corank", "1",

@@ -57,6 +57,7 @@ def answered(script: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 @linux
 def test_a_search_goes_on_where_no_thread_can_be_started() -> None:
     """A stack takes 8 MB of address space; there are 4."""
@@ -232,6 +233,7 @@ def test_a_forked_child_has_threads_of_its_own() -> None:
     )
 
 
+@pytest.mark.slow_at("1")
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_ends_a_long_batch_and_leaves_the_threads_usable(threads: int) -> None:

@@ -19,7 +19,7 @@ CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.item
 LATE = {"iiwa": pytest.mark.slow}  # offsets of 0.436 mm: a minute
 
 
-@pytest.mark.slow_at("ur5", "xarm7", "panda")
+@pytest.mark.slow_at("ur5", "xarm7", "panda", "puma560.xacro", "irb140.xacro")
 @pytest.mark.parametrize("file", [pytest.param(file, id=name, marks=LATE.get(name, ())) for name, file in CASES])
 def test_analysis_runs_to_the_end_and_hides_nothing(file: RealFile) -> None:
     robot = open_robot(str(file.path), tip=file.tip, packages=file.packages)

@@ -89,6 +89,7 @@ OFFSETS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
     """The zero of a joint moves the families in joint space and changes no share."""
     found = rankdrop.sweep(OFFSETS, workers=1)
@@ -101,6 +102,7 @@ def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
 NOTHING = {key: one for key, one in OFFSETS.items() if key != "near"} | {"families": {"starts": 50}}
 
 
+@pytest.mark.slow
 def test_precision_spends_more_samples() -> None:
     found = rankdrop.sweep(OFFSETS, workers=1, precision=0.003)
     assert all(one["near"]["any"]["error"] < 0.0034 for one in found.records)

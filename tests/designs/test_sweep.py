@@ -83,6 +83,7 @@ def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> Non
             assert one["sound"][0] == one["sound"][1] > 0
 
 
+@pytest.mark.slow
 def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     """The nominal arm has no shoulder's family: the variant that has it finds it."""
     drawing = Drawing.of("anthropomorphic")
@@ -102,6 +103,7 @@ def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     assert any(one.evidence.how == "exact condition" for one in third.of_corank(1) if one.coupled)
 
 
+@pytest.mark.slow
 def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
     """Conditions with joints pinned elsewhere are tried, refused, and cost nothing but time."""
     robot = rankdrop.open_robot("puma560")
@@ -316,6 +318,7 @@ def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, mon
     assert parquet.read_table(variants)["variant"].to_pylist() == [1, 2, 3, 4]
 
 
+@pytest.mark.slow
 def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     found = rankdrop.sweep({
         "robot": "scara", "parameters": {"upper": {"sets": "1.upper", "values": ["-200 deg", "90 deg"]}},
@@ -346,6 +349,7 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
         side_by_side(["ur5", "ur5"], asks)
 
 
+@pytest.mark.slow
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
     asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.1, "samples": 400})
     found = side_by_side(["ur5e", "gp7"], asks, workers=1)
@@ -435,6 +439,7 @@ def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
     return read.matrices, read.times
 
 
+@pytest.mark.slow
 def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_which() -> None:
     """The region is out of reach."""
     found = rankdrop.sweep({

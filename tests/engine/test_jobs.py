@@ -61,6 +61,7 @@ def test_chunks_come_in_order_whatever_the_number_of_workers(truth: list[tuple[i
     assert str(os.getpid()) not in {line[1] for line in lines}
 
 
+@pytest.mark.slow
 def test_workers_wait_for_a_slow_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two workers may be a chunk each ahead of what waits to be written, two chunks at most."""
     log, ahead, keep = tmp_path / "log", [], Folder.keep

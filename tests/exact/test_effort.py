@@ -14,6 +14,7 @@ WORK = {"scara": 0.005, "puma560": 0.52, "ur5": 0.22, "pa10": 0.31, "canadarm2":
 RISE = 1.5
 
 
+@pytest.mark.slow_at("canadarm2")
 @pytest.mark.parametrize("name", WORK)
 def test_the_work_of_a_derivation_does_not_rise(name: str) -> None:
     before = spent()

@@ -83,7 +83,10 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
-@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector", "pa10-reciprocity")
+@pytest.mark.slow_at(
+    "canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector",
+    "pa10-reciprocity", "scara-determinant", "planar3r-determinant",
+)  # fmt: skip
 @pytest.mark.parametrize(("name", "method"), [*PAIRS, pytest.param("gen3", "cofactors", marks=pytest.mark.slow)])
 def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
     found = derived(name, method)
@@ -103,6 +106,7 @@ def test_every_numerically_found_singular_configuration_satisfies_a_condition(na
     assert found.holds(points.q).all()
 
 
+@pytest.mark.slow_at("canadarm2-reciprocity")
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_no_regular_configuration_satisfies_a_condition(name: str, method: str) -> None:
     found = derived(name, method)
@@ -236,6 +240,7 @@ def test_the_limit_holds_on_an_arm_without_any_structure(method: str) -> None:
     assert found.left
 
 
+@pytest.mark.slow
 def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
     found = derive(chain_of("canadarm2"), "singular_vector", 0.1)
     assert not found.complete
@@ -273,6 +278,7 @@ def test_a_process_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch)
     assert factors_within(chain.ring, chain.columns[0][0] + chain.ring.c[3], 0.01) is None
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timer of the processor's time")
 def test_the_process_is_ended_by_its_own_time_and_not_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """A second of the processor: the product of two minors of a Gen3, 1,416 terms."""

@@ -45,6 +45,7 @@ def b44(twist: float = pi / 4):
     return from_dh([{"a": a, "alpha": alpha, "d": d} for a, alpha, d in rows], convention="modified", name="b44")
 
 
+@pytest.mark.slow
 def test_the_family_at_45_degrees_is_found() -> None:
     """Known answer: at θ3 = −90°, θ4 = 0, θ5 = 45° the rank is 3 or less (σ4 = 9.8e-52 in 60 digits)."""
     q = np.radians([0.0, 0.0, -90.0, 0.0, 45.0, 0.0])

@@ -145,7 +145,7 @@ def test_a_zero_at_a_simple_angle_is_seen_where_tangents_are_infinite_too(corner
     assert not proven(ring, c[1] - cosine, s[1] - sine, s[1] * c[2] - sine * c[2], (c[1] - cosine) * (s[2] + 3))
 
 
-@pytest.mark.slow_at("pa10-4")
+@pytest.mark.slow_at("pa10-4", "ur5-4")
 @pytest.mark.parametrize(("name", "lowest"), [("pa10", 4), ("ur5", 4), ("puma560", 5)])
 def test_no_rank_that_is_met_is_proven_away(name: str, lowest: int) -> None:
     chain = exact_chain(open_robot(name))

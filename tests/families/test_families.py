@@ -267,6 +267,7 @@ def test_fresh_points_given_are_the_ones_counted():
     assert all(family.explained.tested == len(fresh.converged) for family in found.families)
 
 
+@pytest.mark.slow
 def test_same_seed_same_table_and_progress_rises():
     steps: list[tuple[int, int]] = []
     cloud = search(open_robot("ur5"), 2, starts=300)

@@ -108,6 +108,7 @@ def test_equations_are_solved_together_from_anywhere() -> None:
     assert np.allclose(np.sin(strangers[:, [0, 2, 4]] - (0.7, 0.4, 0.9)), 0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_regular_solutions_at_special_places_count_against_a_derived_family() -> None:
     """The same equations as those of a derived family: random starts call them sound, the table does not."""
     robot = in_units(open_robot("puma560"))

@@ -50,6 +50,7 @@ def by_hand(monitor: Monitor, q: Array, velocity: Array) -> float:
     return least
 
 
+@pytest.mark.slow_at("sawyer", "hc10")
 @pytest.mark.parametrize("name", ARMS)
 def test_the_scaling_is_that_of_its_equation(name: str, rng: np.random.Generator) -> None:
     monitor, slowed = monitor_of(name), 0

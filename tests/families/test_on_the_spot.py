@@ -63,7 +63,10 @@ def without_values(name: str) -> str:
     return re.sub(r" \([^)]*\)$", "", name)
 
 
-@pytest.mark.slow_at("canadarm2", "iiwa14", "pa10", "tiago", "gen3", "sawyer", "xarm7", "fr3", "kr16", "hc10", "m1013")
+@pytest.mark.slow_at(
+    "canadarm2", "iiwa14", "pa10", "tiago", "gen3", "sawyer",
+    "xarm7", "fr3", "kr16", "hc10", "m1013", "yumi",
+)  # fmt: skip
 @pytest.mark.parametrize("name", KINDS)
 def test_members_of_an_atlas_are_named_as_in_it(name: str, whole: None) -> None:
     """Word for word, and the atlas has these names, cut and told apart."""

@@ -134,7 +134,7 @@ def test_every_set_equals_the_oracle(name: str, rng: np.random.Generator) -> Non
     assert relative(jacobian_derivative(robot, q), oracle.jacobian_derivative(robot, q)) < 1e-13
 
 
-@pytest.mark.slow_at("single", "baseline")
+@pytest.mark.slow_at("single", "baseline", "avx512", "avx2")
 @pytest.mark.parametrize("name", SETS)
 def test_every_set_gives_the_same_bits(name: str) -> None:
     _core.choose_instruction_set(SETS[0])

@@ -12,6 +12,7 @@ from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 
 
+@pytest.mark.slow_at("3")
 @pytest.mark.parametrize("corank", [1, 2, 3])
 def test_every_start_on_the_pa10_becomes_singular_in_both(corank: int, rng: np.random.Generator) -> None:
     robot = arms.pa10()

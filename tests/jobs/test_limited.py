@@ -79,6 +79,7 @@ def test_errors_come_back_in_the_type_that_is_wanted() -> None:
         run_limited(write, "/no/such/folder/x", file="f", parser="P", error=OptionError)
 
 
+@pytest.mark.slow
 @ON_LINUX
 def test_memory_and_processor_time_end() -> None:
     with pytest.raises(RobotError, match=r"bomb\.xml: P needs more than 1 GB of memory"):

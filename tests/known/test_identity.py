@@ -44,6 +44,7 @@ def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(n
     assert named(one.families) == named(other.families) == named(shipped(name).families)
 
 
+@pytest.mark.slow_at("ur5e", "puma560")
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=() if x in PLAIN else pytest.mark.by_hand) for x in conditions_names()]
 )

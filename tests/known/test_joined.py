@@ -194,6 +194,7 @@ def test_joints_that_start_elsewhere_are_told(capsys: pytest.CaptureFixture[str]
     assert "there θ3 = q3 + 2.8" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_a_family_on_which_the_rank_drops_twice_over_is_listed() -> None:
     """7R with θ2 = ±π/2, θ4 = v: σ is of first order in one combination of the errors and of second in the other."""
     q = pi / 2

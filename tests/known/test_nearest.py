@@ -34,6 +34,7 @@ def asked(robot: Robot, q: Array, **options: int) -> Nearest:
     return found
 
 
+@pytest.mark.slow_at("2-60")
 @pytest.mark.parametrize(("corank", "count"), [(1, 250), (2, 60), (3, 40)])
 def test_pa10_distances_are_those_of_the_tables(corank: int, count: int) -> None:
     robot = open_robot("pa10")

@@ -93,6 +93,7 @@ def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     assert all(one.completeness.agree == one.completeness.tested for one in found.coranks)
 
 
+@pytest.mark.slow
 def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     """6R of seed 32: det contains (0.2 c3 + s3)², θ3 = −atan 0.2."""
     found = analysed(6, 32)
@@ -101,6 +102,7 @@ def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     assert found.sound_and_complete
 
 
+@pytest.mark.slow
 def test_joints_on_one_axis_count_as_one() -> None:
     """7R of seed 4: axes 5 and 6 are one line; one equation of 5 joints is one of 4 in θ5 + θ6."""
     found = analysed(7, 4)

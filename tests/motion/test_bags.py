@@ -92,6 +92,7 @@ def write(path: Path, kind: str, make: Callable[[Any], list[Message]]) -> Path:
 KINDS = ("bag", "sqlite3", "mcap")
 
 
+@pytest.mark.slow_at("states-sqlite3", "states-mcap", "plan-mcap", "plan-sqlite3")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("what", ["states", "plan"])
 def test_every_storage_gives_the_same_samples(tmp_path: Path, kind: str, what: str) -> None:
@@ -112,6 +113,7 @@ def test_every_storage_gives_the_same_samples(tmp_path: Path, kind: str, what: s
             np.testing.assert_array_equal(read.velocities, Q / 2)
 
 
+@pytest.mark.slow
 def test_of_several_topics_one_is_chosen(tmp_path: Path) -> None:
     path = write(tmp_path / "two", "mcap", lambda s: states(s) + states(s, Q + 1, topic="/other"))
     with pytest.raises(TrajectoryError, match=r"two: several topics have joint values; got /joint_states \(JointState"):
@@ -147,6 +149,7 @@ def test_headers_without_times_and_repeated_rows(tmp_path: Path) -> None:
     assert "1 rows are repeated word for word and count once" in read.notes
 
 
+@pytest.mark.slow
 def test_a_plan_takes_the_place_of_the_one_before(tmp_path: Path) -> None:
     def make(store: Any) -> list[Message]:
         return [("/plan", PLAN, START + round(at * 1e9), plan(store, NAMES, q, T, START + round(at * 1e9)))
@@ -158,6 +161,7 @@ def test_a_plan_takes_the_place_of_the_one_before(tmp_path: Path) -> None:
     assert read.notes == ("2 plans follow each other; 1 points were replaced",)
 
 
+@pytest.mark.slow
 def test_velocities_that_are_no_numbers_are_left_out(tmp_path: Path) -> None:
     good = write(tmp_path / "a", "mcap", lambda s: states(s, speed=[1.0, 0.1, 0.2, 0.3]))
     np.testing.assert_array_equal(read_trajectory(good, ARM).velocities, [[0.3, 0.2, 0.1]] * 3)
@@ -198,6 +202,7 @@ def test_what_is_wrong_is_named_with_topic_and_message(tmp_path: Path, said: str
         read_trajectory(path, ARM)
 
 
+@pytest.mark.slow
 def test_a_topic_of_another_type_is_named(tmp_path: Path) -> None:
     path = write(tmp_path / "b", "sqlite3", lambda s: [("/c", "std_msgs/msg/Header", START, stamped(s, 1)), *states(s)])
     np.testing.assert_array_equal(read_trajectory(path, ARM).q, Q)
@@ -284,6 +289,7 @@ def test_without_rosbags_the_command_that_helps_is_named(tmp_path: Path, monkeyp
         read_trajectory(tmp_path / "a.bag", ARM)
 
 
+@pytest.mark.slow
 def test_the_command_reads_bags_and_folders_of_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -303,6 +309,7 @@ def test_the_command_reads_bags_and_folders_of_them(
     assert "2 of 3 paths proven free" in capsys.readouterr().out
 
 
+@pytest.mark.slow_at("bag", "mcap")
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_bag_that_unpacks_to_more_than_its_limit_is_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str

@@ -41,6 +41,7 @@ def saved(folder: Path, name: str, q: object) -> Path:
     return folder / name
 
 
+@pytest.mark.slow
 def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """At 80 columns, for two crossings that are described, and for 40 that are listed; --full prints each of them."""
     turn = np.sin(np.linspace(0.0, 40.0 * np.pi, 2001))[:, None]

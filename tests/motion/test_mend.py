@@ -82,6 +82,7 @@ def test_a_flip_keeps_the_tool_path_and_is_another_branch() -> None:
     assert max(apart) < one.off[0] + 1e-5
 
 
+@pytest.mark.slow
 def test_a_tilt_turns_the_tool_about_its_tip_by_no_more_than_the_bound() -> None:
     robot, one = open_robot("puma560"), wrist().remedies[1]
     angle, axis = one.parameters[0][1], np.array(one.parameters[1][1])

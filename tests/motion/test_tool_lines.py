@@ -101,6 +101,7 @@ def hold(name: str, number: int, seed: int) -> dict[str, int]:
     return verdicts
 
 
+@pytest.mark.slow_at("panda", "ur5e")
 @pytest.mark.parametrize("name", ["ur5e", "panda"])
 def test_lines_past_singularities_are_not_called_free(name: str) -> None:
     verdicts = hold(name, 3, 1)
@@ -113,6 +114,7 @@ def test_no_line_that_is_called_free_breaks_a_rate_or_leaves_its_line(name: str)
     assert sum(hold(name, 10, 2).values()) == 10
 
 
+@pytest.mark.slow
 def test_the_line_of_the_issue_is_not_possible_at_the_programmed_speed() -> None:
     """0.2 m that pass the UR5e's wrist at 0.005°: the joint path of rows 0.02 reaches apart left it by 29 mm."""
     robot = open_robot("ur5e")

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import rankdrop
 
 SOURCE = Path(rankdrop.__file__).parent
@@ -42,6 +44,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.slow
 def test_a_new_column_reaches_terminal_page_notebook_latex_and_json(tmp_path: Path) -> None:
     copy = tmp_path / "rankdrop"
     shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__", "atlases", "derivations", "include"))

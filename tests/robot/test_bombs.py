@@ -82,6 +82,7 @@ def refused(path: Path) -> str:
     return line
 
 
+@pytest.mark.slow_at("replicate once", "replicate", "cloth", "keys")
 @pytest.mark.parametrize("kind", MJCF)
 def test_a_small_mjcf_file_costs_little(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("mujoco")
@@ -93,6 +94,7 @@ def test_a_small_mjcf_file_costs_little(tmp_path: Path, kind: str) -> None:
         assert "MuJoCo" in line or "too many bodies" in line
 
 
+@pytest.mark.slow
 def test_included_files_count(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     bodies = "".join(LINK.format(name=f"b{{i}}_{k}", inside="") for k in range(500))
@@ -106,6 +108,7 @@ def test_included_files_count(tmp_path: Path) -> None:
     assert "too many bodies" in line or "processor time" in line
 
 
+@pytest.mark.slow_at("power", "macros")
 @pytest.mark.parametrize("kind", EXPANSIONS)
 def test_a_small_xacro_file_costs_little(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("xacro")

@@ -183,6 +183,7 @@ def test_the_ends_of_the_range_are_read() -> None:
     assert quantity("1e12 m", "length", where="x") == 1e12
 
 
+@pytest.mark.slow
 def test_mjcf_has_the_same_range(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     path = tmp_path / "a.xml"

@@ -32,6 +32,7 @@ def reader(name: str) -> Any:
     return FUZZ.readers(Path(mkdtemp()))[name]
 
 
+@pytest.mark.slow_at("mjcf")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 def test_the_corpus_is_read_or_refused(name: str) -> None:
     cases = FUZZ.seeds(name)
@@ -40,7 +41,7 @@ def test_the_corpus_is_read_or_refused(name: str) -> None:
     assert any(taken)
 
 
-@pytest.mark.slow_at("poses")
+@pytest.mark.slow_at("poses", "mjcf")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(seed=st.integers(0, 2**32))
 def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:

@@ -120,6 +120,7 @@ def test_included_files_and_a_scene_around_the_arm_are_read(tmp_path: Path) -> N
     assert (open_robot(scene).n, open_robot(scene).base) == (2, "world")
 
 
+@pytest.mark.slow
 def test_rounded_angles_in_radians_are_right_angles(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     inner = f'<body name="b" pos="0.3 0 0.1" axisangle="1 0 0 -1.5708"><joint name="k"/>{GEOM}</body>'

@@ -104,6 +104,7 @@ def test_a_longer_hand_does_not_make_an_arm_the_longer_one() -> None:
     assert from_urdf(robot(longer)).tip == "left_l7"
 
 
+@pytest.mark.slow
 def test_a_chain_of_thousands_of_joints_and_branches_is_walked() -> None:
     comb = [*chain(3000), *(joint(f"side{i}", f"l{i}", f"side_l{i}") for i in range(1, 2990))]
     with pytest.raises(RobotError, match="too many moving joints; got 3000; allowed: at most 200"):

@@ -83,6 +83,7 @@ def test_a_missing_package_that_only_names_meshes_does_not_matter(tmp_path: Path
     assert (arm.n, arm.notes[-1]) == (2, "package 'mesh_pack' is not found: only files that are not read are in it")
 
 
+@pytest.mark.slow
 def test_arguments_are_passed(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacro")
     path = write(tmp_path, "pack/urdf/macro.xacro")
@@ -92,6 +93,7 @@ def test_arguments_are_passed(tmp_path: Path, macros: Path) -> None:
     assert open_robot(path).joints[1].screw[1] == -0.5  # the arguments of other calls are not kept
 
 
+@pytest.mark.slow
 def test_true_and_false_are_written_as_xacro_reads_them(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
@@ -144,6 +146,7 @@ def test_an_argument_that_the_file_does_not_take_is_refused(tmp_path: Path, macr
         open_robot(path, args={"width": 1})
 
 
+@pytest.mark.slow
 def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     inside = '<xacro:arg name="kind" default="continuous"/><xacro:arg name="called" default="rizon"/>'

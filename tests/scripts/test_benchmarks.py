@@ -56,6 +56,7 @@ def test_a_figure_that_was_not_measured_is_noticed() -> None:
     assert numbers("PA-10 0.57 µs, 3 008 of 7R") == ["0.57", "3008"]
 
 
+@pytest.mark.slow
 def test_parts_of_one_day_are_kept(tmp_path: Path) -> None:
     """A run of one script replaces its own part; what else was measured that day stays as it was."""
     page = tmp_path / "day.md"

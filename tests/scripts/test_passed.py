@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import ast
-from pathlib import Path
 
 import pytest
+from sources import FILES, SOURCE, nodes
 
-import rankdrop
 from scripts import tool
 
 BOUNDS = {
@@ -62,19 +61,17 @@ WHOLE = {
 
 @pytest.mark.parametrize("room", WHOLE)
 def test_a_room_has_no_more_files_and_classes_than_before(room: str) -> None:
-    place = Path(rankdrop.__file__).parent / room
-    files = list(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    files = [path for path in FILES if path.relative_to(SOURCE).parts[0].removesuffix(".py") == room]
     classes = [
-        f"{file.name}: {node.name}" for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ClassDef)
-    ]  # fmt: skip
+        f"{file.name}: {node.name}" for file in files for node in nodes(file) if isinstance(node, ast.ClassDef)
+    ]
     most_files, most_classes = WHOLE[room]
     assert len(files) <= most_files, sorted(file.name for file in files)
     assert len(classes) <= most_classes, classes
 
 
 def test_every_room_has_a_bound() -> None:
-    rooms = {place.name for place in Path(rankdrop.__file__).parent.iterdir() if any(place.glob("**/*.py"))}
+    rooms = {parts[0] for parts in (path.relative_to(SOURCE).parts for path in FILES) if len(parts) > 1}
     assert rooms - set(WHOLE) == set()
 
 
@@ -83,14 +80,13 @@ TOTALS = {"statements": 42_900, "files": 274, "classes": 424, "functions of 8 ar
 
 
 def test_the_package_does_not_grow() -> None:
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in Path(rankdrop.__file__).parent.rglob("*.py")]
-    nodes = [node for tree in trees for node in ast.walk(tree)]
-    functions = [node.args for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    every = [node for path in FILES for node in nodes(path)]
+    functions = [node.args for node in every if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
     names = [[one.arg for one in (*args.posonlyargs, *args.args, *args.kwonlyargs)] for args in functions]
     counts = {
-        "statements": sum(isinstance(node, ast.stmt) for node in nodes),
-        "files": len(trees),
-        "classes": sum(isinstance(node, ast.ClassDef) for node in nodes),
+        "statements": sum(isinstance(node, ast.stmt) for node in every),
+        "files": len(FILES),
+        "classes": sum(isinstance(node, ast.ClassDef) for node in every),
         "functions of 8 arguments and more": sum(len(set(some) - {"self", "cls"}) >= 8 for some in names),
     }
     assert {what: count for what, count in counts.items() if count > TOTALS[what]} == {}

@@ -154,6 +154,7 @@ except KeyboardInterrupt:
 """The signal reaches another thread: as where it comes while a wait begins, nothing wakes the wait of the main one."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signals of threads")
 def test_a_ctrl_c_that_wakes_nothing_ends_it() -> None:
     done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=20)

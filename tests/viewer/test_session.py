@@ -79,6 +79,7 @@ def test_it_looks_and_explains(session: tuple[Session, Ear]) -> None:
     assert ear.errors == []
 
 
+@pytest.mark.slow
 def test_a_motion_arrives_and_is_smooth(session: tuple[Session, Ear]) -> None:
     made, ear = session
     target = START + 0.5

@@ -84,6 +84,7 @@ def test_a_walk_goes_on_along_the_family_until_it_is_stopped(viewer: Viewer) -> 
     assert "stands still" in viewer.controls.message.content
 
 
+@pytest.mark.slow
 def test_the_end_effector_stays_where_it_is_on_a_self_motion_out(viewer: Viewer) -> None:
     start = np.array([0.3, 0.0, np.pi / 2, 0.8, 0.5, 0.7, 0.2])  # AM's shoulder singularity: avoidable
     viewer.session.set(start)

@@ -38,7 +38,7 @@ WHOLE = {
     "family": (6, 19),
     "jobs": (4, 5),
     "kinematics": (1, 1),
-    "local": (17, 51),
+    "local": (17, 50),
     "motion": (32, 48),
     "options": (1, 1),
     "configuration": (1, 3),

@@ -23,10 +23,9 @@ subgroup onto itself: a joint of its normaliser.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import combinations
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,10 +41,15 @@ from rankdrop.tolerances import ALIGNED, DEPENDENT
 
 
 class Lines:
-    """Axes and slides of every joint, mimic joints too, at one configuration."""
+    """Axes and slides of every joint, mimic joints too, at one configuration.
+
+    Attributes:
+        z, p, h: directions (N, 3), points (N, 3), pitches (N,) [m/rad] in the base frame.
+        parallel, normal: |z_i × z_j| = 0, and z_i · z_j = 0, of every two joints.
+        one_line, one_pitch: parallel, and p_j on axis i; h_i = h_j.
+    """
 
     def __init__(self, robot: Robot, q: Array, tolerance: float = ALIGNED) -> None:
-        """Directions z (N, 3), points p (N, 3), pitches h (N,) [m/rad] in the base frame."""
         free, values, _ = unlocked(robot, q)
         screws = jacobian(free, values, SPACE).T
         self.tolerance, self.length = tolerance, reach(robot)
@@ -55,53 +59,33 @@ class Lines:
         self.p = cross(screws[:, 3:], screws[:, :3])
         self.h = np.einsum("ni,ni->n", screws[:, :3], screws[:, 3:])
         self.cross = np.linalg.norm(cross(self.z[:, None], self.z[None, :]), axis=-1)
-        self.dot = np.abs(self.z @ self.z.T)
         offset = cross(self.p[None, :] - self.p[:, None], self.z[:, None]) / self.length
         parallel = self.cross < tolerance
-        self._line = ((np.linalg.norm(offset, axis=-1) < tolerance) & parallel).tolist()
-        self._parallel, self._normal = parallel.tolist(), (self.dot < tolerance).tolist()
-
-    def parallel(self, i: int, j: int) -> bool:
-        """|z_i × z_j| = 0."""
-        known: bool = self._parallel[i][j]
-        return known
-
-    def normal(self, i: int, j: int) -> bool:
-        """z_i · z_j = 0."""
-        known: bool = self._normal[i][j]
-        return known
-
-    def one_line(self, i: int, j: int) -> bool:
-        """Parallel, and p_j on axis i."""
-        known: bool = self._line[i][j]
-        return known
-
-    def one_pitch(self, i: int, j: int) -> bool:
-        """h_i = h_j."""
-        return bool(abs(self.h[i] - self.h[j]) < self.tolerance * self.length)
+        self.one_line: list[list[bool]] = ((np.linalg.norm(offset, axis=-1) < tolerance) & parallel).tolist()
+        self.one_pitch: list[list[bool]] = (np.abs(self.h[:, None] - self.h) < tolerance * self.length).tolist()
+        self.parallel: list[list[bool]] = parallel.tolist()
+        self.normal: list[list[bool]] = (np.abs(self.z @ self.z.T) < tolerance).tolist()
 
     def through_meeting(self, i: int, j: int) -> list[bool] | None:
         """Of every joint: its axis goes through the point where axes i and j meet; None where they do not meet in one.
 
         They meet at p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j.
         """
-        met, on = self._meetings
-        return on[i][j] if met[i][j] else None
+        meet, on = self._meetings
+        return on[i][j] if meet[i][j] else None
 
     @cached_property
     def _meetings(self) -> tuple[list[list[bool]], list[list[list[bool]]]]:
         """Of every two joints whether they meet in one point (N, N), and which axes go through it (N, N, N)."""
         skew, apart = cross(self.z[:, None], self.z[None]), self.p[None] - self.p[:, None]
-        met = self.cross >= self.tolerance
-        met &= np.abs((apart * skew).sum(axis=-1)) <= self.tolerance * self.length  # at least distance · |z_i × z_j|
-        size = (skew * skew).sum(axis=-1)
-        s = (cross(apart, self.z[None]) * skew).sum(axis=-1) / np.where(met, size, 1.0)
+        meet = self.cross >= self.tolerance
+        meet &= np.abs((apart * skew).sum(axis=-1)) <= self.tolerance * self.length  # at least distance · |z_i × z_j|
+        s = (cross(apart, self.z[None]) * skew).sum(axis=-1) / np.where(meet, (skew * skew).sum(axis=-1), 1.0)
         points = self.p[:, None] + s[..., None] * self.z[:, None]
-        offset = cross(points[:, :, None] - self.p, self.z) / self.length
-        on = np.linalg.norm(offset, axis=-1) < self.tolerance
+        on = np.linalg.norm(cross(points[:, :, None] - self.p, self.z) / self.length, axis=-1) < self.tolerance
         number = np.arange(len(self.p))
-        met &= on[number[:, None], number, number]
-        return met.tolist(), on.tolist()
+        meet &= on[number[:, None], number, number]
+        return meet.tolist(), on.tolist()
 
 
 Verdicts = NDArray[np.bool_]  # one per configuration
@@ -137,9 +121,8 @@ class Scene:
     @cached_property
     def z(self) -> Array:
         """(n, N, 3) unit directions of the axes; those of the slides for prismatic joints."""
-        slides = [kind is JointKind.PRISMATIC for kind in self.kinds]
-        parts = [self.screws[:, :3, i] if slide else self.screws[:, 3:, i] for i, slide in enumerate(slides)]
-        return np.stack(parts)
+        first = [0 if kind is JointKind.PRISMATIC else 3 for kind in self.kinds]
+        return np.stack([self.screws[:, row : row + 3, i] for i, row in enumerate(first)])
 
     @cached_property
     def p(self) -> Array:
@@ -215,9 +198,6 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-_POSITION, _ORIENTATION = {0, 1, 2}, {3, 4, 5}
-
-
 def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
     """A circuit in words: what its axes and slides have in common at every configuration of the scene.
 
@@ -235,16 +215,8 @@ def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
         return f"joint {names} moves nothing"
     axes = [i for i in circuit if i in scene.axes]
     slides = [i for i in circuit if scene.kinds[i] is JointKind.PRISMATIC]
-    told = None
-    if len(axes) + len(slides) == len(circuit):
-        if task.m == 6:
-            told = _axes(scene, circuit) if not slides else _slides(scene, slides) if not axes else None
-            told = told or (_mixed(scene, axes, slides) if axes and slides else None) or _transversal(scene, circuit)
-        elif set(task.rows) <= _POSITION and not slides:
-            told = _through_the_tip(scene, circuit)
-        elif set(task.rows) <= _ORIENTATION and not slides:
-            told = _directions(scene, circuit)
-    return told or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
+    words = _pattern(scene, axes, slides, task) if len(axes) + len(slides) == len(circuit) else None
+    return words or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
 
 
 def line_meets_all(scene: Scene, task: Task) -> bool:
@@ -268,81 +240,66 @@ def numbers(members: Sequence[int]) -> str:
     return ", ".join(str(i + 1) for i in members)
 
 
-def _axes(scene: Scene, axes: tuple[int, ...]) -> str | None:
-    """Axes alone, in the full pose."""
-    names = numbers(axes)
-    if len(axes) == 2:
-        return f"axes {names} aligned"
-    if len(axes) > 4:
-        return None  # parallel, concurrent or coplanar axes have rank 3: no circuit is larger than four
-    parallel = _parallel(scene, axes)
-    concurrent = not parallel and bool(scene.common_point(axes)[1].all())
-    if len(axes) == 3:
-        word = "parallel" if parallel else "concurrent" if concurrent else None
-        return word and f"axes {names} {word} and coplanar"
-    coplanar = not parallel and not concurrent and bool(scene.coplanar(axes).all())
-    for told, word in ((parallel, "parallel"), (concurrent, "concurrent"), (coplanar, "coplanar")):
-        if told:
-            return f"axes {names} {word}"
+def _pattern(scene: Scene, axes: Sequence[int], slides: Sequence[int], task: Task) -> str | None:
+    """What dependent axes and slides have in common; None without a pattern."""
+    if task.m == 6:
+        if not axes:
+            how = ("parallel", "parallel to one plane", "are four translations of space")[len(slides) - 2]
+            return f"slides {numbers(slides)} {how}"
+        special = _translations_twice(scene, axes, slides) if slides else _three_dimensions(scene, axes)
+        return special or _transversal(scene, axes, slides)
+    count, lines = len(axes), f"axes {numbers(axes)}"
+    if slides:
+        return None
+    if max(task.rows) < 3:  # planes through the tip count
+        flat = count == 2 and scene.coplanar(axes, scene.tip).all()
+        return f"{lines} and the tip in one plane" if flat else None
+    if min(task.rows) >= 3:  # directions alone count
+        if count == 2 and _parallel(scene, axes):
+            return f"{lines} parallel"
+        flat = count == 3 and (np.abs(_dot(scene.z[axes[0]], np.cross(*scene.z[axes[1:]]))) < ALIGNED).all()
+        return f"{lines} parallel to one plane" if flat else None
     return None
 
 
-def _slides(scene: Scene, slides: Sequence[int]) -> str:
-    """Slides alone: directions of which one too many lie on a line, in a plane, in space."""
-    names = numbers(slides)
-    if len(slides) == 2:
-        return f"slides {names} parallel"
-    return f"slides {names} {'parallel to one plane' if len(slides) == 3 else 'are four translations of space'}"
+def _three_dimensions(scene: Scene, axes: Sequence[int]) -> str | None:
+    """Axes alone: parallel, concurrent or coplanar ones have rank 3, so that no circuit of them has more than four."""
+    if len(axes) == 2:
+        return f"axes {numbers(axes)} aligned"
+    if len(axes) > 4:
+        return None
+    word = "parallel" if _parallel(scene, axes) else "concurrent" if scene.common_point(axes)[1].all() else None
+    if len(axes) == 4 and word is None and scene.coplanar(axes).all():
+        word = "coplanar"
+    return word and f"axes {numbers(axes)} {word}{' and coplanar' * (len(axes) == 3)}"
 
 
-def _mixed(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
+def _translations_twice(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
     """Axes and slides: turning forth and back about parallel axes is a translation, and the slides make it too."""
     if not _parallel(scene, axes):
         return None
-    both, sliding = f"axes {numbers(axes)}", f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
     normal = all(scene.perpendicular(axes[0], i).all() for i in slides)
+    how = "normal to them" if normal else "along what they translate"
     if len(axes) == 2 and len(slides) == 1:
-        return f"axes {numbers(axes)} parallel, {sliding} normal to their plane"
-    if normal:
-        return f"{both} parallel, {sliding} normal to them"
-    return f"{both} parallel, {sliding} along what they translate"
+        how = "normal to their plane"
+    return f"axes {numbers(axes)} parallel, {_slides(slides)} {how}"
 
 
-def _transversal(scene: Scene, circuit: tuple[int, ...]) -> str | None:
+def _slides(slides: Sequence[int]) -> str:
+    return f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
+
+
+def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
     """Six axes that meet one line; a line at infinity is met by axes and slides parallel to one plane."""
+    circuit = sorted([*axes, *slides])
     if len(circuit) != 6:
         return None
-    about = scene.tip[:, None, :]  # moments about the tip: rounding stays small
-    columns = scene.screws[..., list(circuit)].transpose(0, 2, 1)
-    moved = (columns[..., :3] + np.cross(columns[..., 3:], about)) / scene.length
-    left = np.linalg.svd(np.concatenate([moved, columns[..., 3:]], axis=-1))[2][:, -1]  # the blocked wrench
-    if not _pure_force(left):
+    columns = scene.screws[..., circuit].transpose(0, 2, 1)
+    about_tip = (columns[..., :3] + np.cross(columns[..., 3:], scene.tip[:, None, :])) / scene.length  # rounds least
+    blocked = np.linalg.svd(np.concatenate([about_tip, columns[..., 3:]], axis=-1))[2][:, -1]
+    if not _pure_force(blocked):
         return None
-    slides = [i for i in circuit if i not in scene.axes]
-    axes = [i for i in circuit if i in scene.axes]
-    if slides:
-        also = f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)} normal to it"
-        return f"axes {numbers(axes)} meet one line, {also}"
-    return f"axes {numbers(circuit)} meet one line"
-
-
-def _through_the_tip(scene: Scene, axes: tuple[int, ...]) -> str | None:
-    """Axes in a position task: planes and lines through the tip."""
-    names = numbers(axes)
-    if len(axes) == 2 and bool(scene.coplanar(axes, scene.tip).all()):
-        return f"axes {names} and the tip in one plane"
-    return None
-
-
-def _directions(scene: Scene, axes: tuple[int, ...]) -> str | None:
-    """Axes in an orientation task: only their directions count."""
-    if len(axes) == 2 and _parallel(scene, axes):
-        return f"axes {numbers(axes)} parallel"
-    if len(axes) == 3:
-        volume = np.einsum("...i,...i->...", scene.z[axes[0]], np.cross(scene.z[axes[1]], scene.z[axes[2]]))
-        if (np.abs(volume) < ALIGNED).all():
-            return f"axes {numbers(axes)} parallel to one plane"
-    return None
+    return f"axes {numbers(axes)} meet one line" + (f", {_slides(slides)} normal to it" if slides else "")
 
 
 def _parallel(scene: Scene, axes: Sequence[int]) -> bool:
@@ -408,89 +365,64 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tupl
     special = [group for group in groups if not all(_holds(lines, group) for lines in elsewhere)]
     structural = [group for group in groups if group not in special]
     structural += [group for group in always if group not in groups and len(group[1]) > 2 and _holds(here, group)]
-    told = [_relation(here, group, False) for group in special] + [_relation(here, group, True) for group in structural]
-    return tuple(sorted(told, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
+    found = [_relation(here, *group, group in structural) for group in special + structural]
+    return tuple(sorted(found, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
 
 
-_known: WeakKeyDictionary[Robot, dict[float, tuple[list[Lines], list[Group]]]] = WeakKeyDictionary()
-
-
+@lru_cache(maxsize=16)
 def _structure(robot: Robot, tolerance: float) -> tuple[list[Lines], list[Group]]:
     """The arm at random configurations, and the groups that it has at all of them: a robot never changes."""
-    known = _known.setdefault(robot, {})
-    if tolerance not in known:
-        elsewhere = [Lines(robot, c, tolerance) for c in structural_sample(robot, resolve_task(None, robot), _PLACES)]
-        always = [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere[1:])]
-        known[tolerance] = elsewhere, always
-    return known[tolerance]
+    elsewhere = [Lines(robot, q, tolerance) for q in structural_sample(robot, resolve_task(None, robot), _PLACES)]
+    return elsewhere, [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere)]
 
 
 def _groups(lines: Lines) -> list[Group]:
     """Maximal groups of every kind, indices from 0."""
-    turns = lines.turns
-    aligned = {tuple(j for j in turns if lines.one_line(i, j)) for i in turns}
-    every = sorted([*turns, *lines.slides])
-    parallel = {tuple(j for j in every if lines.parallel(i, j)) for i in every} - aligned
-    points = {}
-    for i, j in combinations(turns, 2):
-        on = lines.through_meeting(i, j)
-        if on is not None:
-            points[i, j] = tuple(k for k in turns if on[k])
-    concurrent = {group for group in points.values() if len(group) > 2}
-    pairs = {group for group in points.values() if len(group) == 2}
-    found: list[Group] = [("aligned", group) for group in aligned if len(group) > 1]
-    found += [("parallel", group) for group in parallel if len(group) > 1]
-    found += [("concurrent", group) for group in concurrent]
-    return found + [("intersecting", group) for group in pairs]
+    turns, every = lines.turns, range(len(lines.z))
+    aligned = {tuple(j for j in turns if lines.one_line[i][j]) for i in turns}
+    through = [on for i, j in combinations(turns, 2) if (on := lines.through_meeting(i, j)) is not None]
+    points = {tuple(k for k in turns if on[k]) for on in through}
+    kinds: dict[str, set[tuple[int, ...]]] = {
+        "aligned": aligned,
+        "parallel": {tuple(j for j in every if lines.parallel[i][j]) for i in every} - aligned,
+        "concurrent": {group for group in points if len(group) > 2},
+        "intersecting": {group for group in points if len(group) == 2},
+    }
+    return [(kind, group) for kind, groups in kinds.items() for group in groups if len(group) > 1]
 
 
 def _holds(lines: Lines, group: Group) -> bool:
     kind, joints = group
     pairs = list(combinations(joints, 2))
-    if kind == "aligned":
-        return all(lines.one_line(i, j) for i, j in pairs)
-    if kind == "parallel":
-        return all(lines.parallel(i, j) for i, j in pairs)
-    crossing = [pair for pair in pairs if not lines.parallel(*pair)]
-    on = lines.through_meeting(*crossing[0]) if crossing else None
+    if kind in ("aligned", "parallel"):
+        related = lines.one_line if kind == "aligned" else lines.parallel
+        return all(related[i][j] for i, j in pairs)
+    crossing = next((pair for pair in pairs if not lines.parallel[pair[0]][pair[1]]), None)
+    on = lines.through_meeting(*crossing) if crossing else None
     return on is not None and all(on[i] for i in joints)
 
 
-def _relation(lines: Lines, group: Group, structural: bool) -> Relation:
-    kind, joints = group
-    axes, slides = [i for i in joints if i in lines.turns], [i for i in joints if i in lines.slides]
-    parts = [(f"axes {numbers(axes)}" if len(axes) > 1 else f"axis {numbers(axes)}") if axes else ""]
-    parts += [f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}" if slides else ""]
+def _relation(lines: Lines, kind: str, joints: tuple[int, ...], structural: bool) -> Relation:
+    axes, slides = ([i for i in joints if i in some] for some in (lines.turns, lines.slides))
+    parts = [f"{'axes' if len(axes) > 1 else 'axis'} {numbers(axes)}"] * bool(axes)
+    parts += [_slides(slides)] * bool(slides)
     verb = {"aligned": "aligned", "parallel": "parallel", "concurrent": "meet in one point"}.get(kind, "intersect")
-    words = f"{' and '.join(part for part in parts if part)} {verb}"
-    return Relation(words, tuple(i + 1 for i in joints), kind, structural)
+    return Relation(f"{' and '.join(parts)} {verb}", tuple(i + 1 for i in joints), kind, structural)
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
-    """The largest set of joints inside one subgroup.
-
-    Attributes:
-        kind: "coaxial", "translational", "cylindrical", "spherical", "planar", "planar with a screw" or "Schönflies".
-        dimension: of the subgroup.
-        joints: indices from 0 in `Robot.joints`, mimic joints included.
-        keepers: all joints, of the set or not, whose motion maps the subgroup onto itself.
-    """
-
-    kind: str
-    dimension: int
-    joints: tuple[int, ...]
-    keepers: frozenset[int]
+Subgroup = tuple[str, int, tuple[int, ...], frozenset[int]]
+"""Kind and dimension of a subgroup; the joints in it, from 0 in `Robot.joints`, mimic joints included; and its keepers:
+all joints, of the set or not, whose motion maps the subgroup onto itself."""
 
 
-def members(lines: Lines) -> list[Member]:
+def subgroups(lines: Lines) -> list[Subgroup]:
     """The largest set of joints for every subgroup that two joints at least lie in; a set once, in the smallest."""
-    found: dict[tuple[int, ...], Member] = {}
-    for member in _all_members(lines):
-        known = found.get(member.joints)
-        if len(member.joints) > 1 and (known is None or member.dimension < known.dimension):
-            found[member.joints] = member
-    return list(found.values())
+    smallest: dict[tuple[int, ...], Subgroup] = {}
+    for kind, dimension, members, keepers in _every_subgroup(lines):
+        joints = tuple(sorted(members))
+        if len(joints) > 1 and (joints not in smallest or dimension < smallest[joints][1]):
+            smallest[joints] = kind, dimension, joints, frozenset(keepers)
+    return list(smallest.values())
 
 
 def closure(screws: Array, tolerance: float = 1e-7, most: int = 6) -> Array:
@@ -510,44 +442,34 @@ def closure(screws: Array, tolerance: float = 1e-7, most: int = 6) -> Array:
         basis = grown
 
 
-def _all_members(lines: Lines) -> Iterator[Member]:
+def _every_subgroup(lines: Lines) -> Iterator[tuple[str, int, list[int], list[int]]]:
     turns, slides = lines.turns, lines.slides
     straight = [i for i in turns if abs(lines.h[i]) < lines.tolerance * lines.length]
     for i in turns:
-        axis = [j for j in turns if lines.one_line(i, j)]
-        along = [j for j in slides if lines.parallel(i, j)]
-        bundle = [j for j in turns if lines.parallel(i, j)]
-        keep_line, keep_direction = axis + along, bundle + slides
-        across = [j for j in slides if lines.normal(i, j)]
-        pitched = [j for j in bundle if lines.one_pitch(i, j)]
-        yield _member("coaxial", 1, [j for j in axis if lines.one_pitch(i, j)], keep_line)
-        yield _member("cylindrical", 2, axis + along, keep_line)
-        yield _member("planar" if i in straight else "planar with a screw", 3, pitched + across, keep_direction)
-        yield _member("Schönflies", 4, keep_direction, keep_direction)
+        axis = [j for j in turns if lines.one_line[i][j]]
+        along_line = axis + [j for j in slides if lines.parallel[i][j]]
+        bundle = [j for j in turns if lines.parallel[i][j]]
+        across = [j for j in slides if lines.normal[i][j]]
+        yield "coaxial", 1, [j for j in axis if lines.one_pitch[i][j]], along_line
+        yield "cylindrical", 2, along_line, along_line
+        planar = [j for j in bundle if lines.one_pitch[i][j]] + across
+        yield "planar" if i in straight else "planar with a screw", 3, planar, bundle + slides
+        yield "Schönflies", 4, bundle + slides, bundle + slides
     for i, j in combinations(straight, 2):
         on = lines.through_meeting(i, j)
         if on is not None:
             ball = [k for k in straight if on[k]]
-            yield _member("spherical", 3, ball, ball)
-    yield from _translations(lines)
-
-
-def _translations(lines: Lines) -> Iterator[Member]:
-    turns, slides = lines.turns, lines.slides
+            yield "spherical", 3, ball, ball
     for i in slides:
-        keepers = slides + [j for j in turns if lines.parallel(i, j)]
-        yield _member("translational", 1, [j for j in slides if lines.parallel(i, j)], keepers)
+        keepers = slides + [j for j in turns if lines.parallel[i][j]]
+        yield "translational", 1, [j for j in slides if lines.parallel[i][j]], keepers
     for i, j in combinations(slides, 2):
-        if not lines.parallel(i, j):
+        if not lines.parallel[i][j]:
             normal = cross(lines.z[i], lines.z[j]) / lines.cross[i, j]
             plane = [k for k in slides if abs(normal @ lines.z[k]) < lines.tolerance]
             keepers = slides + [k for k in turns if np.linalg.norm(cross(normal, lines.z[k])) < lines.tolerance]
-            yield _member("translational", 2, plane, keepers)
-    yield _member("translational", 3, slides, turns + slides)
-
-
-def _member(kind: str, dimension: int, joints: list[int], keepers: list[int]) -> Member:
-    return Member(kind, dimension, tuple(sorted(joints)), frozenset(keepers))
+            yield "translational", 2, plane, keepers
+    yield "translational", 3, slides, turns + slides
 
 
 def _span(rows: Array, tolerance: float) -> Array:
@@ -610,24 +532,17 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[
         [((4, 5, 6), 'spherical')]
     """
     lines = Lines(robot, one_configuration(robot, q), tolerance)
-    elsewhere: list[Array] = []  # worked out when first needed
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
-    for member in members(lines):
-        for joints, structural in _pieces(member):
-            overfull = len(joints) > member.dimension
-            if overfull and not structural and not elsewhere:
-                elsewhere = _elsewhere(robot)
-            always = structural or (overfull and all(
-                len(closure(twists[list(joints)], most=member.dimension)) <= member.dimension for twists in elsewhere
-            ))  # fmt: skip
-            system = _system(robot, lines, member, joints, always)
+    for kind, dimension, members, keepers in subgroups(lines):
+        for joints, structural in _pieces(members, keepers):
+            always = structural or (len(joints) > dimension and _stay_inside(robot, joints, dimension))
+            system = _system(robot, lines, kind, dimension, joints, always)
             count = len(system.numbers)
-            telling = count > system.dimension or (structural and count == system.dimension >= 2)
-            known = pieces.get(system.numbers)
-            if telling and (known is None or system.dimension < known.dimension):
+            telling = count > dimension or (structural and count == dimension >= 2)
+            if telling and (system.numbers not in pieces or dimension < pieces[system.numbers].dimension):
                 pieces[system.numbers] = system
-    told = [system for system in pieces.values() if not any(_says_more(other, system) for other in pieces.values())]
-    return tuple(sorted(told, key=lambda s: (not s.permanent, -s.loss, s.dimension, s.numbers)))
+    kept = [system for system in pieces.values() if not any(_says_more(other, system) for other in pieces.values())]
+    return tuple(sorted(kept, key=lambda s: (not s.permanent, -s.loss, s.dimension, s.numbers)))
 
 
 def always_singular_reason(robot: Robot, task: Task) -> str | None:
@@ -664,14 +579,15 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
         return head + _whole(robot, q, dimension, rank)
     if bound == most:
         return f"{head}no screw system of the joints accounts for it"
-    told = "; ".join(words for _, _, words in best)
-    return head + told + ("" if bound == rank else f"; this accounts for rank {bound}, not for {rank}")
+    words = "; ".join(one for _, _, one in best)
+    return head + words + ("" if bound == rank else f"; this accounts for rank {bound}, not for {rank}")
 
 
-def _elsewhere(robot: Robot) -> list[Array]:
-    """Joint twists (N, 6) at random configurations, about the tip, lengths per reach."""
+def _stay_inside(robot: Robot, joints: tuple[int, ...], dimension: int) -> bool:
+    """Whether some joints lie in a subgroup of this dimension at random configurations too."""
     points = structural_sample(robot, resolve_task("pose", robot), _SYSTEM_SAMPLES)
-    return [_twists(robot, q, reach(robot)) for q in points]
+    every = (_twists(robot, q, reach(robot))[list(joints)] for q in points)
+    return all(len(closure(twists, most=dimension)) <= dimension for twists in every)
 
 
 def _twists(robot: Robot, q: Array, length: float) -> Array:
@@ -686,10 +602,10 @@ def _whole(robot: Robot, q: Array, dimension: int, rank: int) -> str:
     """All joints in one subgroup, and what the task sees of it."""
     lines = Lines(robot, q)
     every = tuple(range(len(robot.joints)))
-    whole = [member for member in members(lines) if member.joints == every and member.dimension == dimension]
-    system = f"a {whole[0].kind} system ({_MEANING[whole[0].kind]})" if whole else "a system"
-    told = f"joints {numbers(range(robot.n))} lie in {system} of dimension {dimension}"
-    return told if dimension == rank else f"{told}, of which this task sees {rank}"
+    kinds = [kind for kind, size, joints, _ in subgroups(lines) if joints == every and size == dimension]
+    system = f"a {kinds[0]} system ({_MEANING[kinds[0]]})" if kinds else "a system"
+    words = f"joints {numbers(range(robot.n))} lie in {system} of dimension {dimension}"
+    return words if dimension == rank else f"{words}, of which this task sees {rank}"
 
 
 def _losses(robot: Robot, task: Task, q: Array) -> list[tuple[int, frozenset[int], str]]:
@@ -717,19 +633,17 @@ def _apart(losses: list[tuple[int, frozenset[int], str]]) -> Iterator[tuple[tupl
                 yield chosen
 
 
-def _pieces(member: Member) -> Iterator[tuple[tuple[int, ...], bool]]:
+def _pieces(joints: tuple[int, ...], keepers: frozenset[int]) -> Iterator[tuple[tuple[int, ...], bool]]:
     """The set itself, and its parts that surely stay together: all joints between two neighbours are keepers."""
-    runs: list[list[int]] = [[member.joints[0]]]
-    for before, joint in zip(member.joints, member.joints[1:], strict=False):
-        if all(between in member.keepers for between in range(before + 1, joint)):
+    runs: list[list[int]] = [[joints[0]]]
+    for before, joint in pairwise(joints):
+        if keepers.issuperset(range(before + 1, joint)):
             runs[-1].append(joint)
         else:
             runs.append([joint])
     if len(runs) > 1:
-        yield member.joints, False
-    for run in runs:
-        if len(run) > 1:
-            yield tuple(run), True
+        yield joints, False
+    yield from ((tuple(run), True) for run in runs if len(run) > 1)
 
 
 def _says_more(other: ScrewSystem, system: ScrewSystem) -> bool:
@@ -754,37 +668,35 @@ _MEANING = {
 }
 
 
-def _system(robot: Robot, lines: Lines, member: Member, joints: tuple[int, ...], structural: bool) -> ScrewSystem:
-    """A piece of a member as a record, its joints turned into variables."""
-    names = [joint.name for joint in robot.variables]
+def _system(
+    robot: Robot, lines: Lines, kind: str, dimension: int, joints: tuple[int, ...], structural: bool
+) -> ScrewSystem:
+    """A set of joints in a subgroup as a record, its joints turned into variables."""
     inside = {robot.joints[i].name for i in joints}
     outside = {j.mimic.leader for j in robot.joints if j.mimic is not None and j.name not in inside}
-    chosen = tuple(i for i, name in enumerate(names) if name in inside - outside)
-    permanent = structural and len(chosen) > member.dimension
-    consecutive = bool(chosen) and chosen[-1] - chosen[0] == len(chosen) - 1
-    system = ScrewSystem(
-        numbers=tuple(i + 1 for i in chosen), kind=member.kind, dimension=member.dimension, consecutive=consecutive,
-        structural=structural, permanent=permanent, words="",
-    )
-    slides = [i for i in joints if i in lines.slides]
-    return replace(system, words=_words(system, bool(slides), len(slides) == len(joints)))
+    chosen = [i for i, joint in enumerate(robot.variables) if joint.name in inside - outside]
+    slides = sum(i in lines.slides for i in joints)
+    permanent = structural and len(chosen) > dimension
+    what = "slides" if slides == len(joints) else "joints" if slides else "axes"
+    when = "dependent here: no motion of these joints alone breaks it"
+    if structural:
+        when = "dependent at every configuration" if permanent else "at every configuration"
+    return ScrewSystem(
+        numbers=tuple(i + 1 for i in chosen), kind=kind, dimension=dimension,
+        consecutive=bool(chosen) and chosen[-1] - chosen[0] == len(chosen) - 1, structural=structural,
+        permanent=permanent,
+        words=f"{what} {numbers(chosen)} {_shared(kind, dimension, bool(slides))} ({kind} system of dimension "
+        f"{dimension}), {when}",
+    )  # fmt: skip
 
 
-def _words(system: ScrewSystem, slides: bool, only_slides: bool) -> str:
-    what = "slides" if only_slides else "joints" if slides else "axes"
-    has = {
+def _shared(kind: str, dimension: int, slides: bool) -> str:
+    return {
         "coaxial": "lie on one line",
-        "translational": ("are parallel", "are parallel to one plane", "only translate")[min(system.dimension, 3) - 1],
+        "translational": ("are parallel", "are parallel to one plane", "only translate")[min(dimension, 3) - 1],
         "cylindrical": "lie along one line" if slides else "lie on one line",
         "spherical": "meet in one point",
         "planar": "move in parallel planes" if slides else "are parallel",
         "planar with a screw": "move in parallel planes that rise by one pitch",
         "Schönflies": "turn about parallel axes and slide" if slides else "are parallel",
-    }[system.kind]
-    which = numbers([number - 1 for number in system.numbers])
-    head = f"{what} {which} {has} ({system.kind} system of dimension {system.dimension})"
-    if system.permanent:
-        return f"{head}, dependent at every configuration"
-    if system.structural:
-        return f"{head}, at every configuration"
-    return f"{head}, dependent here: no motion of these joints alone breaks it"
+    }[kind]

@@ -27,7 +27,7 @@ how it moves.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
@@ -38,7 +38,7 @@ from rankdrop import _core
 from rankdrop.configuration import Rank, at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
-from rankdrop.local.block import joint_scale, row_scale
+from rankdrop.local.block import joint_scale, row_scale, sigma_of, svd
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import BASE, TIP, Frame, Task, link_index
@@ -78,25 +78,22 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
         OptionError: no such representation.
     """
     r = np.asarray(rotation, dtype=np.float64)
-    check_known(representation)
+    _check_known(representation)
     if representation == "rpy":
         return np.asarray(euler_angles(r, ("zyx",))[..., 0, ::-1])
+    if representation in ("zyz", *EULER):
+        return euler_angles(r, (representation,))[..., 0, :]
+    quaternion = _quaternion(r)
+    vector = quaternion[..., 1:]
     if representation == "quaternion":
-        return _quaternion(r)
-    if representation in ("rodrigues", "mrp"):
-        quaternion = _quaternion(r)
-        below = quaternion[..., :1] + (representation == "mrp")
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found = quaternion[..., 1:] / below
-        half = below <= DEFAULT.singular * 0.5
-        return np.asarray(np.where(half, np.copysign(np.inf, quaternion[..., 1:]), found))
+        return quaternion
     if representation == "rotvec":
-        quaternion = _quaternion(r)
-        vector = quaternion[..., 1:]
         length = np.linalg.norm(vector, axis=-1, keepdims=True)
         angle = 2.0 * np.arctan2(length, quaternion[..., :1])
         return np.asarray(vector * np.where(length > 0.0, angle / np.where(length > 0.0, length, 1.0), 2.0))
-    return euler_angles(r, (representation,))[..., 0, :]
+    below = quaternion[..., :1] + (representation == "mrp")
+    half = below <= DEFAULT.singular * 0.5
+    return np.asarray(np.where(half, np.copysign(np.inf, vector), vector / np.where(half, 1.0, below)))
 
 
 def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
@@ -112,7 +109,7 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
     Raises:
         OptionError: no such representation, or the wrong number of coordinates.
     """
-    check_known(representation)
+    _check_known(representation)
     c = np.asarray(coordinates, dtype=np.float64)
     if c.ndim == 0 or c.shape[-1] != len(NAMES[representation]):
         raise OptionError("wrong number of coordinates", got=c.shape, allowed=", ".join(NAMES[representation]))
@@ -127,40 +124,15 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         safe = np.where(small, 1.0, angle)
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
         return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
-    if representation in ("rodrigues", "mrp"):
-        square = np.sum(c * c, axis=-1)[..., None, None]
-        if representation == "rodrigues":
-            return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
-        outer = c[..., :, None] * c[..., None, :]
-        return np.asarray(4.0 / (1.0 + square) ** 2 * ((1.0 - square) * np.eye(3) + 2.0 * hat(c) + 2.0 * outer))
     if representation == "rpy":
         return np.asarray(euler_rates(c[..., None, ::-1], ("zyx",))[..., 0, :, ::-1])
-    return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
-
-
-def rate_determinant(coordinates: Array, representation: str) -> Array:
-    """(...) det E, of three coordinates as from `orientation_coordinates`."""
-    if representation in ("rodrigues", "mrp"):
-        square = np.sum(coordinates * coordinates, axis=-1)
-        return np.asarray(8.0 / (1.0 + square) ** 2 if representation == "rodrigues" else 64.0 / (1.0 + square) ** 3)
-    if representation == "rotvec":
-        return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
-    if representation == "rpy":
-        return np.asarray(np.cos(coordinates[..., 1]))
-    i, j, k = _axes(representation)
-    middle = coordinates[..., 1]
-    return np.asarray(-np.sin(middle) if i == k else _parity(i, j) * np.cos(middle))
-
-
-def _axes(order: str) -> tuple[int, int, int]:
-    """The axes of an order: "zxz" gives (2, 0, 2)."""
-    i, j, k = ("xyz".index(letter) for letter in order)
-    return i, j, k
-
-
-def _parity(i: int, j: int) -> int:
-    """1 where axis j follows axis i in x, y, z, x, …; else −1."""
-    return 1 if (j - i) % 3 == 1 else -1
+    if representation in ("zyz", *EULER):
+        return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
+    square = np.sum(c * c, axis=-1)[..., None, None]
+    if representation == "rodrigues":
+        return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
+    outer = c[..., :, None] * c[..., None, :]
+    return np.asarray(4.0 / (1.0 + square) ** 2 * ((1.0 - square) * np.eye(3) + 2.0 * hat(c) + 2.0 * outer))
 
 
 _Axes = NDArray[np.intp]
@@ -177,9 +149,9 @@ def _turns(axis: _Axes, angle: Array) -> Array:
     return found
 
 
-def _every_axis(orders: Sequence[str]) -> tuple[_Axes, _Axes, _Axes]:
-    i, j, k = np.array([_axes(order) for order in orders]).T
-    return i, j, k
+def _axes(orders: Sequence[str]) -> Iterator[_Axes]:
+    """First, second and third axes of some orders: "zxz" gives 2, 0, 2."""
+    yield from np.array([["xyz".index(letter) for letter in order] for order in orders]).T
 
 
 def euler_angles(r: Array, orders: Sequence[str]) -> Array:
@@ -187,7 +159,7 @@ def euler_angles(r: Array, orders: Sequence[str]) -> Array:
 
     Where only α ± γ is determined, γ = 0.
     """
-    i, j, k = _every_axis(orders)
+    i, j, k = _axes(orders)
     other, sign = 3 - i - j, np.where((j - i) % 3 == 1, 1.0, -1.0)
     back = i == k  # the first axis comes back
     size = np.hypot(r[..., j, k], np.where(back, r[..., other, k], r[..., k, k]))
@@ -205,7 +177,7 @@ def euler_angles(r: Array, orders: Sequence[str]) -> Array:
 
 def euler_rates(angles: Array, orders: Sequence[str]) -> Array:
     """(..., o, 3, 3) E of angles (..., o, 3) of several of `EULER`: its columns are the three axes as they stand."""
-    i, j, k = _every_axis(orders)
+    i, j, k = _axes(orders)
     first = _turns(i, angles[..., 0])
     second = first @ _turns(j, angles[..., 1])
     each, found = np.arange(len(i)), np.zeros((*angles.shape, 3))
@@ -240,12 +212,7 @@ def _quaternion(r: Array) -> Array:
     return np.asarray(unit * np.where(unit[..., :1] < 0.0, -1.0, 1.0))
 
 
-def check_known(representation: str) -> None:
-    """Refuse a name that is not in `NAMES`.
-
-    Raises:
-        OptionError: no such representation.
-    """
+def _check_known(representation: str) -> None:
     if representation not in NAMES:
         raise OptionError("there is no such representation", got=repr(representation), allowed=", ".join(NAMES))
 
@@ -309,7 +276,7 @@ class Displacement:
 
     def split(self, q: Array) -> tuple[Array, Array, Array]:
         """U, σ, V of the derivative at configurations (..., n)."""
-        return _split(self.derivative(q))
+        return svd(self.derivative(q))
 
     def back(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The configurations without displacement nearest to q (..., n), by Gauss–Newton, and where it converged.
@@ -333,7 +300,7 @@ class Displacement:
                 here = now[left]
             if not left.size:
                 break
-            u, sigma, v = _split(self._derivative(here, turn))
+            u, sigma, v = svd(self._derivative(here, turn))
             count = sigma.shape[-1]
             gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
             steps = gains * np.einsum("cm,cmk->ck", error, u[..., :count])
@@ -374,12 +341,6 @@ class Displacement:
         once = hat(turn) @ omega
         share = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
         return np.asarray(omega - 0.5 * once + share * (hat(turn) @ once))
-
-
-def _split(slopes: Array) -> tuple[Array, Array, Array]:
-    batch = slopes.shape[:-2]
-    u, sigma, v = _core.svd(np.ascontiguousarray(slopes.reshape(-1, *slopes.shape[-2:])))
-    return u.reshape(batch + u.shape[1:]), sigma.reshape(batch + sigma.shape[1:]), v.reshape(batch + v.shape[1:])
 
 
 NEAR = 0.1
@@ -446,7 +407,7 @@ class Representations:
         Raises:
             OptionError: no such representation.
         """
-        check_known(name)
+        _check_known(name)
         return next(one for one in self.every if one.name == name)
 
 
@@ -468,7 +429,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
             does not exist.
         OptionError: no such representation.
     """
-    check_known(representation)
+    _check_known(representation)
     geometric = jacobian(robot, q)
     coordinates = orientation_coordinates(pose(robot, q)[..., :3, :3], representation)
     turn = geometric[..., 3:, :]
@@ -476,8 +437,9 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
         matrix = rate_matrix(coordinates, representation)
         rates = np.asarray(0.25 * matrix.swapaxes(-1, -2) @ turn)
     else:
-        finite = np.isfinite(coordinates).all(axis=-1)
-        bad = ~finite | (np.abs(rate_determinant(coordinates, representation)) <= DEFAULT.singular)
+        finite = np.asarray(np.isfinite(coordinates).all(axis=-1))
+        matrix = rate_matrix(np.where(finite[..., None], coordinates, 0.0), representation)
+        bad = ~finite | (np.abs(np.linalg.det(matrix)) <= DEFAULT.singular)
         if bad.any():
             index = tuple(int(i) for i in np.argwhere(bad)[0])
             raise ConfigurationError(
@@ -485,7 +447,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
                 got=f"{coordinates[index].tolist()}" + (f" at index {index}" if index else ""),
                 mend="use the quaternion, or the geometric Jacobian",
             )
-        rates = np.asarray(np.linalg.solve(rate_matrix(coordinates, representation), turn), dtype=np.float64)
+        rates = np.asarray(np.linalg.solve(matrix, turn), dtype=np.float64)
     return np.concatenate([geometric[..., :3, :], rates], axis=-2)
 
 
@@ -511,9 +473,9 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     rotation = pose(robot, configuration)[:3, :3]
     angles = dict(zip(EULER, euler_angles(rotation, EULER), strict=True))
     coordinates = {name: angles[name] if name in angles else orientation_coordinates(rotation, name) for name in NAMES}
-    sigma = _smallest(coordinates)
+    measures = _rate_measures(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
-    found = {name: _describe(name, coordinates[name], sigma[name], turned, tolerances) for name in NAMES}
+    found = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
     singular = [part.name for part in found.values() if part.singular]
     if arm.corank:
         words = "the arm is singular for the whole pose" + (f", and so are the coordinates {', '.join(singular)}"
@@ -526,26 +488,21 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words, others)
 
 
-def _smallest(coordinates: dict[str, Array]) -> dict[str, float]:
-    """Smallest singular values of E, by name; 0 where coordinates are not finite."""
-    finite = [name for name, values in coordinates.items() if np.isfinite(values).all()]
-    square = [name for name in finite if len(coordinates[name]) == 3]
-    found = dict.fromkeys(coordinates, 0.0)
-    rates = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
-    every = [rates[name] if name in rates else rate_matrix(coordinates[name], name) for name in square]
-    sigma = _core.svd(np.stack(every), vectors=False)
-    found |= dict(zip(square, sigma[:, -1].tolist(), strict=True))
-    for name in finite:
-        if name not in square:
-            found[name] = float(np.linalg.svd(rate_matrix(coordinates[name], name), compute_uv=False)[-1])
-    return found
+def _rate_measures(coordinates: dict[str, Array]) -> dict[str, tuple[float, float | None]]:
+    """(σ_min, det E) by name: 0 where coordinates are not finite; E of the quaternion is not square, all its σ are 2."""
+    matrices = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
+    others = coordinates.keys() - matrices.keys() - {"quaternion"}
+    matrices |= {name: rate_matrix(coordinates[name], name) for name in others if np.isfinite(coordinates[name]).all()}
+    square = np.stack(list(matrices.values()))
+    measures = zip(sigma_of(square)[:, -1].tolist(), np.linalg.det(square).tolist(), strict=True)
+    nothing = {**dict.fromkeys(coordinates, (0.0, 0.0)), "quaternion": (2.0, None)}
+    return nothing | dict(zip(matrices, measures, strict=True))
 
 
 def _describe(
-    name: str, coordinates: Array, sigma: float, turned: float, tolerances: Tolerances
+    name: str, coordinates: Array, sigma: float, determinant: float | None, turned: float, tolerances: Tolerances
 ) -> Representation:
-    """One set of coordinates, with the smallest singular value of E and the angle of the whole turn."""
-    finite = bool(np.isfinite(coordinates).all())
+    """One set of coordinates, with the smallest singular value and determinant of E and the angle of the whole turn."""
     jump = max(0.0, pi - turned) if name in JUMPING else inf
     if name in ("zyz", "rpy", *EULER):
         back = name == "zyz" or name[0] == name[2]  # the first axis comes back
@@ -562,7 +519,6 @@ def _describe(
         words = f"{name} coordinates are near a singularity of theirs: their rates are large, not the arm's"
     else:
         words = f"{name} coordinates are regular here"
-    determinant = None if name == "quaternion" else float(rate_determinant(coordinates, name)) if finite else 0.0
     values = tuple(coordinates.tolist())
     return Representation(
         name, NAMES[name], values, sigma, determinant, float(angle), float(jump), singular, near, words

@@ -489,7 +489,7 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
 
 
 def _rate_measures(coordinates: dict[str, Array]) -> dict[str, tuple[float, float | None]]:
-    """(σ_min, det E) by name: 0 where coordinates are not finite; E of the quaternion is not square, all its σ are 2."""
+    """(σ_min, det E) by name: 0 where coordinates are not finite; E of the quaternion is not square, its σ are 2."""
     matrices = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
     others = coordinates.keys() - matrices.keys() - {"quaternion"}
     matrices |= {name: rate_matrix(coordinates[name], name) for name in others if np.isfinite(coordinates[name]).all()}

@@ -22,7 +22,7 @@ anything. There the factor gets the name of a part of the arm, and the motion th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import reduce
 from itertools import combinations
@@ -35,7 +35,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.writing import RADIANS, WORDS, Condition, text_of
 from rankdrop.family.naming import name_family
@@ -149,40 +149,11 @@ def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str
     """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients; `power` as in
     `SignedFactor.values`.
     """
-    sine, cosine = np.sin(theta / 2), np.cos(theta / 2)
     if atom.pinned:
-        s, c = sine[:, atom.joint - 1], cosine[:, atom.joint - 1]
+        s, c = np.sin(theta[:, atom.joint - 1] / 2), np.cos(theta[:, atom.joint - 1] / 2)
         return np.asarray({"0": s, "pi": c, "pi/2": (s - c) / 2, "-pi/2": (s + c) / 2}[atom.value])
-    degrees = [int(degree) for degree in atom.f.degrees()]
-    total, size = np.zeros(len(theta)), 0.0
-    for coefficient, powers in numeric_terms(ring, atom.f, letters, power):
-        part = np.full(len(theta), coefficient)
-        for place, j in enumerate(ring.revolute):
-            if degrees[place]:
-                e = powers[place]
-                part = part * sine[:, j - 1] ** e * cosine[:, j - 1] ** (degrees[place] - e)
-        for place, j in enumerate(ring.prismatic, ring.angles):
-            if powers[place]:
-                part = part * theta[:, j - 1] ** powers[place]
-        total, size = total + part, size + abs(coefficient)
-    return np.asarray(total / size)
-
-
-def numeric_terms(
-    ring: Ring, f: Polynomial, letters: Mapping[str, float], power: int = 0
-) -> Iterator[tuple[float, tuple[int, ...]]]:
-    """(coefficient with the lengths put in, powers) of each term of a half-angle polynomial, less a positive factor;
-    slides are in units of 10 to `power`.
-
-    Whole coefficients of calibrated arms have a hundred digits and more: they are divided by the largest first.
-    """
-    largest = max(abs(value) for value in f.coeffs())
-    for powers, value in f.terms():
-        coefficient = int((value / largest).p) / int((value / largest).q)
-        for place, name in enumerate(ring.letters, ring.moving):
-            coefficient *= letters[name] ** int(powers[place])
-        coefficient *= 10.0 ** (power * sum(int(e) for e in powers[ring.angles : ring.moving]))
-        yield coefficient, tuple(int(e) for e in powers)
+    terms = [*numeric_terms(atom.f, letters, power)]
+    return np.asarray(add_terms(terms, ring.powers_at(atom.f, theta)) / sum(abs(number) for number, _ in terms))
 
 
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
@@ -209,17 +180,7 @@ def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:
     letters = dict(zip(ring.letters, rng.uniform(1, 2, len(ring.letters)), strict=True))
     values = half_angle_values(ring, atom, theta, letters)
     best = int(np.argmax(np.abs(values)))
-    point = {f"q{j}": theta[best, j - 1] for j in ring.prismatic} | letters
-    for j in ring.revolute:
-        point |= {f"s{j}": np.sin(theta[best, j - 1]), f"c{j}": np.cos(theta[best, j - 1])}
-    names = ring.trig.names()
-    largest = max(abs(value) for value in trig.coeffs())
-    total = 0.0
-    for powers, value in trig.terms():
-        share = value / largest
-        factors = [point[name] ** int(e) for name, e in zip(names, powers, strict=True)]
-        total += int(share.p) / int(share.q) * float(np.prod(factors))
-    return 1 if total * values[best] > 0 else -1
+    return 1 if values[best] * add_terms(numeric_terms(trig, letters), ring.powers_at(trig, theta[best])) > 0 else -1
 
 
 def _odd(ring: Ring, atoms: Sequence[Atom]) -> set[int]:
@@ -283,16 +244,10 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
     degrees = [int(degree) for degree in atom.f.degrees()]
     place = int(rng.choice([i for i in range(ring.moving) if degrees[i]]))
     coefficients = np.zeros(degrees[place] + 1)  # highest power first
-    for coefficient, powers in numeric_terms(ring, atom.f, chain.numbers, chain.power):
-        for i, j in enumerate(moving):
-            if i == place:
-                continue
-            x = theta[j - 1]
-            if i < ring.angles:
-                coefficient *= np.sin(x / 2) ** powers[i] * np.cos(x / 2) ** (degrees[i] - powers[i])
-            else:
-                coefficient *= x ** powers[i]
-        coefficients[degrees[place] - powers[place]] += coefficient
+    known = ring.powers_at(atom.f, theta)
+    known[place] = [np.ones(())] * len(coefficients)
+    for number, powers in numeric_terms(atom.f, chain.numbers, chain.power):
+        coefficients[degrees[place] - powers[place]] += add_terms([(number, powers)], known)
     roots = np.roots(coefficients) if np.isfinite(coefficients).all() and coefficients.any() else np.zeros(0)
     real = roots[np.abs(roots.imag) < REAL_ROOT].real
     if not len(real):

@@ -23,7 +23,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
 from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
@@ -84,46 +84,14 @@ class Distances:
 
 
 def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:
-    """(value, size of the coefficients), both (N,), lengths in the arm's own unit, at θ (N, n); of an atom the
-    homogeneous value, which is finite at θ = π, too: t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2).
+    """(value, size of the terms), both (N,), less the same number, lengths in the arm's own unit, at θ (N, n).
+
+    Of an atom it is the homogeneous value, which is finite at θ = π; angles enter sizes as 1, slides as 1 at least.
     """
-    ring = chain.ring
-    angles = [theta[:, j - 1] for j in ring.revolute]
-    if isinstance(f, Atom):
-        factors = [
-            (np.sin(angle / 2), np.cos(angle / 2), int(degree))
-            for angle, degree in zip(angles, f.f.degrees(), strict=False)
-        ]
-        powers = [[s**e * c ** (d - e) for e in range(d + 1)] for s, c, d in factors]
-        return _sum(chain, chain.own_polynomial(f.f), theta, powers)
-    tables = []
-    for angle, j in zip(angles, ring.revolute, strict=True):
-        place = 2 * ring.revolute.index(j)
-        for wave, degree in zip((np.sin(angle), np.cos(angle)), f.degrees()[place : place + 2], strict=True):
-            tables.append([wave**e for e in range(int(degree) + 1)])
-    return _sum(chain, chain.own_polynomial(f), theta, tables)
-
-
-def _sum(chain: Chain, f: Polynomial, theta: Array, angles: list[list[Array]]) -> tuple[Array, Array]:
-    """Σ of the terms with the powers of the first variables given in tables, and of their sizes.
-
-    Angles enter sizes as 1, slides as 1 at least.
-    """
-    slides = [theta[:, j - 1] for j in chain.ring.prismatic]
-    lengths = [chain.own_numbers[name] for name in chain.ring.letters]
-    one = np.ones(len(theta))
-    total, scale = 0 * one, 0 * one
-    for powers, coefficient in f.terms():
-        number = int(coefficient.p) / int(coefficient.q)
-        for length, power in zip(lengths, powers[len(angles) + len(slides) :], strict=True):
-            number *= length ** int(power)
-        term, size = number * one, abs(number) * one
-        for table, power in zip(angles, powers, strict=False):
-            term = term * table[int(power)]
-        for slide, power in zip(slides, powers[len(angles) :], strict=False):
-            term, size = term * slide ** int(power), size * np.maximum(np.abs(slide), 1.0) ** int(power)
-        total, scale = total + term, scale + size
-    return total, scale
+    p = chain.own_polynomial(f.f if isinstance(f, Atom) else f)
+    terms, powers = [*numeric_terms(p, chain.own_numbers)], chain.ring.powers_at(p, theta)
+    sizes = [[np.maximum(np.abs(x), 1.0) for x in one] for one in powers]
+    return add_terms(terms, powers), add_terms([(abs(number), es) for number, es in terms], sizes)
 
 
 ZERO = 1e-5

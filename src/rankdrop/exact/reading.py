@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial
-from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, flint
+from rankdrop.exact.algebra.ring import Form, Ring, add_terms, numeric_terms
 from rankdrop.exact.notation import Product, Wave, added, half_of, number_of, wave
 from rankdrop.robot.model import Array
 
@@ -359,20 +359,11 @@ class Parsed:
         Returns:
             (...,) values.
         """
-        theta = np.asarray(theta, dtype=np.float64)
-        ring = self.form.ring
-        sines = {k: np.sin(theta[..., j - 1] / 2) for k, j in enumerate(ring.revolute)}
-        cosines = {k: np.cos(theta[..., j - 1] / 2) for k, j in enumerate(ring.revolute)}
-        rest = [theta[..., j - 1] for j in ring.prismatic] + [np.float64(letters[name]) for name in ring.letters]
-        total = np.zeros(theta.shape[:-1])
-        for powers, number in self.form.f.terms():
-            value = np.full(theta.shape[:-1], float(Fraction(int(number.p), int(number.q))))
-            for k, degree in enumerate(self.form.degrees):
-                value = value * sines[k] ** int(powers[k]) * cosines[k] ** (degree - int(powers[k]))
-            for x, power in zip(rest, powers[ring.angles :], strict=True):
-                value = value * x ** int(power)
-            total = total + value
-        return np.asarray(total * 2 ** (self.root / 2))
+        form = self.form
+        if form.f == 0:
+            return np.zeros(np.shape(theta)[:-1])
+        powers = form.ring.powers_at(form.f, np.asarray(theta, dtype=np.float64), form.degrees)
+        return add_terms(numeric_terms(form.f, letters, unit=flint().fmpq(1)), powers) * 2 ** (self.root / 2)
 
 
 class Meaning:

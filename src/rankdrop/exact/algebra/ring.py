@@ -12,12 +12,14 @@ infinity of t_j: such a polynomial is a `Form` on a product of projective lines,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import prod
 from typing import Any
+
+import numpy as np
 
 from rankdrop.exact.algebra.polynomial import (
     COS_SIN,
@@ -38,6 +40,7 @@ from rankdrop.exact.algebra.polynomial import (
     with_inner,
 )
 from rankdrop.exact.algebra.work import OutOfTime, tick
+from rankdrop.robot.model import Array
 
 _BITS = 500  # of a coefficient: twice as many take four times as long to factor
 MANY = 20_000
@@ -249,6 +252,21 @@ class Ring:
         found = self.to_trig(f)
         return found if found is not None else self.to_trig(f * f)
 
+    def powers_at(self, f: Polynomial, theta: Array, degrees: Sequence[int] = ()) -> list[list[Array]]:
+        """The powers that f contains of each variable that moves, at θ (..., n); f is of either ring.
+
+        A power of a half-angle tangent stands for sin^e(θ/2) cos^(D−e)(θ/2), with D its degree in f or in `degrees`.
+        """
+        top = [int(degree) for degree in f.degrees()]
+        first = len(top) - len(self.letters) - len(self.prismatic)
+        slides = [[theta[..., j - 1] ** e for e in range(top[k] + 1)] for k, j in enumerate(self.prismatic, first)]
+        if first > self.angles:
+            waves = [wave(theta[..., j - 1]) for j in self.revolute for wave in (np.sin, np.cos)]
+            return [*([x**e for e in range(d + 1)] for x, d in zip(waves, top, strict=False)), *slides]
+        halves = zip(self.revolute, degrees or top, strict=False)
+        angles = ((np.sin(theta[..., j - 1] / 2), np.cos(theta[..., j - 1] / 2), d) for j, d in halves)
+        return [*([s**e * c ** (d - e) for e in range(d + 1)] for s, c, d in angles), *slides]
+
     def product(self, one: Polynomial, two: Polynomial) -> Polynomial:
         """Of two polynomials, not reduced.
 
@@ -367,3 +385,29 @@ def letters_polynomial(ring: Ring, f: Polynomial) -> Polynomial:
     """A half-angle polynomial in lengths alone as an element of the trigonometric ring."""
     skipped = (0,) * (2 * ring.angles + len(ring.prismatic))
     return ring.trig.from_dict({(*skipped, *powers[ring.moving :]): value for powers, value in f.terms()})
+
+
+def numeric_terms(
+    f: Polynomial, numbers: Mapping[str, float], power: int = 0, unit: Any = None
+) -> Iterator[tuple[float, tuple[int, ...]]]:
+    """(coefficient with numbers for the lengths, powers) of each term of a polynomial of either ring.
+
+    Args:
+        f: not zero.
+        numbers: values of its lengths and roots.
+        power: slides are in units of 10 to this power.
+        unit: what coefficients are divided by; None for the largest: those of calibrated arms have a hundred digits.
+    """
+    lengths = {name for name in f.context().names() if name[0] not in "tscq" or not name[1:].isdecimal()}
+    unit = unit or max(abs(value) for value in f.coeffs())
+    for powers, value in f.terms():
+        share = value / unit
+        number = int(share.p) / int(share.q)
+        for name, e in zip(f.context().names(), map(int, powers), strict=True):
+            number *= numbers[name] ** e if name in lengths else 10.0 ** (power * e * (name[0] == "q"))
+        yield number, tuple(map(int, powers))
+
+
+def add_terms(terms: Iterable[tuple[float, tuple[int, ...]]], powers: Sequence[Sequence[Array]]) -> Array:
+    """Σ coefficient · Π powers of variables, from `numeric_terms` and `Ring.powers_at`."""
+    return np.asarray(sum(number * prod(x[e] for x, e in zip(powers, es, strict=False)) for number, es in terms))

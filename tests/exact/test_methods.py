@@ -18,9 +18,10 @@ from rankdrop.exact.algebra.field import P, Point, bivariate, common_zeros, comp
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Case, DerivationBuilder, Words
+from rankdrop.exact.conjunctions import DerivationBuilder, Words, columns_on
 from rankdrop.exact.methods import METHODS, Derivation, _choices, derive
 from rankdrop.families.cloud import cloud
 from rankdrop.local.block import sample, singular_values
@@ -196,8 +197,7 @@ def test_what_is_said_to_vanish_does() -> None:
     """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
     chain = chain_of("canadarm2")
     builder = DerivationBuilder(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
-    case = Case(pins=((4, "pi"),))
-    joints, screw = _choices(builder, case.columns(chain.ring, builder.columns))[0]
+    joints, screw = _choices(builder, columns_on(ZeroSet(chain.ring, {4: "pi"}), builder.columns))[0]
     assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
     assert any(w != 0 for w in screw)
     assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in screw)

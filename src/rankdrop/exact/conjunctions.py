@@ -5,16 +5,14 @@ exceptions stand at the end.
 
 A derivation in the making: minors, factors and conjunctions, all against one clock.
 
-A case of a derivation: what is taken to vanish in it, and what not to.
+A case of a derivation is a set of configurations (`ZeroSet`): what vanishes on it, and what does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from fractions import Fraction
+from dataclasses import dataclass, field
 from itertools import combinations
-from math import prod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,9 +23,12 @@ from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
+from rankdrop.exact.letters import sign_of
 from rankdrop.exact.notation import Text, fourier
+from rankdrop.exact.stratum import atoms_on, meet
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition, condition_text, single_angles
 from rankdrop.robot.model import Array
 from rankdrop.units import into_units
@@ -301,7 +302,6 @@ class DerivationBuilder:
         self.generic = False
         self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
-        self._pinned: dict[tuple[Atom, Atom], frozenset[Atom] | None] = {}
         self._work, self._seconds = Work(seconds), seconds
 
     @property
@@ -322,6 +322,9 @@ class DerivationBuilder:
 
     def finished(self) -> Derivation:
         """The derivation as it stands."""
+        for factor in self._work.assumed.values():
+            if sign_of(self.chain, factor) == 0:
+                self.left.append(f"the arm with {factor} = 0, which this arm has: its conditions are not these")
         if self._whole:
             self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
         return Derivation(
@@ -377,16 +380,31 @@ class DerivationBuilder:
             if found is None:
                 return None
             for factor, _ in found.letters:
-                self._assume(factor)
+                self._work.assume(factor)
             self._atoms[key] = tuple(atom for atom, _ in found.atoms)
         return self._atoms[key]
 
-    def pinned(self, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
-        """Atoms of an atom once a joint is pinned; None where it vanishes, empty where it never does."""
-        key = (atom, pin)
-        if key not in self._pinned:
-            self._pinned[key] = _pinned(self.ring, atom, pin)
-        return self._pinned[key]
+    def factors(self, piece: ZeroSet, p: Polynomial) -> Atoms | None:
+        """Atoms of p that may vanish on a set, the pins put in; empty where p never does, None where it always does.
+
+        Raises:
+            OutOfTime: no time is left, or p is too long to be factored in it.
+        """
+        if p == 0:
+            return None
+        atoms = self.atoms(p)
+        if atoms is None:
+            raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
+        found = atoms_on(piece, Equality(atoms), self._work.assumed) if atoms else ()
+        return None if found is None else frozenset(found)
+
+    def branches(self, piece: ZeroSet, atoms: Atoms) -> list[ZeroSet]:
+        """The disjoint parts of a set where a product vanishes: each factor in turn, those before it not."""
+        found: list[ZeroSet] = []
+        for atom in sorted(atoms, key=order):
+            found += meet(piece, atom, self._work.assumed)
+            piece = piece.without(atom)
+        return found
 
     def equality(self, p: Polynomial) -> Equality:
         """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
@@ -395,20 +413,6 @@ class DerivationBuilder:
             self._whole += 1
             return Equality((), p)
         return Equality(atoms)
-
-    def _assume(self, factor: Polynomial) -> None:
-        """Take a factor in lengths alone for ≠ 0; where it is 0 for this arm that is said among what is left."""
-        key = str(factor)
-        if key in self._work.assumed:
-            return
-        self._work.assume(factor)
-        lengths, total = self.chain.letters, Fraction(0)
-        for powers, coefficient in factor.terms():
-            monomial = ((name, int(power)) for name, power in zip(self.ring.names, powers, strict=True) if power)
-            number = Fraction(int(coefficient.p), int(coefficient.q))
-            total += prod((lengths[name] ** power for name, power in monomial), start=number)
-        if total == 0:
-            self.left.append(f"the arm with {key} = 0, which this arm has: its conditions are not these")
 
 
 def conjunctions(
@@ -438,120 +442,30 @@ def conjunctions(
     return tuple(found)
 
 
-def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
-    """As `DerivationBuilder.pinned`."""
-    if atom.f is None:
-        if atom.joint != pin.joint:
-            return frozenset({atom})
-        return None if atom.value == pin.value else frozenset()
-    form = ring.form(atom.f).at({pin.joint: pin.value})
-    return None if form.f == 0 else frozenset(found for found, _ in form.factors().atoms)
-
-
 Atoms = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """Joints that are pinned, polynomials that vanish, and some that do not.
-
-    Attributes:
-        pins: pinned joints; they are put in wherever a polynomial is looked at.
-        zero: atoms that vanish, none of them a pin.
-        product: polynomials of more than one factor that vanish.
-        nonzero: atoms that do not vanish.
-    """
-
-    pins: tuple[tuple[int, str], ...] = ()
-    zero: Atoms = frozenset()
-    product: frozenset[Atoms] = frozenset()
-    nonzero: Atoms = frozenset()
-
-    def columns(self, ring: Ring, columns: Columns) -> Columns:
-        """A matrix with the pinned joints put in."""
-        pins = dict(self.pins)
-        return [[ring.at(x, pins) for x in column] for column in columns] if pins else columns
-
-    def factors(self, builder: DerivationBuilder, p: Polynomial) -> Atoms | None:
-        """Atoms of p that may vanish here, the pins put in; empty where p never does, None where it always does.
-
-        p may vanish in the whole case without a factor that tells of it: then some of the atoms do, and following them
-        leads to the same case again, or to an empty one.
-
-        Raises:
-            OutOfTime: no time is left, or p is too long to be factored in it.
-        """
-        if p == 0:
-            return None
-        atoms = builder.atoms(p)
-        if atoms is None:
-            raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
-        if self.zero.intersection(atoms):
-            return None
-        return frozenset(atoms) - self.nonzero
-
-    def with_zero(self, builder: DerivationBuilder, atom: Atom) -> Case | None:
-        """The part where the atom vanishes; None where that is seen to be empty."""
-        if atom in self.nonzero:
-            return None
-        if not atom.pinned:
-            return replace(self, zero=self.zero | {atom}).simplified()
-        if any(joint == atom.joint for joint, _ in self.pins):
-            return self if (atom.joint, atom.value) in self.pins else None
-        case = Case(pins=tuple(sorted((*self.pins, (atom.joint, atom.value)))))
-        for old in self.nonzero:
-            found = builder.pinned(old, atom)
-            if found is None:
-                return None
-            case = replace(case, nonzero=case.nonzero | found)
-        vanishing = [frozenset({old}) for old in self.zero] + list(self.product)
-        for product in vanishing:
-            parts = [builder.pinned(old, atom) for old in product]
-            if None not in parts:
-                found = frozenset[Atom]().union(*(part for part in parts if part is not None))
-                case = replace(case, product=case.product | {found})
-        return case.simplified()
-
-    def with_nonzero(self, *atoms: Atom) -> Case:
-        """The part where none of the atoms vanishes."""
-        return replace(self, nonzero=self.nonzero.union(atoms))
-
-    def simplified(self) -> Case | None:
-        """Products without the factors that do not vanish; None where one of them never vanishes."""
-        products = {product - self.nonzero for product in self.product}
-        single = frozenset(next(iter(product)) for product in products if len(product) == 1)
-        pinned = frozenset(atom for atom in single if atom.pinned)
-        if frozenset() in products or self.nonzero & self.zero:
-            return None
-        zero = self.zero | (single - pinned)
-        kept = frozenset(p for p in products if not p & zero and (len(p) > 1 or p & pinned))
-        return replace(self, zero=zero, product=kept)
-
-    def equalities(self, ring: Ring) -> tuple[Equality, ...]:
-        """Everything that vanishes."""
-        pins = [Equality((ring.pin(joint, value),)) for joint, value in self.pins]
-        zero = [Equality((atom,)) for atom in sorted(self.zero, key=order)]
-        products = [Equality(tuple(sorted(product, key=order))) for product in self.product]
-        return (*pins, *zero, *sorted(products, key=lambda equality: [atom.key for atom in equality.atoms]))
-
-    def conjunction(
-        self, ring: Ring, piece: Conjunction, others: tuple[tuple[Equality, ...], ...] = ()
-    ) -> Conjunction:
-        """A condition within this case, with what does not vanish in it."""
-        nonzero = tuple((Equality((atom,)),) for atom in sorted(self.nonzero, key=order))
-        return Conjunction((*self.equalities(ring), *piece.equal), (*nonzero, *others))
+def equality_of(atoms: Iterable[Atom]) -> Equality:
+    """One polynomial of these factors."""
+    return Equality(tuple(sorted(atoms, key=order)))
 
 
-def branches(builder: DerivationBuilder, case: Case, atoms: Atoms) -> list[Case]:
-    """The disjoint parts of a case where a product vanishes: each factor in turn, those before it not."""
-    found, before = [], case
-    for atom in sorted(atoms, key=order):
-        part = before.with_zero(builder, atom)
-        if part is not None:
-            found.append(part)
-        before = before.with_nonzero(atom)
-    return found
+def columns_on(piece: ZeroSet, columns: Columns) -> Columns:
+    """A matrix with the pinned joints put in."""
+    return [[piece.ring.at(x, piece.pins) for x in column] for column in columns] if piece.pins else columns
+
+
+def conditions_on(piece: ZeroSet) -> tuple[Equality, ...]:
+    """Everything that vanishes on a set."""
+    pins = [piece.ring.pin(joint, value) for joint, value in sorted(piece.pins.items())]
+    return tuple(Equality((atom,)) for atom in (*pins, *sorted(map(piece.ring.atom, piece.equations), key=order)))
+
+
+def within(piece: ZeroSet, condition: Conjunction, unequal: tuple[tuple[Equality, ...], ...] = ()) -> Conjunction:
+    """A condition that holds on a set, with what vanishes there and what does not."""
+    nonzero = tuple((Equality((atom,)),) for atom in sorted(piece.nonzero, key=order))
+    return Conjunction((*conditions_on(piece), *condition.equal), (*nonzero, *unequal))
 
 
 def size(polynomials: Iterable[Polynomial]) -> int:

@@ -58,22 +58,26 @@ from math import prod
 from operator import mul
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial, order
 from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import (
     Atoms,
-    Case,
     Columns,
     Conjunction,
     Derivation,
     DerivationBuilder,
     Words,
-    branches,
+    columns_on,
+    conditions_on,
     conjunctions,
+    equality_of,
     size,
+    within,
 )
+from rankdrop.exact.stratum import meet
 from rankdrop.exact.writing import text_of
 from rankdrop.robot.model import JointKind
 
@@ -262,39 +266,20 @@ def _combined(builder: DerivationBuilder, columns: Columns, weights: list[Polyno
     ]
 
 
-DEEPEST = 3
-"""Factors that are followed one after the other; what is left then is told as equations that hold together."""
-
-
-def _sets(
-    builder: DerivationBuilder, case: Case, screw: Sequence[Polynomial], deepest: int
-) -> list[tuple[Equality, ...]]:
-    """Conjunctions of equalities, beside those of the case."""
-    pins = dict(case.pins)
-    here = [builder.ring.at(x, pins) for x in screw]
-    known = [found for found in (case.factors(builder, w) for w in here if w != 0) if found is not None]
-    if not known:
-        return [()]
-    if frozenset() in known:
-        return []
-    simple = [factors for factors in known if any(atom.pinned for atom in factors)]
-    first = min(simple, key=lambda factors: (sum(not atom.pinned for atom in factors), len(factors)), default=None)
-    if deepest == 0 or first is None:
-        equalities = (Equality(tuple(sorted(factors, key=lambda atom: atom.key))) for factors in known)
-        return [piece.equal for piece in conjunctions(equalities)]
+def _zeros(builder: DerivationBuilder, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
+    """Conjunctions of equalities, beside those of a set, where a screw vanishes."""
+    known = [found for found in (builder.factors(piece, w) for w in screw if w != 0) if found is not None]
+    simple = [atoms for atoms in known if any(atom.pinned for atom in atoms)]
+    first = min(simple, key=lambda atoms: (sum(not atom.pinned for atom in atoms), len(atoms)), default=None)
+    if first is None or frozenset() in known:
+        return [] if frozenset() in known else [one.equal for one in conjunctions(map(equality_of, known))]
+    here = conditions_on(piece)
     found = []
-    for atom in sorted(first, key=lambda atom: atom.key):
-        part = case.with_zero(builder, atom)
-        if part is not None:
-            for more in _sets(builder, part, screw, deepest - 1):
-                found.append(more if _follows(builder, atom, more) else (Equality((atom,)), *more))
+    for atom in sorted(first, key=order):
+        for part in meet(piece, atom, {}):
+            own = tuple(one for one in conditions_on(part) if one not in here)
+            found += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]
     return found
-
-
-def _follows(builder: DerivationBuilder, atom: Atom, more: Sequence[Equality]) -> bool:
-    """Whether an atom vanishes once the joints that are pinned after it stand where they do."""
-    pins = {one.atoms[0].joint: one.atoms[0].value for one in more if len(one.atoms) == 1 and one.atoms[0].pinned}
-    return not atom.pinned and bool(builder.ring.form(atom.f).at(pins).f == 0)
 
 
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
@@ -319,7 +304,7 @@ def _joined(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[E
     atoms = (*next(iter(mine)).atoms, *next(iter(theirs)).atoms)
     if not all(atom.pinned for atom in atoms) or len({atom.joint for atom in atoms}) != 1:
         return None
-    return (one & other) | {Equality(tuple(sorted(atoms, key=lambda atom: atom.key)))}
+    return (one & other) | {equality_of(atoms)}
 
 
 TOLD = 1
@@ -356,7 +341,7 @@ def reciprocity(builder: DerivationBuilder) -> None:
     builder.generic = True
     if builder.basic is not None:
         builder.notes.append(f"joints {', '.join(map(str, builder.basic))} are taken first, as asked for")
-    waiting = [Case()]
+    waiting = [ZeroSet.whole(builder.ring)]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
     while waiting:
@@ -375,42 +360,42 @@ def reciprocity(builder: DerivationBuilder) -> None:
 
 
 def _one_case(
-    builder: DerivationBuilder, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
-) -> list[Case]:
+    builder: DerivationBuilder, case: ZeroSet, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+) -> list[ZeroSet]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
-    ring, columns = builder.ring, case.columns(builder.ring, builder.columns)
+    ring, columns, pins = builder.ring, columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
     builder.sizes["cases"] += 1
-    if case.pins not in choices:
-        choices[case.pins] = _choices(builder, columns)
-    for choice in choices[case.pins]:
+    if pins not in choices:
+        choices[pins] = _choices(builder, columns)
+    for choice in choices[pins]:
         joints, screw = choice
-        components = [case.factors(builder, w) for w in screw if w != 0]
+        components = [builder.factors(case, w) for w in screw if w != 0]
         known = [found for found in components if found is not None]
         if not known:  # the screw vanishes in all of this case
             continue
         made.add(joints)
         builder.sizes["choices"] += 1
         builder.sizes["terms"] = max(builder.sizes["terms"], size(screw))
-        if len(case.pins) <= TOLD and not case.zero and not case.product:
+        if len(pins) <= TOLD and not case.equations:
             _note(builder, case, choice)
         redundant = len(columns) > len(columns[0])
-        nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
+        nowhere = () if frozenset() in known else (tuple(equality_of(found) for found in known),)
         others = [column for j, column in enumerate(columns) if j not in joints]
         products = [ring.reduce(sum(map(mul, screw, column), ring.zero)) for column in others]
-        factors = [case.factors(builder, p) for p in products]
-        met = conjunctions([_equality(found) for found in factors if found is not None])
+        factors = [builder.factors(case, p) for p in products]
+        met = conjunctions([equality_of(found) for found in factors if found is not None])
         always = frozenset.intersection(*known)  # where one of these vanishes, w does
         for piece in met:
             if redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms):
                 continue
-            builder.conditions.append(case.conjunction(ring, piece, nowhere if redundant else ()))
+            builder.conditions.append(within(case, piece, nowhere if redundant else ()))
         if frozenset() in known:
             return []
         if not redundant:  # its one product is det J
             builder.notes.append("where it vanishes det J does, too: nothing is left out")
             return []
-        return branches(builder, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
-    builder.conditions += [case.conjunction(ring, part) for part in conjunctions([])]
+        return builder.branches(case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
+    builder.conditions += [within(case, part) for part in conjunctions([])]
     return []
 
 
@@ -432,17 +417,17 @@ def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
     )
 
 
-def _note(builder: DerivationBuilder, case: Case, choice: _Choice) -> None:
+def _note(builder: DerivationBuilder, case: ZeroSet, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     words, ring = Words(builder.ring), builder.ring
-    there = words.conjunction(Conjunction(case.equalities(ring))) if case.pins else "in general"
+    there = words.conjunction(Conjunction(conditions_on(case))) if case.pins else "in general"
     chosen, elements = choice
     joints = ", ".join(str(j + 1) for j in chosen)
     terms = size(elements)
     written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
     screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
     builder.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
-    sets = _merged(_sets(builder, case, elements, DEEPEST))
+    sets = _merged(_zeros(builder, case, elements))
     known = list(dict.fromkeys(words.conjunction(Conjunction(one)) for one in sets))
     if builder.sizes["choices"] == 1:
         builder.sizes["exceptional"] = len(known)
@@ -453,11 +438,7 @@ def _note(builder: DerivationBuilder, case: Case, choice: _Choice) -> None:
     builder.notes.append(f"  all {count} elements vanish, and it says nothing, where " + ", or where ".join(known))
 
 
-def _equality(found: Atoms) -> Equality:
-    return Equality(tuple(sorted(found, key=order)))
-
-
-_Pivots = tuple[Case, tuple[int, ...], tuple[int, ...]]
+_Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
 """A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
@@ -473,7 +454,7 @@ def singular_vector(builder: DerivationBuilder) -> None:
     """
     builder.full_rank()
     builder.sizes |= {"cases": 0, "longest": 0}
-    waiting: list[_Pivots] = [(Case(), (), ())]
+    waiting: list[_Pivots] = [(ZeroSet.whole(builder.ring), (), ())]
     while waiting:
         step = waiting.pop(0)
         try:
@@ -491,7 +472,7 @@ def _eliminated(builder: DerivationBuilder, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
     builder.check("elimination")
     case, rows, chosen = step
-    ring, columns = builder.ring, case.columns(builder.ring, builder.chain.columns)
+    columns = columns_on(case, builder.chain.columns)
     size = min(len(columns), len(columns[0]))
     left: list[tuple[int, int, Polynomial]] = []
     while len(rows) < size:
@@ -503,14 +484,14 @@ def _eliminated(builder: DerivationBuilder, step: _Pivots) -> list[_Pivots]:
             left = []
             break
         row, column, factors = pivot
-        following = (case.with_nonzero(*factors), (*rows, row), (*chosen, column))
+        following = (case.without(*factors), (*rows, row), (*chosen, column))
         if factors:
-            return [following, *((part, rows, chosen) for part in branches(builder, case, factors))]
+            return [following, *((part, rows, chosen) for part in builder.branches(case, factors))]
         case, rows, chosen = following
     builder.sizes["cases"] += 1
-    entries = [case.factors(builder, entry) for _, _, entry in left]
-    met = conjunctions([Equality(tuple(sorted(factors, key=order))) for factors in entries if factors is not None])
-    builder.conditions += [case.conjunction(ring, piece) for piece in met]
+    entries = [builder.factors(case, entry) for _, _, entry in left]
+    met = conjunctions(equality_of(factors) for factors in entries if factors is not None)
+    builder.conditions += [within(case, piece) for piece in met]
     longest = max((equality.terms for piece in met for equality in piece.equal), default=0)
     builder.sizes["longest"] = max(builder.sizes["longest"], longest)
     return []
@@ -527,14 +508,14 @@ def _bordering(
 
 
 def _pivot(
-    builder: DerivationBuilder, case: Case, left: list[tuple[int, int, Polynomial]]
+    builder: DerivationBuilder, case: ZeroSet, left: list[tuple[int, int, Polynomial]]
 ) -> tuple[int, int, Atoms] | None:
     """The entry with the fewest and shortest atoms that may vanish; None where all entries vanish in the case."""
     best = None
     for row, column, entry in sorted(left, key=lambda item: len(item[2])):
         if best is not None and len(entry) > 4 * best[0]:
             break
-        factors = case.factors(builder, entry)
+        factors = builder.factors(case, entry)
         if factors is None:
             continue
         weight = (len(factors), sum(atom.weight for atom in factors))

@@ -220,6 +220,8 @@ def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> S
     if not atom.pinned:
         degrees = atom.f.degrees()
         pins = {j: value for j, value in piece.pins.items() if degrees[ring.index[f"t{j}"]]}
+        if not pins and not any(degrees[one.place] for one in piece.solved):
+            return (atom,)
         return _put_in(piece, ring.form(atom.f).at(pins), assumed)
     here = piece.pins.get(atom.joint)
     if here is not None:

@@ -654,11 +654,16 @@ class Step:
     whole: tuple[str, ...] = ()
 
 
-_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\d+(?:\.\d+)?|[A-Za-z]|[{}_^()=+\-,/]|[^\s\\]")
-_SIGNS = {"\\theta": "θ", "\\pi": "π", "\\alpha": "α", "\\beta": "β"}
-_WORDS = {"\\sin", "\\cos", "\\tan"}
-_OPERATORS = {"\\in": "∈", "\\pm": "±", "\\cdot": "·", "\\{": "{", "\\}": "}", "-": "−", "\\ne": "≠", "\\quad": " "}
+_TOKEN = re.compile(r"\\mathrm\{[^}]*\}|\\[A-Za-z]+|\\.|\d+(?:\.\d+)?|[A-Za-z]|[{}_^()=+\-,/]|[^\s\\]")
+_LEAVES = {
+    r"\theta": "<mi>θ</mi>", r"\pi": "<mi>π</mi>", r"\alpha": "<mi>α</mi>", r"\beta": "<mi>β</mi>",
+    **{rf"\{name}": f"<mi>{name}</mi><mspace width='0.15em'></mspace>" for name in ("sin", "cos", "tan")},
+    r"\,": "<mspace width='0.17em'></mspace>",
+}  # fmt: skip
+_OPERATORS = {r"\in": "∈", r"\pm": "±", r"\cdot": "·", r"\{": "{", r"\}": "}", "-": "−", r"\ne": "≠", r"\quad": " "}
 _BREAKS = {"+", "-", "="}
+_LEADING = {"(", ",", "{", r"\{", "=", r"\in"}  # a sign after one of these stands before its term
+_SCRIPTS = {"": "{0}", "_": "<msub>{0}{1}</msub>", "^": "<msup>{0}{1}</msup>", "_^": "<msubsup>{0}{1}{2}</msubsup>"}
 _SHORT = 60  # characters; a condition no longer than this stays in one piece
 
 
@@ -670,80 +675,51 @@ def typeset(latex: str) -> str:
         '<math><msub><mi>a</mi><mn>2</mn></msub><mo stretchy="false" form="infix">=</mo><mn>0</mn></math>'
     """
     pieces: list[list[str]] = [[]]
-    depth = 0
-    breakable = len(latex) > _SHORT
+    depth, before = 0, ""
     for token in _TOKEN.findall(latex):
         depth += {"{": 1, "}": -1}.get(token, 0)
-        follows = bool(pieces[-1]) and pieces[-1][-1] not in {"(", "=", ","}
-        if breakable and token in _BREAKS and depth == 0 and follows:
+        if token in _BREAKS and len(latex) > _SHORT and depth == 0 and before not in {"", "(", "=", ","}:
             pieces.append([])
-        pieces[-1].append(token)
-    return " ".join(f"<math>{_Reader(piece).row()}</math>" for piece in pieces if piece)
+            before = ""
+        pieces[-1].append(_leaf(token, before))
+        before = token
+    return " ".join(f"<math>{_row(piece[::-1])}</math>" for piece in pieces if piece)
 
 
-class _Reader:
-    def __init__(self, tokens: list[str]) -> None:
-        self.tokens = tokens
-        self.at = 0
+def _leaf(token: str, before: str) -> str:
+    """The MathML of a letter, a number or a sign; braces, scripts and fractions as they are."""
+    if token in _LEAVES or token in {"{", "}", "_", "^", r"\frac", r"\tfrac"}:
+        return _LEAVES.get(token, token)
+    if token.startswith(r"\mathrm{"):
+        plain = "".join(token[8:-1].replace("\\", "").split())
+        return f"<mtext>{escape(plain)}</mtext>"
+    if token.isalpha() or token[0].isdigit():
+        return f"<mi>{token}</mi>" if token.isalpha() else f"<mn>{token}</mn>"
+    form = ' form="infix"' if token in _BREAKS and before not in _LEADING else ""
+    return f'<mo stretchy="false"{form}>{escape(_OPERATORS.get(token, token))}</mo>'
 
-    def row(self, stop: str = "") -> str:
-        """Everything up to a closing brace, or to the end."""
-        parts = []
-        while self.at < len(self.tokens) and self.tokens[self.at] != stop:
-            parts.append(self.scripted())
-        self.at += bool(stop)
-        return "".join(parts)
 
-    def scripted(self) -> str:
-        """One thing with what is written below and above it."""
-        base, scripts = self.one(), {"_": "", "^": ""}
-        while self.at < len(self.tokens) and self.tokens[self.at] in scripts:
-            self.at += 1
-            sign = self.tokens[self.at - 1]
-            scripts[sign] = self.one()
-        below, above = scripts.values()
-        if below and above:
-            return f"<msubsup>{base}{below}{above}</msubsup>"
-        return f"<msub>{base}{below}</msub>" if below else f"<msup>{base}{above}</msup>" if above else base
+def _row(waiting: list[str]) -> str:
+    """MathML of what waits, last first, up to a closing brace, each part with what is written below and above it."""
+    parts = ""
+    while waiting and waiting[-1] != "}":
+        base, scripts = _part(waiting), dict[str, str]()
+        while waiting and waiting[-1] in {"_", "^"}:
+            mark = waiting.pop()
+            scripts[mark] = _part(waiting)
+        marks = sorted(scripts, reverse=True)
+        parts += _SCRIPTS["".join(marks)].format(base, *(scripts[mark] for mark in marks))
+    return parts
 
-    def one(self) -> str:
-        """A group, a fraction, a letter, a number or a sign."""
-        if self.at >= len(self.tokens):
-            return "<mrow></mrow>"
-        token = self.tokens[self.at]
-        self.at += 1
-        if token == "{":
-            return f"<mrow>{self.row('}')}</mrow>"
-        if token in {"\\frac", "\\tfrac"}:
-            return f"<mfrac>{self.one()}{self.one()}</mfrac>"
-        if token == "\\mathrm":
-            return f"<mtext>{escape(self.plain())}</mtext>"
-        if token in _SIGNS or token.isalpha():
-            return f"<mi>{_SIGNS.get(token, token)}</mi>"
-        if token in _WORDS:
-            return f"<mi>{token[1:]}</mi><mspace width='0.15em'></mspace>"
-        if token[0].isdigit():
-            return f"<mn>{token}</mn>"
-        if token == "\\,":
-            return "<mspace width='0.17em'></mspace>"
-        return self.operator(token)
 
-    def plain(self) -> str:
-        """The letters of a group as they are."""
-        words = []
-        if self.at < len(self.tokens) and self.tokens[self.at] == "{":
-            end = self.tokens.index("}", self.at)
-            words = [token.removeprefix("\\") for token in self.tokens[self.at + 1 : end]]
-            self.at = end + 1
-        return "".join(words)
-
-    def operator(self, token: str) -> str:
-        """A sign; it keeps its room where a piece begins with it."""
-        infix = token in {"+", "-", "="} and (self.at > 1 or self.at < len(self.tokens)) and not self.leading()
-        form = ' form="infix"' if infix else ""
-        return f'<mo stretchy="false"{form}>{escape(_OPERATORS.get(token, token))}</mo>'
-
-    def leading(self) -> bool:
-        """Whether the sign just read stands before its term: after a bracket, a comma, another sign."""
-        before = self.tokens[self.at - 2] if self.at > 1 else ""
-        return before in {"(", ",", "{", "\\{", "=", "\\in"}
+def _part(waiting: list[str]) -> str:
+    """A group, a fraction, or a leaf."""
+    token = waiting.pop() if waiting else "{"
+    if token in {r"\frac", r"\tfrac"}:
+        return f"<mfrac>{_part(waiting)}{_part(waiting)}</mfrac>"
+    if token != "{":
+        return token
+    inside = _row(waiting)
+    if waiting:
+        waiting.pop()
+    return f"<mrow>{inside}</mrow>"

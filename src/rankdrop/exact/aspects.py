@@ -370,14 +370,12 @@ def _hollows(sample: Array) -> list[int]:
 
 
 def _kind(sample: Array, i: int) -> str:
-    """What happens at a sample that is zero."""
     if i in (0, len(sample) - 1):
         return "starts on" if i == 0 else "ends on"
     return "crosses" if sample[i - 1] * sample[i + 1] < 0 else "touches"
 
 
 def _halved(value: Function, low: float, high: float) -> float:
-    """The zero between two points of opposite sign."""
     sign = value(np.array([low]))[0]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
@@ -389,7 +387,6 @@ def _halved(value: Function, low: float, high: float) -> float:
 
 
 def _lowest(value: Function, low: float, high: float) -> float:
-    """Where the size is smallest between two points, by thirds."""
     for _ in range(_HALVINGS):
         left, right = low + (high - low) / 3, high - (high - low) / 3
         sizes = np.abs(value(np.array([left, right])))
@@ -645,7 +642,6 @@ def _flag_words(flag: Flag) -> str:
 
 
 def _crossings(signs: Signs, index: int, start: Array, end: Array, tolerance: float) -> list[Crossing]:
-    """Zeros of one factor along the segment."""
     factor, chain = signs.factors[index], signs.chain
 
     def value(share: Array) -> Array:

@@ -76,7 +76,6 @@ def barren(
 
 
 def _number(value: Fraction) -> Polynomial:
-    """As python-flint has it."""
     return flint().fmpq(value.numerator, value.denominator)
 
 
@@ -125,8 +124,6 @@ def _turned(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
 
 
 class _Known:
-    """Polynomials that vanish on a set, by the variables they are in."""
-
     def __init__(self, ring: Ring) -> None:
         self._angles, self._moving = ring.angles, ring.moving
         self._by_variables: dict[tuple[int, ...], list[Polynomial]] = {}

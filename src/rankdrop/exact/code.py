@@ -185,7 +185,6 @@ class Code:
 
     @property
     def _slides(self) -> frozenset[int]:
-        """Numbers of the joints that slide, as far as conditions know them."""
         return frozenset(j for family in self.families for one in family.conditions for j in one.ring.prismatic)
 
     def latex(self) -> str:
@@ -209,7 +208,6 @@ class Code:
         return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
 
     def _shifted(self) -> Iterator[tuple[int, float]]:
-        """(joint, shift) of the joints whose angle is not their variable."""
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
 
     def _explained(self) -> list[str]:
@@ -221,18 +219,15 @@ class Code:
         return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
 
     def _in(self, f: Polynomial) -> list[str]:
-        """Lengths that occur in a polynomial."""
         degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
         return [name for name in self.letters if degrees.get(name, 0) > 0]
 
     def _used(self, family: ExactFamily) -> list[str]:
-        """Lengths that a family's conditions depend on."""
         found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
         return [name for name in self.letters if name in found]
 
 
 def _mark(text: str) -> str:
-    """Text as part of an identifier."""
     return re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_").lower() or "arm"
 
 
@@ -243,12 +238,10 @@ def _function(text: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text inside a docstring."""
     return " ".join(text.replace("\\", "/").replace('"', "'").split())
 
 
 def _comment(text: str) -> str:
-    """Text inside a C comment, on one line."""
     return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?").split())
 
 
@@ -262,7 +255,6 @@ def _latex_minor(name: str) -> str:
 
 
 def _escaped(text: str) -> str:
-    """Text as LaTeX."""
     special = {"\\": r"\textbackslash{}", "−": "$-$", "±": r"$\pm$", "θ": r"$\theta$", "π": r"$\pi$", "≠": r"$\neq$"}
     special |= {"∥": r"$\parallel$", "⟂": r"$\perp$", "–": "--"}
     special |= {letter: f"\\{letter}" for letter in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}

@@ -108,7 +108,6 @@ def _distance(equality: Equality, distances: Distances) -> Array:
 
 
 def _vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
-    """Whether it holds at a point modulo a prime, exactly."""
     parts = equality.atoms if equality.whole is None else (equality.whole,)
     return any(holds(ring, part, point) for part in parts)
 

@@ -162,7 +162,6 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree, steps: bool) ->
 
 
 def _as_set(chain: Chain, atom: Atom) -> ZeroSet:
-    """Where an atom holds."""
     if atom.pinned:
         return ZeroSet(chain.ring, {atom.joint: atom.value})
     return ZeroSet(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
@@ -182,7 +181,6 @@ def _differences(
 
 
 def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
-    """A real configuration on one of the sets, in words."""
     rng, r = np.random.default_rng(0), tree.generic_rank
     for one in sets:
         points, _, strays = real_points(chain, one, r - 1, rng)
@@ -196,7 +194,6 @@ def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
 def _suppressed(
     chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: _Chosen
 ) -> CorankOne:
-    """Corank 1 by dependent-screw suppression."""
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
     told = found.steps() if steps else ()
@@ -247,7 +244,6 @@ def _compared(
 
 
 def _step(derivation: Derivation, title: str) -> Step:
-    """The conditions of a method, its figures and its notes, in lines."""
     words, whole = Words(derivation.chain.ring), Words(derivation.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in derivation.sizes.items())
     shown = [words.conjunction(one) for one in derivation.conditions[:_SHOWN]]

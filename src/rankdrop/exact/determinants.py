@@ -390,7 +390,6 @@ def _part(
 
 
 def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: Array) -> str:
-    """What is lost, by the lines of the arm."""
     if form.kind == "point":
         return centre_statement(chain.own, points, form.group, joints, form.names[0])
     if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
@@ -399,7 +398,6 @@ def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: A
 
 
 def _wide(chain: Chain, structure: ExactStructure) -> str:
-    """Of a redundant arm: the blocks are not both square."""
     n, m = chain.n, chain.task.m
     part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
     if chain.task.rows != POSE or not part:
@@ -531,7 +529,6 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
 
 
 def _value(chain: Chain, p: Polynomial, work: Work) -> Value:
-    """A polynomial with its factors, if it is not too long to be factored."""
     if p == 0 or len(p) > MANY:
         return Value(chain.ring, p, None)
     return Value(chain.ring, p, factors_within(chain.ring, p, work.left))
@@ -550,7 +547,6 @@ def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
 
 
 def _chosen(chain: Chain) -> Iterator[tuple[str, tuple[int, ...], tuple[int, ...]]]:
-    """(name, joints, rows) of every minor."""
     joints, rows = tuple(range(1, chain.n + 1)), chain.task.rows
     if chain.n == len(rows):
         yield "det J", joints, rows
@@ -576,7 +572,6 @@ def _meaning(chain: Chain) -> str:
 
 
 def _axes(chain: Chain) -> str:
-    """In which axes the determinant is that."""
     if chain.task.rows in (POSE, POSITION, ORIENTATION):
         return "the same number in the axes of every link"
     return "in the axes of the task"
@@ -674,13 +669,11 @@ def closed_inverse(ring: Ring, rows: Sequence[Sequence[Polynomial]], work: Work)
 
 
 def _entry(ring: Ring, p: Polynomial, work: Work) -> Value:
-    """An entry of the adjugate with its factors."""
     work.check()
     return Value(ring, p, None if p == 0 else factors_within(ring, p, work.left))
 
 
 def _cofactor(ring: Ring, rows: Sequence[Sequence[Polynomial]], i: int, j: int, work: Work) -> Polynomial:
-    """(−1)^(i+j) times the determinant without row i and column j."""
     work.check()
     minor = ring.determinant([[x for b, x in enumerate(row) if b != j] for a, row in enumerate(rows) if a != i])
     return -minor if (i + j) % 2 else minor

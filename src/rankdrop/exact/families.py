@@ -451,7 +451,6 @@ def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:
 
 
 def _holds(chain: Chain, rank: int, q: Array) -> bool:
-    """Whether every configuration has exactly this rank."""
     sigma = singular_values(chain.own, q, chain.own_task)
     low = sigma[:, rank:].max(axis=1) if rank < sigma.shape[1] else np.zeros(len(q))
     high = sigma[:, rank - 1] if rank else np.ones(len(q))

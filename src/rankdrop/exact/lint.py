@@ -235,25 +235,20 @@ class _Comparison:
 
     @property
     def agrees(self) -> bool:
-        """Whether the two sets are the same, real or not."""
         return not self.missing and not self.extra
 
     @property
     def sizes(self) -> tuple[int, int]:
-        """How many sets are missing, and extra."""
         return len(self.missing), len(self.extra)
 
     @property
     def real(self) -> bool:
-        """Whether a real zero of the condition is found."""
         return any(next(round_points(piece, self.chain), None) is not None for piece in self.users)
 
     def special(self, f: Polynomial) -> Polynomial:
-        """A half-angle polynomial at the given lengths."""
         return f.subs(self.values) if self.values else f
 
     def specialised(self, piece: ZeroSet) -> list[ZeroSet]:
-        """The components of a singular set at the given lengths."""
         if not self.values:
             return [piece]
         found = [ZeroSet(self.ring, {})]
@@ -265,7 +260,6 @@ class _Comparison:
         return [one for one in independent(found) if one.samples and self.rank(one) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
-        """The components of the set where every condition holds."""
         found = [ZeroSet.whole(self.ring)]
         for one in self.parsed:
             self.work.check()
@@ -273,7 +267,6 @@ class _Comparison:
         return found
 
     def cut(self, piece: ZeroSet, one: Parsed) -> list[ZeroSet]:
-        """The components of a set where a condition holds."""
         form = one.form.at(piece.pins)
         if form.f == 0:
             return [piece]
@@ -286,7 +279,6 @@ class _Comparison:
         return independent(found)
 
     def holds(self, piece: ZeroSet) -> bool:
-        """Whether every condition holds on all of a set."""
         return all(
             one.form.f == 0
             or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in one.atoms)
@@ -294,7 +286,6 @@ class _Comparison:
         )
 
     def rank(self, piece: ZeroSet) -> int:
-        """Rank of the Jacobian almost everywhere on a set."""
         return rank_on(self.columns, piece)
 
     def shown(self, pieces: Sequence[ZeroSet], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:

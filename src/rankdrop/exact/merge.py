@@ -133,7 +133,6 @@ def alone(piece: ZeroSet) -> Row:
 
 
 def _joined(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row]:
-    """Rows joined two by two as long as that is possible."""
     while True:
         for one, two in combinations(rows, 2):
             both = join(one, two)
@@ -170,7 +169,6 @@ def _sums_joined(one: Row, two: Row) -> Row | None:
 
 
 def _different(one: Pins, two: Pins) -> int | None:
-    """The joint in which alone two rows differ."""
     if set(one) != set(two):
         return None
     joints = [joint for joint in one if one[joint] != two[joint]]

@@ -297,7 +297,6 @@ def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
 
 
 def _joined(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[Equality] | None:
-    """Two sets that are the same but for the angles of one joint."""
     mine, theirs = one - other, other - one
     if len(mine) != 1 or len(theirs) != 1:
         return None

@@ -148,7 +148,6 @@ def derivative(form: Product, joint: int) -> Product:
 
 
 def _slope(factor: Factor, joint: int) -> Product:
-    """The derivative of one factor by a joint variable."""
     if isinstance(factor, Symbol):
         return Product(Fraction(int(factor.slide == joint)))
     if isinstance(factor, Sum):
@@ -300,7 +299,6 @@ def _expanded(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[t
 
 
 def _table(power: int, degree: int) -> dict[int, int]:
-    """(z − 1/z)^k (z + 1/z)^(D−k) by powers of z."""
     found: dict[int, int] = {}
     for i in range(power + 1):
         for j in range(degree - power + 1):
@@ -400,7 +398,6 @@ def bare(form: Product, exact: bool) -> tuple[Product, ...]:
 
 
 def _long(form: Product) -> bool:
-    """Whether a number anywhere in the form is too long to be read."""
     sums = [factor.parts for factor, _ in form.factors if isinstance(factor, Sum)]
     return any(_too_long(part.number) or _long(part) for parts in sums for part in parts)
 
@@ -453,7 +450,6 @@ def _spelled(turns: Sequence[tuple[int, int]], name: str, minus: str, half: str)
 
 
 def _joined(turns: Sequence[tuple[int, int]]) -> bool:
-    """Whether the combination is written by its joints' digits alone."""
     return all(m == 2 and j < 10 for j, m in turns)
 
 

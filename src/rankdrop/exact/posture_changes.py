@@ -128,7 +128,6 @@ def _joint(ring: Ring, j: int, section: Section, tangent: Fraction) -> tuple[Mat
 
 
 def _link(ring: Ring, section: Section) -> Matrix:
-    """Tx(a) Rx(α)."""
     c, s, a = (ring.constant(x) for x in (*section.twist.rational, section.a))
     zero, one = ring.zero, ring.one
     return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
@@ -282,7 +281,6 @@ def decide_postures(chain: Chain) -> Decision:
 
 
 def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:
-    """Of a spherical wrist behind joint 3, in the frame of link 3."""
     link, along = chain.sections[2], chain.sections[3].d
     cosine, sine = link.twist.rational
     return link.a, -sine * along, cosine * along

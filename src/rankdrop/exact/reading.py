@@ -139,8 +139,6 @@ def _tokens(text: str) -> list[Token]:
 
 
 class _Reader:
-    """Goes through the tokens once."""
-
     def __init__(self, text: str, letters: frozenset[str]) -> None:
         self.text, self.letters = text, letters
         self.tokens = _tokens(text)
@@ -148,7 +146,6 @@ class _Reader:
 
     @property
     def token(self) -> Token:
-        """The token looked at."""
         return self.tokens[self.at]
 
     def take(self, *texts: str) -> Token | None:
@@ -179,7 +176,6 @@ class _Reader:
                 return tuple(found)
 
     def wrong(self, allowed: str) -> OptionError:
-        """What to raise where the token looked at does not belong."""
         what = "the condition ends too early" if self.token.kind == "end" else "this does not belong here"
         return mistake(self.text, self.token.place, what, allowed=allowed)
 
@@ -207,14 +203,12 @@ class _Reader:
             parts.append(Node("/", part.place, (part,)) if inverted else part)
 
     def starts_primary(self) -> bool:
-        """Whether a factor without a sign may begin here."""
         token = self.token
         if token.kind == "name":
             return token.text not in ("and", "or")
         return token.kind == "number" or token.text == "("
 
     def signed(self) -> Node:
-        """A power after * or /, where a sign may stand."""
         sign = self.take("-")
         node = self.power()
         return node if sign is None else Node("-", sign.place, (node,))
@@ -226,7 +220,6 @@ class _Reader:
         return node if raised is None else Node("**", node.place, (node,), number=Fraction(raised))
 
     def raised(self) -> int | None:
-        """A power after a primary or after sin, if there is one."""
         token = self.token
         if token.kind == "raised":
             self.at += 1
@@ -240,13 +233,11 @@ class _Reader:
         return self.whole(token.text, token.place)
 
     def whole(self, digits: str, place: int) -> int:
-        """The exponent, which may not be too high."""
         if len(digits) > 4 or int(digits) > HIGHEST:
             raise mistake(self.text, place, "the power is too high", allowed=f"0 … {HIGHEST}")
         return int(digits)
 
     def primary(self) -> Node:
-        """A number, a name, a sine or cosine, ± a power, or a bracket."""
         token = self.token
         if token.kind == "number":
             self.at += 1
@@ -279,7 +270,6 @@ class _Reader:
         return node if raised is None else Node("**", token.place, (node,), number=Fraction(raised))
 
     def bracket(self) -> Node:
-        """( Sum )."""
         opened = self.token
         self.at += 1
         self.depth += 1
@@ -292,7 +282,6 @@ class _Reader:
         return node
 
     def value(self, token: Token) -> Fraction:
-        """A number as it is written, exactly."""
         digits, _, power = token.text.lower().partition("e")
         if len(digits) > DIGITS or len(power) > 3:
             allowed = f"{DIGITS} digits, powers of ten up to 99"

@@ -327,7 +327,6 @@ def _follows(ring: Ring, p: Polynomial, others: Sequence[Polynomial]) -> bool:
 
 
 def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
-    """Each of them once."""
     return tuple({str(p): p for p in polynomials}.values())
 
 
@@ -406,7 +405,6 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
 
 
 def _length(f: Polynomial) -> tuple[int, int, str]:
-    """Sort key of polynomials: terms, degree, text."""
     return len(f), f.total_degree(), str(f)
 
 
@@ -528,12 +526,10 @@ def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, 
 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
-    """The product, reduced."""
     return reduce(lambda one, two: ring.reduce(one * two), factors, ring.one)
 
 
 def _random_point(ring: Ring) -> Point:
-    """A point of the whole joint space modulo P, always the same."""
     rng = random.Random(0)
     point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
     assert point is not None  # −1 is not a square modulo P

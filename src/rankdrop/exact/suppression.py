@@ -410,7 +410,6 @@ def _triples(chain: Chain, joints: Sequence[int]) -> str:
 
 
 def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
-    """A step for every case below that is not a family yet, in order."""
     for inner in case.cases:
         lines = tuple(_case(suppression, inner))
         if lines:
@@ -611,7 +610,6 @@ class _Derivation:
         self.done, self.known = 0, 1
 
     def run(self) -> Suppression:
-        """The derivation from step 1."""
         whole = Stratum.whole(self.ring, self.work.assumed)
         everything = tuple(range(1, self.chain.n + 1))
         if max(Sampled(self.columns, whole, self.work.rng).ranks(everything)) < 6:
@@ -760,17 +758,14 @@ class _Derivation:
         return replace(stratum, pieces=tuple(kept))
 
     def assume(self, product: Product) -> None:
-        """Take the factors in lengths alone for ≠ 0."""
         for f, _ in product.letters:
             self.work.assume(f)
 
 
 def _frame_reason(chain: Chain) -> str:
-    """In which link's frame the screws have how many terms."""
     terms = ", ".join(f"link {k}: {sum(len(x) for c in chain.screws(k) for x in c)}" for k in range(1, chain.n))
     return f"the screws are shortest there; terms, multiplied out: {terms}"
 
 
 def _number(case: Case, before: Sequence[Case]) -> str:
-    """The number of the next case inside one."""
     return f"{case.number}." * bool(case.number) + str(len(before) + 1)

@@ -208,7 +208,6 @@ def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
 
 
 def _length(piece: ZeroSet) -> int:
-    """How long a set's conditions are: the shortest set is looked into first."""
     return piece.codimension + sum(map(len, piece.equations))
 
 
@@ -268,7 +267,6 @@ def rank_on(columns: list[list[Polynomial]], piece: ZeroSet) -> int:
 
 
 def _ranks(columns: list[list[Polynomial]], piece: ZeroSet) -> list[int]:
-    """The rank at each sample of a set."""
     return [rank(matrix, prime) for matrix, prime in _residues(columns, piece)]
 
 

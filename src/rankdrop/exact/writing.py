@@ -237,12 +237,10 @@ class _Search:
             yield self.scaled(f, kept + even + list(together.factors))
 
     def bracket(self, g: Polynomial) -> Factor:
-        """A polynomial as one factor."""
         written = self.best(self.ring.form(g))
         return written.factors[0][0] if len(written.factors) == 1 and written.factors[0][1] == 1 else Sum((written,))
 
     def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
-        """The product with the number that makes it equal to f."""
         written = product(1, factors)
         return Product(_ratio(f, half_of(written, self.ring).f) * written.number, written.factors)
 
@@ -265,7 +263,6 @@ class _Search:
         return total(parts)
 
     def by_symbol(self, form: Form, place: int) -> Product:
-        """f by powers of a length or a slide's variable."""
         ring = self.ring
         parts = []
         for power, coefficient in enumerate(coefficients(form.f, place)):
@@ -778,7 +775,6 @@ def _held(factor: Factor) -> str:
 
 
 def _leaves(factor: Factor) -> Iterator[Wave | Symbol]:
-    """The waves and symbols in a factor."""
     if isinstance(factor, Sum):
         for part in factor.parts:
             for inner, _ in part.factors:
@@ -890,7 +886,6 @@ def _joined(notation: Notation, above: Product, below: Product, line: str) -> st
 
 
 def _above(notation: Notation, above: Product) -> str:
-    """A product, a sum in brackets; its sign before it."""
     return notation.sum([notation.readable(above)])
 
 

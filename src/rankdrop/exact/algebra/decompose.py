@@ -420,7 +420,6 @@ def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
 
 
 def _without_real_root(f: Polynomial) -> bool:
-    """Whether a polynomial in one variable has no real zero; False for others."""
     f = norm(f)[0]
     places = used(f)
     if len(places) != 1:

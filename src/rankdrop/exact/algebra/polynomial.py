@@ -295,7 +295,6 @@ def reduced_roots(f: Polynomial) -> Polynomial:
 
 
 def _conjugate(f: Polynomial, place: int) -> Polynomial:
-    """f with the other sign of one root."""
     return f.context().from_dict({e: -c if e[place] % 2 else c for e, c in f.terms()})
 
 

@@ -102,7 +102,6 @@ class ZeroSet:
         return None
 
     def _start(self, rng: random.Random, prime: int) -> Point:
-        """Random values of all variables, the pinned ones aside."""
         values = Point({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
         values.update(roots_at(self.ring, prime))
         values.update((f"t{j}", TANGENT[value] % prime) for j, value in self.pins.items() if value != "pi")

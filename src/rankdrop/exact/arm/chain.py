@@ -81,7 +81,6 @@ def moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[
 
 
 def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
-    """a × b."""
     return [ring.reduce(ring.product(a[i - 2], b[i - 1]) - ring.product(a[i - 1], b[i - 2])) for i in range(3)]
 
 
@@ -335,7 +334,6 @@ class Chain:
         return self.screws(k) if k == m else [moved(self.ring, one, point) for one in self.screws(k)]
 
     def _link_pose(self, k: int, m: int) -> Matrix:
-        """The frame of link m seen from link k."""
         pose = next(pose for j, pose in self._poses(k) if j == m) if m != k else identity(self.ring)
         return times(self.ring, pose, self._joint(m)) if m > k else pose  # the frame before joint m turns and slides
 
@@ -358,7 +356,6 @@ class Chain:
         return found
 
     def _tip_in(self, last: Matrix) -> list[Polynomial]:
-        """The tip, by the frame of the last link."""
         ring, (x, y, z) = self.ring, self.tip
         tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z), ring.one]
         return [ring.reduce(_inner(ring, last[i], tip)) for i in range(3)]
@@ -535,7 +532,6 @@ def _home_in_last(robot: Robot) -> Array:
 
 
 def _tip(robot: Robot) -> list[Fraction]:
-    """Position of the tip in the frame of link n."""
     unit = Fraction(10) ** exponent(robot)
     return [length * unit for length in decimals(_home_in_last(in_units(robot))[:3, 3])]
 

@@ -300,7 +300,6 @@ def named_lengths(
 
 
 def _decimals(values: Iterable[float], power: int) -> list[Fraction]:
-    """Lengths as decimals of 10 to a power."""
     return [one * Fraction(10) ** power for one in decimals(shifted(value, -power) for value in values)]
 
 

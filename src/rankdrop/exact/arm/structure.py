@@ -129,7 +129,6 @@ def listed(joints: tuple[int, ...]) -> str:
 
 
 def _meet(chain: Chain, i: int) -> bool:
-    """Whether axes i and i + 1 meet in one point."""
     return _twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
 
 
@@ -146,7 +145,6 @@ def _meet_in_one(chain: Chain, triple: tuple[int, int, int]) -> bool:
 
 
 def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]:
-    """Groups of axes that are parallel at every configuration."""
     groups: list[list[int]] = []
     for j in (j for j in range(1, chain.n + 1) if revolute[j - 1]):
         # a joint between that is not parallel to two others turns one about itself: those in a row are enough
@@ -175,7 +173,6 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[De
 
 
 def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
-    """Neighbouring axes at a small angle that is not zero."""
     found = []
     for i in neighbours:
         twist = chain.sections[i - 1].twist

@@ -99,7 +99,6 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
 
 
 def _moment(point: list[int], axis: list[int], prime: int) -> list[int]:
-    """p × z."""
     return [(point[i - 2] * axis[i - 1] - point[i - 1] * axis[i - 2]) % prime for i in range(3)]
 
 
@@ -113,5 +112,4 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
 
 
 def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:
-    """Product of two rotations of residues."""
     return [[sum(one[i][k] * two[k][j] for k in range(3)) % prime for j in range(3)] for i in range(3)]

@@ -12,8 +12,8 @@ from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
+from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered, decided_by_numbers, doubled
-from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.family.record import DIFFERS
 from rankdrop.results.conditions import Conditions

@@ -8,7 +8,7 @@ from reference.trig import value
 
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.arm.link_jacobian import frame_jacobian
+from rankdrop.exact.arm.structure import frame_jacobian
 from rankdrop.kinematics import jacobian
 from rankdrop.robot.open import open_robot
 

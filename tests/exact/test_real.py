@@ -17,8 +17,8 @@ from rankdrop.exact.algebra.work import Work, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import full_rank, real_points, real_sets, reality
+from rankdrop.exact.family import alone, merge
 from rankdrop.exact.letters import sign_of
-from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot

@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.polynomial import flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.barren import _Known, barren
+from rankdrop.exact.tree import _Known, barren
 from rankdrop.families.cloud import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

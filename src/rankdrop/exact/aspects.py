@@ -4,20 +4,14 @@ An arm without redundancy is singular where one of the factors of det J is zero.
 cannot change it along a path without passing zero: configurations with opposite signs are parted by that family. The
 converse is no theorem: with all signs equal there may be several aspects (connected sets of regular configurations).
 
-Zeros of a factor along a segment are found by samples: sign changes halved down, and minima of its size that reach
-zero.
-
-The factors of a determinant: their signs, real points on them, and the part of the arm that each is.
-
-As functions with a sign: which of them have one on the torus, and their values.
-
 A factor of the half-angle ring of degree D_j in t_j stands for a function of sin(θ_j/2) and cos(θ_j/2), homogeneous of
 degree D_j in them. A full turn of joint j multiplies it by (−1)^D_j: with an odd degree it has zeros but no sign of
 its own. Products in which odd degrees cancel have one: θ = 0 and θ = π together are sin θ = 0, θ = ±π/2 together are
 cos θ = 0.
 
-Real configurations on which one atom holds are found in floating point: to look at its geometry, not to prove
-anything. There the factor gets the name of a part of the arm, and the motion that is lost is told.
+Real configurations on which one atom holds are found in floating point: to name the part of the arm and the motion that
+is lost there, not to prove anything. Zeros of a factor along a segment are found by samples: sign changes halved down,
+and minima of its size that reach zero.
 """
 
 from __future__ import annotations

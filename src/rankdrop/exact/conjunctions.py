@@ -1,11 +1,9 @@
-"""What a method of derivation hands over: its conditions, in polynomials and in words, and what it cost.
+"""What a method of derivation computes: polynomial conditions, whether they hold at configurations, and their words.
 
-At configurations they say how far off they vanish. In words factors are joined by "or", polynomials by "and", and
-exceptions stand at the end.
-
-A derivation in the making: minors, factors and conjunctions, all against one clock.
-
-A case of a derivation is a set of configurations (`ZeroSet`): what vanishes on it, and what does not.
+`Conjunction` is one condition, `Derivation` all of them with what they cost, `DerivationBuilder` a derivation in the
+making: minors, factors and conjunctions, all against one clock. A case of a derivation is a set of configurations
+(`ZeroSet`): what vanishes on it, and what does not. `Words` writes conditions: factors are joined by "or", polynomials
+by "and", exceptions stand at the end.
 """
 
 from __future__ import annotations

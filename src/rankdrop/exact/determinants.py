@@ -1,6 +1,4 @@
-"""The determinant of a Jacobian said out loud, or the minors that take its place; and the closed inverse.
-
-All in factors:
+"""The determinant of a Jacobian in factors, or the minors that take its place, its blocks, and the closed inverse.
 
     as many joints as rows      det J; where J is block triangular: det J = ± det J11 det J22
     more joints than rows       the minors |$1 … $m| of every m columns: the rank drops where all of them vanish
@@ -8,30 +6,28 @@ All in factors:
 
 A minor of all rows of a pose, a position or an orientation is the same number in the axes of every link, and of a pose
 about every reference point: a change of either multiplies J by a matrix of determinant 1. Of other rows it is that in
-the axes of the task; axes turned upside down would change its sign.
+the axes of the task; axes turned upside down would change its sign. The closed inverse of a square Jacobian is its
+adjugate over its determinant, entry by entry, both in factors.
 
-The closed inverse of a square Jacobian is its adjugate over its determinant, entry by entry, both in factors.
-
-Decoupling: a block triangular Jacobian, its determinant as a product, and the part of the arm behind each factor.
-
-*Beside a planar triple* what is lost is a line along which no point can move. With the rows of the plane across the
-parallel axes first, J = [[P, Q], [0, R]]. Where P is singular the three axes lie in one plane; a motion that has no
-part out of the plane leaves the other joints at rest, R being regular, and moves nothing along the line that crosses
-the three. Where R is singular, wᵀR = 0, the left null vector of J is (0; w): a force along z with a moment across it,
-which is a force along one line parallel to the axes, or a couple. Power zero for every joint means that no point of
-this line moves along it.
-
-*At the centre of a spherical group* it is a direction that the arm's own lines give (JL). With the centre as reference
-point J = [[J11, 0], [J21, J22]]. Where J11 is singular, yᵀJ11 = 0, the left null vector of J is (y; 0): the centre
-cannot translate along y, whatever the wrist does. Where J22 is singular, yᵀJ22 = 0, and J11 is not, a motion that
-leaves the centre at rest leaves the arm at rest, and cannot turn the end effector about y.
-
-ML and JL: with the reference point in the centre of a spherical wrist joints 4, 5, 6 do not move that point,
+`decouple` finds the part of the arm behind each factor of a block triangular Jacobian (`block_form`). With the
+reference point in the centre of a spherical wrist joints 4, 5, 6 do not move that point (ML and JL),
 
     J = [[J11, 0], [J21, J22]],    det J = det J11 · det J22,
 
 so that the arm (J11: how joints 1, 2, 3 move the centre) and the wrist (J22: how 4, 5, 6 turn the end effector) are
-singular apart. The same is done for spherical shoulders and for joints that move in planes (`block_form`).
+singular apart.
+
+*At the centre of a spherical group* what is lost is a direction that the arm's own lines give (JL). Where J11 is
+singular, yᵀJ11 = 0, the left null vector of J is (y; 0): the centre cannot translate along y, whatever the wrist does.
+Where J22 is singular, yᵀJ22 = 0, and J11 is not, a motion that leaves the centre at rest leaves the arm at rest, and
+cannot turn the end effector about y.
+
+*Beside a planar triple* it is a line along which no point can move. With the rows of the plane across the parallel axes
+first, J = [[P, Q], [0, R]]. Where P is singular the three axes lie in one plane; a motion that has no part out of the
+plane leaves the other joints at rest, R being regular, and moves nothing along the line that crosses the three. Where R
+is singular, wᵀR = 0, the left null vector of J is (0; w): a force along z with a moment across it, which is a force
+along one line parallel to the axes, or a couple. Power zero for every joint means that no point of this line moves
+along it.
 """
 
 from __future__ import annotations
@@ -51,8 +47,16 @@ from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.link_jacobian import POSE, POSITION, BlockForm, block_form
-from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
+from rankdrop.exact.arm.structure import (
+    ORIENTATION,
+    POSE,
+    POSITION,
+    BlockForm,
+    ExactStructure,
+    block_form,
+    listed,
+    structure_of,
+)
 from rankdrop.exact.aspects import condition_text, look, merged, roles_of
 from rankdrop.exact.conjunctions import values_of
 from rankdrop.exact.notation import C, Python
@@ -408,7 +412,6 @@ def _wide(chain: Chain, structure: ExactStructure) -> str:
     )
 
 
-ORIENTATION = (3, 4, 5)
 _TRIED = 20  # random configurations at most on which a sign is read off
 MOST = 60
 """More minors than that are counted, not written."""

@@ -22,9 +22,8 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
-from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.family import ExactFamily, Pins, Row, alone, merge, tidy
 from rankdrop.exact.letters import letters_text, sign_of
-from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation, System

@@ -1,13 +1,25 @@
-"""The records of exact conditions: a family, and what was assumed of the lengths."""
+"""The records of exact conditions (a family, an assumption on the lengths), and irreducible sets put together in rows.
+
+`tidy` shortens the conditions of a set by the sums of angles that are constant on it, which are found at random points:
+θ5 = θ3 + π is seen at once there, among resultants it is not. `merge` puts sets that differ in one simple angle, or in
+one sum of angles by π, into one row.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import pi, remainder
+from itertools import combinations, product
+from math import cos, pi, remainder
 
 import numpy as np
 
+from rankdrop.exact.algebra.decompose import decompose
+from rankdrop.exact.algebra.field import Point
+from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, used
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.writing import AnglePin, Condition
@@ -133,3 +145,163 @@ class Assumption:
     holds: bool
     words: str
     derived: bool
+
+
+_MOST = 4  # joints in a sum
+_SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
+
+
+def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
+    """The same set with its constant sums of angles among the conditions, and the other conditions shortened by them.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    if len(piece.equations) < 2 or piece.zero or not piece.samples:
+        return piece
+    ring = piece.ring
+    found = list(_relations(piece))
+    if not found or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in found):
+        return piece
+    most = piece.codimension - len(piece.pins)
+    system = [ring.form(f) for f in (*found, *piece.equations)]
+    for other in decompose(ring, piece.pins, system, most, work):
+        if other.codimension == piece.codimension and other.inside(piece) and piece.inside(other):
+            return other
+    return piece
+
+
+def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
+    """Polynomials of Σ ± θ_j = 0, π or ±π/2 that hold on a set, for its joints that are bound together."""
+    ring = piece.ring
+    bound = {place for f in piece.equations for place in used(f) if place < ring.angles}
+    joints = [j for j in ring.revolute if ring.index[f"t{j}"] in bound]
+    covered: list[set[int]] = []
+    for size in range(2, _MOST + 1):
+        for chosen in combinations(joints, size):
+            if any(known <= set(chosen) for known in covered):
+                continue
+            for signs in product((1, -1), repeat=size - 1):
+                turns = tuple(zip(chosen, (1, *signs), strict=True))
+                f = _constant(ring, turns, piece.samples)
+                if f is not None:
+                    covered.append(set(chosen))
+                    yield f
+                    break
+
+
+def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point]) -> Polynomial | None:
+    """The polynomial of Σ turns_j θ_j = value where that holds at all points for a simple value."""
+    met = {_sum(turns, point) for point in points}
+    value = _SIMPLE.get(met.pop()) if len(met) == 1 else None
+    if value is None:
+        return None
+    real, imaginary = ring.half.constant(1), ring.half.constant(0)
+    for joint, sign in turns:  # Π (1 + i sign t): its argument is half the sum
+        t = ring.t[joint] * sign
+        real, imaginary = real - imaginary * t, imaginary + real * t
+    return primitive({"0": imaginary, "pi": real, "pi/2": imaginary - real, "-pi/2": imaginary + real}[value])
+
+
+def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
+    """(cos, sin) of a sum of angles modulo the prime of a point, between −p/2 and p/2."""
+    cosine, sine, prime = 1, 0, point.prime
+    for joint, sign in turns:
+        c, s = point[f"c{joint}"], sign * point[f"s{joint}"]
+        cosine, sine = (cosine * c - sine * s) % prime, (sine * c + cosine * s) % prime
+    return cosine - prime * (2 * cosine > prime), sine - prime * (2 * sine > prime)
+
+
+_SAME = 1e-9  # cosines and sines of whole turns and quarters, to rounding
+
+Pins = dict[int, tuple[str, ...]]
+"""Joint number -> the simple angles it stands at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Irreducible sets in one row.
+
+    Attributes:
+        pins: every combination of these angles belongs to it.
+        equations: half-angle polynomials that vanish on all of it; a product where a sum of angles is 0 or π.
+        pieces: the sets.
+    """
+
+    pins: Pins
+    equations: tuple[Polynomial, ...]
+    pieces: tuple[ZeroSet, ...]
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The conditions, for people."""
+        return (
+            *(AnglePin(*one).text() for one in sorted(self.pins.items())),
+            *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
+        )
+
+
+def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
+    """Rows of sets with the same conditions whose simple angles form all combinations; large sets first.
+
+    Two rows that differ in one sum of angles alone, which is x on the one and x + π on the other, become one too.
+    """
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    for piece in pieces:
+        groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(alone(piece))
+    rows = [row for group in groups.values() for row in _joined(group, _angles_joined)]
+    return sorted(_joined(rows, _sums_joined), key=_order)
+
+
+def alone(piece: ZeroSet) -> Row:
+    """One set as a row of its own."""
+    return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
+
+
+def _joined(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row]:
+    while True:
+        for one, two in combinations(rows, 2):
+            both = join(one, two)
+            if both is not None:
+                rows = [*(row for row in rows if row is not one and row is not two), both]
+                break
+        else:
+            return rows
+
+
+def _angles_joined(one: Row, two: Row) -> Row | None:
+    """Two rows that differ in the angles of one joint alone as one; None for others."""
+    joint = _different(one.pins, two.pins)
+    if joint is None:
+        return None
+    values = tuple(sorted({*one.pins[joint], *two.pins[joint]}, key=SIMPLE.index))
+    return Row({**one.pins, joint: values}, one.equations, (*one.pieces, *two.pieces))
+
+
+def _sums_joined(one: Row, two: Row) -> Row | None:
+    """θ5 = θ3 and θ5 = θ3 + π: sin(θ3 − θ5) = 0."""
+    if one.pins != two.pins or len(one.equations) != len(two.equations):
+        return None
+    ring = one.pieces[0].ring
+    mine, others = ({str(f): f for f in row.equations} for row in (one, two))
+    left, right = ([f for text, f in a.items() if text not in b] for a, b in ((mine, others), (others, mine)))
+    if len(left) != 1 or len(right) != 1:
+        return None
+    first, second = (Condition(ring, f).relation for f in (left[0], right[0]))
+    if first is None or second is None or first[0] != second[0] or abs(cos((first[1] - second[1]) / 2)) > _SAME:
+        return None
+    kept = tuple(f for f in one.equations if f is not left[0])
+    return Row(one.pins, (left[0] * right[0], *kept), (*one.pieces, *two.pieces))
+
+
+def _different(one: Pins, two: Pins) -> int | None:
+    if set(one) != set(two):
+        return None
+    joints = [joint for joint in one if one[joint] != two[joint]]
+    return joints[0] if len(joints) == 1 else None
+
+
+def _order(row: Row) -> tuple[object, ...]:
+    """Sort key of rows: large sets first, then few and short conditions."""
+    piece = row.pieces[0]
+    return piece.codimension, len(row.equations), sorted(row.pins.items()), sum(map(len, row.equations)), piece.key

@@ -25,8 +25,7 @@ from rankdrop.exact.algebra.polynomial import (
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import Assumption
-from rankdrop.exact.merge import merge, tidy
+from rankdrop.exact.family import Assumption, merge, tidy
 from rankdrop.exact.tree import Drop, Tree, rank_tree
 from rankdrop.tolerances import ROUNDED_LENGTHS
 

@@ -20,7 +20,7 @@ from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.merge import merge
+from rankdrop.exact.family import merge
 from rankdrop.exact.reading import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition

@@ -14,9 +14,7 @@
     >>> [[atom.key for equality in c.equal for atom in equality.atoms] for c in found.conditions]
     [['θ2=0'], ['θ2=pi']]
 
-Three methods that begin with minors: determinant, cofactors, decomposition.
-
-The determinant (KG eq. 1): of J where it is square, of J Jᵀ where the arm has joints to spare.
+Determinant (KG eq. 1): of J where it is square, of J Jᵀ where the arm has joints to spare.
 
 Cofactors (KG eq. 2): the rank drops where every maximal minor vanishes.
 
@@ -32,8 +30,6 @@ Hence J is singular where
 
 Where rank J₁₁ = 3, its null space is spanned by the cofactors of its 3 × 4 submatrices, so that N is polynomial.
 Elsewhere all of them vanish, and the second line may hold or not: the first one does.
-
-Two methods by vectors that vanish against J: reciprocity, and the singular vector.
 
 Reciprocity: in a singular configuration some screw is reciprocal to every joint screw. To one less of the joint screws
 than the task has rows, five of six, one screw w is reciprocal: its components are the cofactors of these columns. Where

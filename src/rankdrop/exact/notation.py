@@ -1,22 +1,19 @@
-r"""A condition as it is written: sums of products of lengths, slides, sines and cosines, and of sums in brackets.
+r"""Formulas: sums of products of lengths, slides, sines and cosines, and of sums in brackets; how they are written.
 
-One tree serves every output (text, LaTeX, Python, C) and the reader of what a user wrote. `half_of` takes it back to
-the half-angle ring without rounding, so that every way of writing a condition can be held against the polynomial.
-
-A half-angle polynomial as a sum of sines and cosines of half-integer combinations of the angles.
-
-t^k of degree D stands for sin^k(θ/2) cos^(D−k)(θ/2). With z = exp(iθ/2) that is
+One tree serves every output and the reader of what a user wrote: text and LaTeX for people, Python and C in the joint
+variables q = θ − shift for machines. `half_of` takes it back to the half-angle ring without rounding, so that every way
+of writing a condition can be held against the polynomial. `fourier` makes it of a half-angle polynomial: a sum of sines
+and cosines of half-integer combinations of the angles. t^k of degree D stands for sin^k(θ/2) cos^(D−k)(θ/2). With
+z = exp(iθ/2) that is
 
     (−i)^k 2^(−D) (z − 1/z)^k (z + 1/z)^(D−k),
 
 so that the whole polynomial is multiplied out joint by joint. A combination comes out whole wherever it can: a2 c2 +
 a3 c23 has two terms here and three in sines and cosines of single angles.
 
-It is written as text and LaTeX for people, as Python and C in the joint variables q = θ − shift for machines.
-
-`typeset` turns that LaTeX into MathML, which browsers show without any help. Only what is
-written here is understood: letters with subscripts and powers, \frac, \sin, \cos, \theta, \pi, \pm, \in, sets in
-\{ \}, numbers. A long condition is cut before its signs into pieces, so that lines can break.
+`typeset` makes MathML of LaTeX: results hold conditions as LaTeX alone. Only what is written here is understood:
+letters with subscripts and powers, \frac, \sin, \cos, \theta, \pi, \pm, \in, sets in \{ \}, numbers. A long one is
+cut before signs, so that lines can break.
 """
 
 from __future__ import annotations

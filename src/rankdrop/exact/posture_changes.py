@@ -20,19 +20,17 @@ arm is called cuspidal when a path between two solutions is proven free, which i
 and a spherical wrist behind its first three is cuspidal where these are: det J is the product of theirs and the
 wrist's, whose two solutions have opposite signs.
 
-How three joints move a point, once the first one is taken out of it; and proofs that such maps have no common zero.
-
-Of a point p that joints 1, 2, 3 move, two functions of joints 2 and 3 are left when joint 1 turns as it likes:
+f and g (`regional`) are functions of joints 2 and 3 that are left of a point p when joint 1 turns as it likes:
 
     f = |p|²,  g = p·z₁    (joint 1 turns about z₁; the origin on it)        f = p_x,  g = p_y    (it slides along z₁)
 
 Given the point, f and g are known and joint 1 follows. det J of the three joints is ½ ∂(f, g)/∂(q₂, q₃), up to sign
 (∂(f, g)/∂(q₂, q₃) for a slide): joint 1 does not occur in it, and postures are those of a map of the torus to a plane.
 
-Of three polynomials in two half-angle tangents two are eliminated against the first, by either variable. Real roots of
-the two univariate polynomials that are left hold every common zero; they are isolated in balls, and a pair of balls on
-which one of the three cannot be zero is thrown out. That none is left is a proof; what stays is zero to the precision
-of the balls, which is not a proof that it is one.
+That three polynomials in two half-angle tangents have no common zero (`common_zeros`) is proven by eliminating two of
+them against the first, by either variable. Real roots of the two univariate polynomials that are left hold every common
+zero; they are isolated in balls, and a pair of balls on which one of the three cannot be zero is thrown out. That none
+is left is a proof; what stays is zero to the precision of the balls, which is not a proof that it is one.
 """
 
 from __future__ import annotations
@@ -48,7 +46,7 @@ from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.work import tick
 from rankdrop.exact.arm.chain import Chain, Matrix, identity, times
 from rankdrop.exact.arm.geometry import Section
-from rankdrop.exact.arm.structure import structure_of
+from rankdrop.exact.arm.structure import ORIENTATION, POSE, POSITION, structure_of
 from rankdrop.robot.model import JointKind
 
 
@@ -228,7 +226,6 @@ SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"
 _TURNS = ((Fraction(0), Fraction(0)), (Fraction(2, 7), Fraction(3, 11)), (Fraction(5, 13), Fraction(4, 9)),
           (Fraction(8, 17), Fraction(7, 15)))  # fmt: skip
 Pair = tuple[float, float]
-POSE, POSITION, ORIENTATION = (0, 1, 2, 3, 4, 5), (0, 1, 2), (3, 4, 5)
 
 
 @dataclass(frozen=True, slots=True)

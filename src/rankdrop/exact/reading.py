@@ -1,4 +1,4 @@
-"""Reading a condition that a person wrote: text to tokens to a tree, with the place of every mistake.
+"""Conditions that a person wrote, read without rounding and without evaluating text: text to tokens, tree, polynomials.
 
     conditions  = condition {(";" | "," | "and") condition}
     condition   = sum ["=" sum {"or" sum}]
@@ -8,9 +8,8 @@
     primary     = number | name | "(" sum ")" | "±" power
                 | ("sin" | "cos" | "s" | "c") [power] ("(" sum ")" | name)
 
-What a condition that a person wrote means in the ring of an arm, without rounding and without evaluating text.
-
-Trees of a condition are functions on the torus, exactly, or angles as combinations.
+`read` makes the trees, with the place of every mistake. `Meaning` makes functions on the torus of them, exactly, or
+angles as combinations of joint angles.
 """
 
 from __future__ import annotations

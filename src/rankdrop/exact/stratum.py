@@ -1,23 +1,22 @@
-"""A case of the hand calculation: where some trigonometric polynomials vanish and others do not.
+"""A case of the hand calculation: a set on which some trigonometric polynomials vanish and others do not.
 
 A stratum is kept twice: as its two lists of trigonometric polynomials, which are what is read and what makes strata
 disjoint, and as sets (`ZeroSet`) that together are the stratum: each with joints pinned at simple angles, irreducible
 half-angle equations, and atoms that are nowhere zero on it. Pieces of one stratum may meet: sin θ4 = 0 is one condition
 with the pieces θ4 = 0 and θ4 = π.
 
-On a piece an equation is solved where lengths alone decide its variable. What else vanishes is put into conditions, and
-every step on a piece is a proof, as long as one more equation is on it at most; of more, only whether an equation
-itself is among the atoms of a condition is seen. Factors in lengths alone are taken for ≠ 0: `assumed` holds them by
-their text, one record for all strata of a derivation.
+`atoms_on` puts what is known on a piece into a condition, `meet` cuts a piece by an atom. An equation is solved where
+lengths alone decide its variable. Every step is a proof, as long as one more equation is on the piece at most; of more,
+only whether an equation itself is among the atoms of a condition is seen. Factors in lengths alone are taken for ≠ 0:
+`assumed` holds them by their text, one record for all strata of a derivation.
 
-The basic screws, and their determinant on a stratum as a product of conditions, each one trigonometric polynomial.
+`taken_apart` writes a polynomial on a stratum as a product of conditions, each one trigonometric polynomial. Factors
+are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to cos θ.
+Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of each
+piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
 
-Which six screws are the basic ones: independent in general, with a triple that is a joint of its own, contiguous, and
-the shortest determinant (KG's conditions a, b, c).
-
-Factors are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to
-cos θ. Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of
-each piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
+`choose` takes the basic screws: six that are independent in general, with a triple that is a joint of its own,
+contiguous, and with the shortest determinant (KG's conditions a, b, c).
 """
 
 from __future__ import annotations

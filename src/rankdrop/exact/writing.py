@@ -1,18 +1,14 @@
-"""The shortest way to write a half-angle polynomial, among forms that are all equal to it.
+"""Conditions and values as they are written: the shortest form of a polynomial, as text, LaTeX, Python and C.
 
-Candidates: the Fourier form; the polynomial in sines and cosines of single angles; the factors, where it has several;
-and, for one joint or length x after another, the sum of its coefficients times 1, c_x, s_x (or powers of the length),
-each coefficient written the same way. The last is what people do by hand: it brings KG eq. 15 at θ4 = 0
-from 50 terms to eight.
+The shortest form is one of several that are all equal to the polynomial: its Fourier form; the polynomial in sines and
+cosines of single angles; the factors, where it has several; and, for one joint or length x after another, the sum of
+its coefficients times 1, c_x, s_x (or powers of the length), each coefficient written the same way. The last is what
+people do by hand: it brings KG eq. 15 at θ4 = 0 from 50 terms to eight.
 
-One condition, ready to be printed: text, LaTeX, Python, C, and the numeric equation that `analyze` speaks.
-
-First a joint that stands at one of some simple angles (θ4 = 0 or π), then a polynomial.
-
-Trigonometric polynomials written out: as text, as values, as quotients.
-
-As a value, not as a condition, its number, its sign and its powers are written, too. A quotient is one
-polynomial over another, in factors, with what they share cancelled: an entry of a closed inverse.
+`AnglePin` and `Condition` are conditions: a joint at one of some simple angles (θ4 = 0 or π), and a polynomial; both
+give the numeric equation that `analyze` uses, too. `Value` is a polynomial as a value: its number, its sign and its
+powers are written. `Quotient` is one value over another, in factors, with what they share cancelled: an entry of a
+closed inverse.
 """
 
 from __future__ import annotations

@@ -21,10 +21,9 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.derivation import CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import families, real_sets
-from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.family import Assumption, ExactFamily, alone, merge
 from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.lint import round_points
-from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.families.cloud import Cloud, cloud, explained
 from rankdrop.families.table import posed

@@ -13,7 +13,7 @@ from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
-from rankdrop.exact.arm.link_jacobian import check_frame, frame_jacobian, sizes
+from rankdrop.exact.arm.structure import check_frame, frame_jacobian, sizes
 from rankdrop.exact.determinants import ClosedInverse, closed_inverse
 from rankdrop.exact.writing import Quotient, number_at, single_angles
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose

@@ -1,14 +1,10 @@
-"""Systems solved for one variable: one condition, two combined, and slices of what binds too much.
+"""Steps on systems of conditions in half-angle tangents: solve one for a variable, combine two, test what they bind.
 
-One condition on half-angle tangents: its factors, and solved for a variable.
-
-Two conditions combined: into one of a lower degree, or into one with a variable less.
-
-Whether a system of conditions binds more than so many freedoms: its points on random planes, modulo a prime.
-
-A set of codimension c meets every plane of dimension c in general position. So a system without a common zero on random
-lines (planes) has no piece of codimension 1 (2). Zeros count wherever they are, modulo the prime or in an extension of
-its field, but for those with 1 + t² = 0 for a half-angle tangent: no configuration is there.
+Two conditions are combined into one of a lower degree, or into one with a variable less. `binds_more` decides whether a
+system binds more than so many freedoms, by its points on random planes, modulo a prime. A set of codimension c meets
+every plane of dimension c in general position. So a system without a common zero on random lines (planes) has no piece
+of codimension 1 (2). Zeros count wherever they are, modulo the prime or in an extension of its field, but for those
+with 1 + t² = 0 for a half-angle tangent: no configuration is there.
 """
 
 from __future__ import annotations

@@ -76,7 +76,6 @@ def residue(value: Number, prime: int = P) -> int:
     return value.numerator % prime * pow(value.denominator, -1, prime) % prime
 
 
-@lru_cache
 def roots_at(ring: Ring, prime: int) -> dict[str, int]:
     """Values of the roots of a ring modulo one of its primes."""
     found = residues_of_roots(tuple(name for name in ring.letters if name in ROOTS), prime)

@@ -31,8 +31,8 @@ from rankdrop.certify.covering import (
     write_covering,
 )
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.batch_distance import distances
 from rankdrop.families.box_matching import Explainer, keys
-from rankdrop.families.measured import distances
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of
 from rankdrop.jobs.folder import perform

@@ -98,7 +98,7 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
                 assert (far.min(axis=1) <= 1.1 * explainer.radius).mean() > 0.9
                 continue
             # distance from the family by walking, independent of the change of sign
-            from rankdrop.families.measured import distances
+            from rankdrop.families.batch_distance import distances
 
             far = distances([family], UR5, near[:400], TASK).distance[:, 0]
             assert (far <= explainer.radius * (1 + 1e-6)).mean() > 0.999

@@ -11,16 +11,18 @@ from known.members import members
 from known.truths import PA10_TABLES
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.families.distance import Agreement, FamilyDistance, agreement, family_distances
+from rankdrop.families.distance import FamilyDistance, family_distances
 from rankdrop.family.equation import System
 from rankdrop.family.record import Family
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation.parts import disagreements
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.explain import explain
 
 ARMS = ("pa10", "puma560", "ur5", "panda", "canadarm2", "stanford", "scara", "planar3r")
 _analyses: dict[str, Analysis] = {}
@@ -65,9 +67,6 @@ def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.G
     for q in rng.uniform(-3, 3, (12, found.robot.n)):
         records = family_distances(found.families, found.robot, q, found.task)
         nearest = nearest_singularity(found.robot, q, found.task)
-        verdict = agreement(records, nearest)
-        assert verdict.agree, verdict
-        assert verdict.family is records[0].family
         assert nearest is not None
         assert nearest.distance == pytest.approx(records[0].distance, abs=1e-6)
 
@@ -144,31 +143,23 @@ def test_a_family_that_is_not_singular_is_not_near(rng: np.random.Generator) -> 
     assert [record.distance for record in records if record.family.corank == 2] == [inf] * 4
 
 
-def test_disagreement_is_said(rng: np.random.Generator) -> None:
-    found = analysed("pa10")
-    q = np.array([0.1, 1.2, 0.4, 0.3, 0.7, 1.3, 0.2])  # θ4 = 0 is the nearest
-    records = family_distances(found.families, found.robot, q, found.task)
-    nearest = nearest_singularity(found.robot, q)
+def test_disagreement_is_said() -> None:
+    far = explain(open_robot("pa10"), [0.1, 1.2, 0.4, 0.3, 0.7, 1.3, 0.2]).far  # θ4 = 0 is the nearest
+    nearest = far.nearest
     assert nearest is not None
 
-    def verdict(some: tuple[FamilyDistance, ...], **changed: float) -> Agreement:
-        return agreement(some, replace(nearest, **changed))
+    def verdict(some: tuple[FamilyDistance, ...], **changed: float) -> list[str]:
+        changed_far = replace(far, families=some, nearest=replace(nearest, **changed))
+        return list(disagreements(changed_far, ()))
 
-    assert verdict(records).agree
-    without = tuple(record for record in records if record.family.id != records[0].family.id)
-    assert not verdict(without).agree
-    assert "nearer than every named family" in verdict(without).words
-    assert verdict(without).family is None
-    assert "not asked" not in verdict(without).words
-    unnamed = replace(records[0], family=replace(records[0].family, named=False), distance=inf)
-    assert "(a family without conditions was not asked)" in verdict((*without, unnamed)).words
-    assert "(2 families have no conditions and were not asked)" in verdict((*without, unnamed, unnamed)).words
-    missed = verdict(records, distance=0.5)
-    assert (missed.agree, missed.family) == (False, records[0].family)
-    assert missed.gap == pytest.approx(0.2)
-    assert not agreement(records, None).agree
-    assert not agreement((), nearest).agree
-    assert agreement((), None).agree
+    first, *rest = far.families
+    assert verdict(far.families) == []
+    assert verdict(tuple(rest)) == ["the search found a singularity nearer than every family"]
+    assert verdict(tuple(replace(one, distance=inf) for one in far.families)) == verdict(tuple(rest))
+    unnamed = replace(first, family=replace(first.family, named=False), distance=inf)
+    assert verdict((*rest, unnamed)) == []  # a family without conditions was not asked
+    (missed,) = verdict(far.families, distance=0.5)
+    assert missed.startswith(f"the search missed a nearer point of family {first.family.id} (")
 
 
 def test_one_configuration_is_needed() -> None:

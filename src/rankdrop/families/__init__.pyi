@@ -1,10 +1,10 @@
+from .batch_distance import Distances as Distances
+from .batch_distance import distances as distances
 from .curves import Curve as Curve
 from .curves import Sweep as Sweep
 from .curves import singular_curves as singular_curves
 from .curves import sweeps as sweeps
 from .distance import family_distances as family_distances
-from .measured import Distances as Distances
-from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
 from .reciprocal import EXACT as EXACT

@@ -1,4 +1,4 @@
-"""How far to each family: the nearest point that satisfies a family's equations, and whether the search agrees.
+"""How far to each family: the nearest point that satisfies a family's equations, from one configuration or from many.
 
 The nearest point of a family whose joints are coupled is found by
 
@@ -24,7 +24,6 @@ from rankdrop import _core
 from rankdrop.family.equation import REACHED
 from rankdrop.family.record import Family, Pin, family_in_metres
 from rankdrop.kinematics import one_configuration
-from rankdrop.local.nearest import Nearest
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import CUT
@@ -38,6 +37,7 @@ _ITERATIONS = 25
 _STILL = 1e-6  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
 _FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
+_ROUNDING = 1e-9  # a limit of 3.14159265359 is meant to allow π
 _RETURNS = 3  # steps straight onto the family at the end
 
 
@@ -106,7 +106,6 @@ class Coupled:
         return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]) if self.bounded else q)
 
     def _options(self, joint: Pin) -> Array:
-        """Values of a pinned joint, those that are nearest."""
         j = joint.number - 1
         options = nearest_turns(np.array(joint.values), self.centre[j], bool(self.robot.periodic[j]), self.box[:, j])
         return np.asarray(options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)])
@@ -131,17 +130,13 @@ def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Ar
     if periodic:
         turn = 2 * np.pi
         every = [value + turn * (round((at - value) / turn) + more) for more in range(-2, 3) for value in every]
-    rounding = 1e-9  # a limit of 3.14159265359 is meant to allow π
-    low, high = float(bounds[0]) - rounding, float(bounds[1]) + rounding
+    low, high = float(bounds[0]) - _ROUNDING, float(bounds[1]) + _ROUNDING
     return np.array([value for value in every if low <= value <= high])
 
 
 def _lengths(vectors: Array) -> Array:
     """(N,) norms of vectors (N, n)."""
     return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=1)))
-
-
-AGREE = 1e-6  # distances that differ by less are the same: σ that vanishes to second order leaves half the digits [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,23 +161,6 @@ class FamilyDistance:
     residual: float
     sigma: float
     exact: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Agreement:
-    """Two answers to "how far": the nearest point over the families and the nearest of a search.
-
-    Attributes:
-        agree: both distances are the same to 1e-6, or neither found anything.
-        gap: distance of the search minus that of the nearest family [rad]; nan where one of them has none.
-        family: the nearest family, where its distance is the smaller or the same; None where the search is nearer.
-        words: one sentence.
-    """
-
-    agree: bool
-    gap: float
-    family: Family | None
-    words: str
 
 
 def family_distances(
@@ -222,31 +200,19 @@ def family_distances(
         given = dict(zip(map(id, there), families, strict=True))
         return tuple(_out_of_metres(one, given[id(one.family)], robot) for one in made)
     problem = Problem(robot, task, tolerances=tolerances, limits=limits)
-    box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
-    points = [_points(family, problem, centre, box, seed) for family in families]
-    every = np.concatenate([np.empty((0, robot.n)), *points])
-    sigma, distance = problem.sigma(every), problem.length(every - centre)
-    records, end = [], 0
-    for family, mine in zip(families, points, strict=True):
-        end += len(mine)
-        part = slice(end - len(mine), end)
-        rank = problem.generic_rank - family.corank
-        singular = sigma[part, rank] if len(mine) else np.zeros(0)
-        records.append(_record(family, mine, centre, singular, distance[part], tolerances))
+    records = [_record(family, problem, centre, seed) for family in families]
     return tuple(sorted(records, key=lambda record: record.distance))
 
 
-def _in_closed_form(family: Family) -> bool:
-    return family.named and bool(family.pinned) and not family.coupled
-
-
-def _points(family: Family, problem: Problem, centre: Array, box: Array, seed: int) -> Array:
-    """(N, n) points of a family, or nearly so, of which the nearest is taken; none where it has no equations."""
-    if _in_closed_form(family):
-        return _pinned_point(family.pinned, problem.robot, centre, box)
-    if family.named and family.equations:
-        return Coupled(family, problem, centre, box, seed).points()
-    return np.empty((0, problem.n))
+def _record(family: Family, problem: Problem, centre: Array, seed: int) -> FamilyDistance:
+    (foot,), (distance,), (residual,), (sigma,) = feet_on(
+        family, problem, centre[None], walls_of(problem), zero=problem.tolerances.singular, seed=seed
+    )
+    exact = _in_closed_form(family)
+    if not np.isfinite(distance):
+        return FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
+    q, delta = tuple(foot.tolist()), tuple((foot - centre).tolist())
+    return FamilyDistance(family, float(distance), q, delta, float(residual), float(sigma), exact)
 
 
 def _out_of_metres(distance: FamilyDistance, family: Family, robot: Robot) -> FamilyDistance:
@@ -256,66 +222,74 @@ def _out_of_metres(distance: FamilyDistance, family: Family, robot: Robot) -> Fa
     return replace(distance, family=family, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
-def agreement(distances: Sequence[FamilyDistance], nearest: Nearest | None) -> Agreement:
-    """Whether the families and a search give the same distance; where they do not, which of the two falls short.
+def walls_of(problem: Problem) -> Array:
+    """(2, n) joint limits, infinite where none are asked for [rad, m]."""
+    robot = problem.robot
+    if problem.limits:
+        return np.stack([robot.lower, robot.upper])
+    return np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
+
+
+def feet_on(
+    family: Family, problem: Problem, q: Array, box: Array, *, zero: float, seed: int
+) -> tuple[Array, Array, Array, Array]:
+    """The nearest point of a family from each of many configurations; of one configuration, a batch of one.
 
     Args:
-        distances: from `family_distances`, over all families known.
-        nearest: from `nearest_singularity` at the same q, task and limits; None where the search found nothing.
+        family: of the arm in metres.
+        problem: the arm in metres.
+        q: (N, n).
+        box: (2, n) limits, infinite where there are none.
+        zero: σ of a singular point.
+        seed: of the starts of families whose joints are coupled.
+
+    Returns:
+        (N, n) the point, nan where none was reached; (N,) its distance, inf there; (N,) largest |f| and (N,) σ at it.
     """
-    reached = [record for record in distances if np.isfinite(record.distance)]
-    unnamed = sum(not record.family.named for record in distances)
-    first = min(reached, key=lambda record: record.distance, default=None)
-    if first is None and nearest is None:
-        return Agreement(True, np.nan, None, "neither the families nor the search reach a singularity")
-    if first is None:
-        text = f"the search found a singularity, no named family has one{_more(unnamed)}"
-        return Agreement(False, np.nan, None, text)
-    if nearest is None:
-        return Agreement(False, np.nan, first.family, f"the search found none, family {first.family.id} has one")
-    gap = nearest.distance - first.distance
-    if abs(gap) <= AGREE:
-        return Agreement(True, gap, first.family, f"search and families agree: {first.family.id} ({first.family.name})")
-    if gap > 0:
-        text = f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
-        return Agreement(False, gap, first.family, text)
-    text = f"the search found a singularity nearer than every named family{_more(unnamed)}"
-    return Agreement(False, gap, None, text)
+    points, owner = _candidates(family, problem, q, box, seed)
+    sigma = problem.sigma(points)[:, problem.generic_rank - family.corank] if len(points) else np.zeros(0)
+    residual = np.abs(family.system.values(points)).max(axis=1) if len(points) else np.zeros(0)
+    good = (residual <= REACHED) & (sigma <= zero)
+    points, owner, sigma, residual = points[good], owner[good], sigma[good], residual[good]
+    way = problem.length(points - q[owner])
+    order = np.lexsort((way, owner))
+    rows, first = np.unique(owner[order], return_index=True)
+    best = order[first]
+    feet, far = np.full(q.shape, np.nan), np.full((3, len(q)), np.inf)
+    feet[rows], far[:, rows] = points[best], (way[best], residual[best], sigma[best])
+    return feet, far[0], far[1], far[2]
 
 
-def _more(unnamed: int) -> str:
-    if unnamed <= 1:
-        return " (a family without conditions was not asked)" if unnamed else ""
-    return f" ({unnamed} families have no conditions and were not asked)"
+def _in_closed_form(family: Family) -> bool:
+    return family.named and bool(family.pinned) and not family.coupled
 
 
-def _record(
-    family: Family, points: Array, centre: Array, sigma: Array, distance: Array, tolerances: Tolerances
-) -> FamilyDistance:
-    """The nearest of the points (N, n) that solve the equations and are singular; sigma and distance of each (N,)."""
-    exact = _in_closed_form(family)
-    nothing = FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
-    if not len(points):
-        return nothing
-    residual = np.abs(family.system.values(points)).max(axis=1)
-    good = (residual <= REACHED) & (sigma <= tolerances.singular)
-    if not good.any():
-        return nothing
-    best = int(np.where(good, distance, np.inf).argmin())
-    at = points[best]
-    return FamilyDistance(
-        family, float(distance[best]), tuple(at.tolist()), tuple((at - centre).tolist()), float(residual[best]),
-        float(sigma[best]), exact,
-    )  # fmt: skip
+def _candidates(
+    family: Family, problem: Problem, q: Array, box: Array, seed: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """(P, n) points of a family, or nearly so, and (P,) which of the configurations (N, n) each of them is for."""
+    if _in_closed_form(family):
+        feet = _pinned_feet(family.pinned, problem.robot, q, box)
+        rows = np.flatnonzero(np.isfinite(feet).all(axis=1))
+        return feet[rows], rows
+    if not family.named or not family.equations:
+        return np.empty((0, problem.n)), np.empty(0, dtype=np.int64)
+    parts = [np.empty((0, problem.n)), *(Coupled(family, problem, centre, box, seed).points() for centre in q)]
+    return np.concatenate(parts), np.repeat(np.arange(len(q)), [len(part) for part in parts[1:]])
 
 
-def _pinned_point(pinned: Sequence[Pin], robot: Robot, centre: Array, box: Array) -> Array:
-    """(1, n) every pinned joint at its nearest value, the others where they are; (0, n) where the limits forbid it."""
-    point = np.clip(centre, box[0], box[1])
-    for joint in pinned:
-        j = joint.number - 1
-        options = nearest_turns(np.array(joint.values), centre[j], bool(robot.periodic[j]), box[:, j])
-        if not len(options):
-            return np.empty((0, robot.n))
-        point[j] = options[np.abs(options - centre[j]).argmin()]
-    return point[None]
+def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> Array:
+    """(N, n) each pinned joint at its nearest value within the limits, nan where there is none; others in the limits.
+    """
+    feet = np.clip(q, box[0], box[1])
+    for one in pinned:
+        j, values = one.number - 1, np.array(one.values)
+        at, options = q[:, j, None], np.broadcast_to(values, (len(q), len(values)))
+        if robot.periodic[j]:
+            turns = np.round((at - values) / (2 * np.pi))[:, None] + np.arange(-2, 3)[:, None]
+            options = (values + 2 * np.pi * turns).reshape(len(q), -1)
+        inside = (options >= box[0, j] - _ROUNDING) & (options <= box[1, j] + _ROUNDING)
+        far = np.where(inside, np.abs(options - at), np.inf)
+        rows, best = np.arange(len(q)), far.argmin(axis=1)
+        feet[:, j] = np.where(np.isfinite(far[rows, best]), options[rows, best], np.nan)
+    return feet

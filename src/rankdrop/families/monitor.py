@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.families.arm_header import arm_header
-from rankdrop.families.measured import Distances, Measure
+from rankdrop.families.batch_distance import Distances, Ruler
 from rankdrop.family.equation import Equation, equation_tables
 from rankdrop.family.record import Family
 from rankdrop.kinematics import chain_of, check_robot, configurations, one_configuration, task_view
@@ -120,7 +120,7 @@ class Sighting:
         read, about 1 ms; 0 where nothing is proven [rad; metres divided by the length scale].
         """
         q = self._arrays[-self._monitor.robot.n :]
-        return float(self._monitor.measure.at_least(q[None])[0])
+        return float(self._monitor.ruler.at_least(q[None])[0])
 
     def __repr__(self) -> str:
         return (
@@ -206,9 +206,9 @@ class Monitor:
         self._s, self._m = min(self.task.m, robot.n), self.task.m
 
     @cached_property
-    def measure(self) -> Measure:
+    def ruler(self) -> Ruler:
         """What `distances` are measured with, in the whole joint space."""
-        return Measure(self.families, self.robot, self.task)
+        return Ruler(self.families, self.robot, self.task)
 
     @property
     def watched(self) -> tuple[Family, ...]:
@@ -324,7 +324,7 @@ class Monitor:
             ConfigurationError: Q has the wrong shape or is not finite.
         """
         rows, _ = configurations(self.robot, Q)
-        return self.measure.of(rows, along=along)
+        return self.ruler.measure(rows, along=along)
 
     def nearby(self, q: ArrayLike) -> Nearby:
         """Distance to every family at one configuration (n,), and where it grows.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families.measured import QUICK, Ruler, at_least
+from rankdrop.families.batch_distance import QUICK, Ruler
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.motion.record import VERDICTS
@@ -76,7 +76,8 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     known = families if there is robot else [family_in_metres(one, robot) for one in families]
     near = outer(known, there, there_task, check.tolerances)
     ruler = Ruler(near, there, there_task, limits=check.options.limits, starts=QUICK)
-    which, far = ruler.measure(moved, along=True).nearest()
+    measured = ruler.measure(moved, along=True)
+    which, far = measured.nearest()
     rank = generic_rank(there, there_task)
     sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
     verdict, factor = _of_stretches(check, count)
@@ -92,7 +93,7 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
         ("family", [near[k].id if k >= 0 else None for k in which.tolist()], "id of the nearest known family"),
         ("family_name", [near[k].name if k >= 0 else None for k in which.tolist()], "its name"),
         ("distance_rad", far, "to the nearest singular configuration known or found; slides by the length scale"),
-        ("at_least_rad", at_least(there, moved, there_task), "no singular configuration is nearer: proven"),
+        ("at_least_rad", measured.at_least, "no singular configuration is nearer: proven"),
         ("sigma", sigma, f"σ{rank}, translation divided by {check.length_scale:.6g} m"),
     ]
     if times is not None:

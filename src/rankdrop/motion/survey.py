@@ -11,7 +11,7 @@ import numpy as np
 
 from rankdrop import _core
 from rankdrop.errors import RankdropError
-from rankdrop.families.measured import QUICK, Ruler
+from rankdrop.families.batch_distance import QUICK, Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.which import families_at
@@ -135,7 +135,7 @@ class Survey:
 
     def _nearest(self, q: Array, *, along: bool = False) -> tuple[Index, Array, Array]:
         """Index of the nearest family, −1 where another point is nearer, the distance and the point; nan without."""
-        found = self._ruler.measure(q, along=along)
+        found = self._ruler.measure(q, along=along, proven=False)
         family, least = found.nearest()
         feet = found.anywhere_foot.copy()
         rows = np.flatnonzero(family >= 0)

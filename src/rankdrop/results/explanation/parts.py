@@ -19,7 +19,7 @@ import numpy as np
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.configuration import Cause, Configuration, Rank, at
 from rankdrop.errors import OptionError
-from rankdrop.families.distance import FamilyDistance, agreement, family_distances
+from rankdrop.families.distance import FamilyDistance, family_distances
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
@@ -418,6 +418,9 @@ def blame_at(asked: Asked, q: Array, corank: int) -> Blame:
     )
 
 
+_AGREE = 1e-6  # distances that differ by less are the same: σ of second order leaves half the digits [rad]
+
+
 def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
     """Two methods, two answers: on what a joint alone regains, and on how far."""
     for one in single:
@@ -430,9 +433,11 @@ def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
         yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
     if nearest is not None and far.families and all(one.family.named for one in far.families):
-        same = agreement(far.families, nearest)
-        if not same.agree:
-            yield same.words
+        first = min(far.families, key=lambda one: one.distance)
+        if first.distance < nearest.distance - _AGREE:
+            yield f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
+        elif not first.distance <= nearest.distance + _AGREE:
+            yield "the search found a singularity nearer than every family"
 
 
 def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:

@@ -163,7 +163,7 @@ def test_solids_are_closed_and_face_outwards(axis: list[float]) -> None:
     vertices, faces = capsule_mesh(start, start + 2.0 * way, 0.5)
     exact = np.pi * 0.25 * 2 + 4 / 3 * np.pi * 0.125
     assert volume(vertices, faces) == pytest.approx(exact, rel=0.05)
-    vertices, faces = barrel_mesh(start, way, 2.0, 0.5)
+    vertices, faces = barrel_mesh(start - way, start + way, 0.5)
     assert volume(vertices, faces) == pytest.approx(np.pi * 0.25 * 2, rel=0.02)
 
 

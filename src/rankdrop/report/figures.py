@@ -60,7 +60,8 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         if np.any(place != middle):
             axes.plot(*np.stack([middle, place]).T, color=LINK, lw=2.5)
         sides = 4 if slides else _SIDES
-        _add(axes, barrel_mesh(place, axis, 2 * _HALF * size, _RADIUS * size, sides=sides), tone)
+        half = _HALF * size * axis
+        _add(axes, barrel_mesh(place - half, place + half, _RADIUS * size, sides=sides), tone)
         reached = (_HALF + (0.28 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
@@ -75,7 +76,7 @@ def draw_arrow(axes: Any, start: Array, vector: Array, colour: str, size: float,
     along = vector / np.linalg.norm(vector)
     axes.plot(*np.stack([start, end - 0.9 * _HEAD * size * along]).T, color=colour, lw=2.0, ls=":" if dotted else "-",
               label=label)  # fmt: skip
-    head = barrel_mesh(end - 0.5 * _HEAD * size * along, along, _HEAD * size, _WIDTH * size, sides=_SIDES, taper=1e-3)
+    head = barrel_mesh(end - _HEAD * size * along, end, _WIDTH * size, sides=_SIDES, taper=1e-3)
     _add(axes, head, colour)
 
 

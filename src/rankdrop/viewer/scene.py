@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,173 +23,66 @@ from rankdrop.robot import Array, JointKind, Robot, reach
 from rankdrop.task import Task, link_index
 
 THIN = 0.022  # radius of a capsule, as a share of the reach
-_PARALLEL = 1e-6  # |z × z'| below which two axes are taken for parallel
 _SHORT = 1e-6  # a capsule shorter than this share of the reach is left out
 
 
 @dataclass(frozen=True, eq=False)
-class Capsule:
-    """A link, or a piece of one.
+class Bar:
+    """A piece of a link, a joint, or the rod of a slide.
 
     Attributes:
-        link: index of `link_poses`: 0 the base, i the link after joint i.
-        start, end: (3,) in the frame of that link [m].
+        link: index of `link_poses` in whose frame it stands: 0 the base, i the link after joint i.
+        start, end: (3,) [m]; the end of a rod in the frame of the next link, so that it grows as the slide moves.
         radius: [m].
+        joint: number of the joint from 1, mimic joints counted; 0 of a link.
+        variable: number of the variable that moves the joint, from 1; 0 of a link.
     """
 
     link: int
     start: Array
     end: Array
     radius: float
-
-
-@dataclass(frozen=True, eq=False)
-class Barrel:
-    """A turning joint, or the block in which one slides.
-
-    Attributes:
-        joint: number of the joint from 1, mimic joints counted.
-        variable: number of the variable that moves it, from 1.
-        link: index of `link_poses` that it turns with.
-        centre, axis: (3,) in the frame of that link [m; unit].
-        length, radius: [m].
-        slides: whether the joint is prismatic.
-    """
-
-    joint: int
-    variable: int
-    link: int
-    centre: Array
-    axis: Array
-    length: float
-    radius: float
-    slides: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Rod:
-    """The rod of a slide: from a point of the link before it to a point of the link after it, which part as it moves.
-
-    Attributes:
-        joint, variable: as of `Barrel`.
-        before, after: (3,) the points in the frames of links joint − 1 and joint [m].
-        radius: [m].
-    """
-
-    joint: int
-    variable: int
-    before: Array
-    after: Array
-    radius: float
+    joint: int = 0
+    variable: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """All of them, and the size by which they are drawn [m]."""
+    """Capsules along the links, barrels at the joints, rods of the slides, and the size by which they are drawn [m]."""
 
-    capsules: tuple[Capsule, ...]
-    barrels: tuple[Barrel, ...]
-    rods: tuple[Rod, ...]
+    capsules: tuple[Bar, ...]
+    barrels: tuple[Bar, ...]
+    rods: tuple[Bar, ...]
     size: float
 
 
 def body_of(robot: Robot) -> Body:
-    """The arm as capsules and barrels.
-
-    The spine runs from the base along each axis to the common normal with the next one, across it, and so on to the
-    tip; for parallel axes the normal starts where the spine is. Its pieces belong to the links.
-    """
+    """The arm as bars through the points of `skeleton`, as the page and the figures draw it."""
     size = reach(robot)
     thin = THIN * size
-    places = _places(robot)
     frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    capsules: list[Capsule] = []
-    barrels: list[Barrel] = []
-    rods: list[Rod] = []
-    position = np.zeros(3)
-    numbers = _variables(robot)
-    for number, (joint, (arrival, departure)) in enumerate(zip(robot.joints, places, strict=True), start=1):
-        _add(capsules, number - 1, frames[number - 1], position, arrival, thin, size)
-        _add(capsules, number, frames[number], arrival, departure, thin, size)
-        slides = joint.kind is JointKind.PRISMATIC
-        centre = arrival if slides else 0.5 * (arrival + departure)
-        axis = joint.screw[:3] if slides else joint.screw[3:]
-        link = number - 1 if slides else number
-        barrels.append(
-            Barrel(number, numbers[number - 1], link, _into(frames[link], centre), frames[link][:3, :3].T @ axis,
-                   5.0 * thin, 1.55 * thin, slides)
-        )  # fmt: skip
-        if slides:
-            before, after = _into(frames[number - 1], arrival), _into(frames[number], arrival)
-            rods.append(Rod(number, numbers[number - 1], before, after, 0.8 * thin))
-        position = departure
-    _add(capsules, len(robot.joints), frames[-1], position, robot.home[:3, 3], thin, size)
-    return Body(tuple(capsules), tuple(barrels), tuple(rods), size)
-
-
-def _variables(robot: Robot) -> list[int]:
-    """Number of the variable behind each joint."""
+    points, middles = skeleton(robot)
+    ends = [np.zeros(3), *points, robot.home[:3, 3]]
     own = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
-    return [own[joint.name if joint.mimic is None else joint.mimic.leader] for joint in robot.joints]
-
-
-def _add(capsules: list[Capsule], link: int, frame: Array, start: Array, end: Array, thin: float, size: float) -> None:
-    if np.linalg.norm(end - start) > _SHORT * size:
-        capsules.append(Capsule(link, _into(frame, start), _into(frame, end), thin))
+    capsules = tuple(
+        Bar(link, _into(frames[link], start), _into(frames[link], end), thin)
+        for link, (start, end) in enumerate(pairwise(ends)) if np.linalg.norm(end - start) > _SHORT * size
+    )  # fmt: skip
+    barrels, rods = [], []
+    for number, (joint, point, middle) in enumerate(zip(robot.joints, points, middles, strict=True), start=1):
+        slides = joint.kind is JointKind.PRISMATIC
+        half = 2.5 * thin * (joint.screw[:3] if slides else joint.screw[3:])
+        variable, link = own[joint.name if joint.mimic is None else joint.mimic.leader], number - slides
+        low, high = (_into(frames[link], middle + way) for way in (-half, half))
+        barrels.append(Bar(link, low, high, 1.55 * thin, number, variable))
+        if slides:
+            before, after = (_into(frames[k], point) for k in (number - 1, number))
+            rods.append(Bar(number - 1, before, after, 0.8 * thin, number, variable))
+    return Body(capsules, tuple(barrels), tuple(rods), size)
 
 
 def _into(frame: Array, point: Array) -> Array:
-    """A point of the base frame in another frame."""
     return np.asarray(frame[:3, :3].T @ (point - frame[:3, 3]))
-
-
-def _places(robot: Robot) -> list[tuple[Array, Array]]:
-    """Where the spine comes to each axis, and where it leaves it, at q = 0 in the base frame.
-
-    A first axis that the second one is parallel to is a pillar: left where the arm goes on, not on the floor.
-    """
-    here = np.zeros(3)
-    lines = []
-    for joint in robot.joints:
-        slides = joint.kind is JointKind.PRISMATIC
-        z = joint.screw[:3] if slides else joint.screw[3:]
-        lines.append((None if slides else np.cross(z, joint.screw[:3]), z))
-    far = 1.5 * reach(robot)
-    arrival = _onto(lines[0], here)
-    pillar = _onto(lines[0], skeleton(robot)[0][1]) if len(lines) > 1 else arrival
-    places = []
-    for i, line in enumerate(lines):
-        if i + 1 < len(lines):
-            start = pillar if i == 0 else arrival
-            departure, following = _normal((arrival, line[1]), lines[i + 1], start, far)
-        else:
-            departure = following = _onto((arrival, line[1]), robot.home[:3, 3])
-        places.append((arrival, departure))
-        arrival = following
-    return places
-
-
-def _onto(line: tuple[Array | None, Array], point: Array) -> Array:
-    """The point of a line nearest to a point; a slide's line goes through the point itself."""
-    p, z = line
-    return point if p is None else np.asarray(p + z * (z @ (point - p)))
-
-
-def _normal(
-    first: tuple[Array, Array], second: tuple[Array | None, Array], here: Array, far: float
-) -> tuple[Array, Array]:
-    """Feet of the common normal of two lines; from `here` straight across where they are parallel or it is far off."""
-    p, z = first
-    o, w = second
-    across = np.cross(z, w)
-    if o is None:
-        return here, here
-    if np.linalg.norm(across) > _PARALLEL:
-        solved = np.linalg.solve(np.stack([z, -w, across], axis=1), o - p)
-        foot, other = p + z * solved[0], o + w * solved[1]
-        if max(np.linalg.norm(foot - here), np.linalg.norm(other - here)) <= far:
-            return foot, other
-    return here, _onto(second, here)
 
 
 LENGTH = 0.45  # of an arrow, as a share of the size
@@ -265,7 +159,7 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
 
 def rods(body: Body, links: Array) -> Array:
     """(R, 2, 3) ends of the slides' rods in the base frame [m]."""
-    ends = [[_out(links[rod.joint - 1], rod.before), _out(links[rod.joint], rod.after)] for rod in body.rods]
+    ends = [[_out(links[rod.link], rod.start), _out(links[rod.link + 1], rod.end)] for rod in body.rods]
     return np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
 
 
@@ -277,8 +171,8 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
     lines = []
     for variable in variables:
         barrel = next(one for one in body.barrels if one.variable == variable)
-        way = 0.3 * body.size * (links[barrel.link][:3, :3] @ barrel.axis)
-        centre = _out(links[barrel.link], barrel.centre)
+        low, high = (_out(links[barrel.link], point) for point in (barrel.start, barrel.end))
+        way, centre = 0.3 * body.size * (high - low) / np.linalg.norm(high - low), (low + high) / 2
         lines.append([centre - way, centre + way])
     return np.array(lines, dtype=np.float64).reshape(-1, 2, 3)
 
@@ -333,22 +227,24 @@ def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArra
 
 
 def barrel_mesh(
-    centre: Array, axis: Array, length: float, radius: float, *, sides: int = AROUND + 8, taper: float = 1.0
+    start: Array, end: Array, radius: float, *, sides: int = AROUND + 8, taper: float = 1.0
 ) -> tuple[Array, NDArray[np.uint32]]:
     """Vertices and triangles of a closed cylinder; its flat ends have vertices of their own, for sharp edges.
 
     Args:
-        centre, axis, length, radius: of the cylinder [m].
+        start, end: (3,) middles of its flat ends [m].
+        radius: [m].
         sides: of its outline; 4 make a box.
         taper: radius of its far end over that of its near end: 0.001 makes a cone.
     """
     around = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
     n = len(around)
     circle = np.stack([radius * np.cos(around), radius * np.sin(around), np.zeros(n)], axis=-1)
+    length = np.linalg.norm(end - start)
     half = np.array([0.0, 0.0, length / 2])
     low, high = circle - half, circle * taper + half
     poles = np.stack([-half, half])
-    vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto(axis / np.linalg.norm(axis)).T + centre
+    vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto((end - start) / length).T + (start + end) / 2
     j = np.arange(n)
     k = (j + 1) % n
     side = np.concatenate([np.stack([j, k, n + k], -1), np.stack([j, n + k, n + j], -1)])

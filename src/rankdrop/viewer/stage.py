@@ -76,11 +76,11 @@ class Stage:
         ]
         self._barrels = [
             scene.add_mesh_simple(f"/arm/{one.link}/barrel{one.joint}",
-                                  *barrel_mesh(one.centre, one.axis, one.length, one.radius))
+                                  *barrel_mesh(one.start, one.end, one.radius))
             for one in body.barrels
         ]  # fmt: skip
         self._labels = [
-            scene.add_label(f"/arm/{one.link}/number{one.joint}", str(one.variable), position=one.centre,
+            scene.add_label(f"/arm/{one.link}/number{one.joint}", str(one.variable), position=(one.start + one.end) / 2,
                             anchor="center-center", font_screen_scale=0.75)
             for one in body.barrels
         ]  # fmt: skip
@@ -110,7 +110,8 @@ class Stage:
             shape = capsule_mesh(one.start, one.end, _WITHIN * one.radius)
             scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *shape, **look)
         for it in self.live.body.barrels:
-            shape = barrel_mesh(it.centre, it.axis, _WITHIN * it.length, _WITHIN * it.radius)
+            cut = (1 - _WITHIN) / 2 * (it.end - it.start)
+            shape = barrel_mesh(it.start + cut, it.end - cut, _WITHIN * it.radius)
             scene.add_mesh_simple(f"/ghost/{it.link}/barrel{it.joint}", *shape, **look)
 
     def show_ghost(self, q: Array | None) -> None:

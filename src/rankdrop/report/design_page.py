@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.designs import UNITS, Designs, Parameter, measure_text, shown
-from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.report.page import whole_page
+from rankdrop.errors import OptionError
+from rankdrop.report.figures import new_figure
+from rankdrop.report.page import header, whole_page
 from rankdrop.report.svg import Chart, plain_ticks
 from rankdrop.robot import Array
 from rankdrop.sections import html
@@ -80,16 +81,12 @@ def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
         OptionError: no such parameter.
         MissingExtraError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", None, "a figure of a sweep") from error
     first, second = axes_of(designs, over)
     x, y = (in_shown_units(designs.parameters[k], np.array([one["values"][k] for one in designs.records]))
             for k in (first, second))  # fmt: skip
     maps = maps_of(designs)
     rows = max(1, ceil(len(maps) / _ROW))
-    drawn = Figure(figsize=(3.4 * min(_ROW, max(1, len(maps))), 2.9 * rows + 0.3))
+    drawn = new_figure((3.4 * min(_ROW, max(1, len(maps))), 2.9 * rows + 0.3), "a figure of a sweep")
     for place, (name, values) in enumerate(maps, 1):
         axes: Any = drawn.add_subplot(rows, min(_ROW, len(maps)), place)
         single = first == second
@@ -129,21 +126,17 @@ def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:
     Raises:
         OptionError: no such parameter.
     """
-    css = "good" if designs.holds else "bad"
+    css, title = "good" if designs.holds else "bad", f"{escape(designs.robot)}: designs"
     facts = [
         ("variants", f"{len(designs.records):,} ({designs.kind})"),
         ("parameters", ", ".join(one.name for one in designs.parameters)),
         ("task", f"{designs.task}, σ with lengths divided by {designs.length_scale:.4g} m"),
         ("better", ", ".join(f"{want} {name}" for name, want in designs.goals.items()) or "nothing was said"),
     ]
-    cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
-    header = (
-        f'<header><h1>{escape(designs.robot)}: designs</h1><p class="{css}">{escape(designs.sentence)}</p>'
-        f'<dl class="facts">{cells}</dl></header>'
-    )
     sections = list(designs.sections())
     body = (
-        f'{header}<main><section id="maps"><h2>Maps</h2>{_maps(designs, over)}</section>'
+        f'{header(title, css, designs.sentence, facts)}<main>'
+        f'<section id="maps"><h2>Maps</h2>{_maps(designs, over)}</section>'
         f'<section id="words"><h2>In words</h2><div class="scroll">{html(sections[1:-1])}</div></section>'
         f'<section id="variants"><h2>Every variant</h2><div class="scroll">{_table(designs)}</div></section></main>'
     )

@@ -135,7 +135,7 @@ def check_figures(analysis: Analysis, wanted: Sequence[str]) -> None:
         OptionError: no such kind of figure, or no such family.
         MissingExtraError: matplotlib is not installed.
     """
-    _new_figure((1, 1))
+    new_figure((1, 1))
     ids = {family.id for family in analysis.families}
     for name in wanted:
         kind, _, family = name.partition("-")
@@ -184,7 +184,7 @@ def figure(content: Content, name: str) -> Figure:
 
 def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
     """σ_r shaded, the families as curves and points."""
-    drawn = _new_figure((3.6, 3.4))
+    drawn = new_figure((3.6, 3.4))
     axes = drawn.add_subplot()
     extent = (plane.x[0], plane.x[-1], plane.y[0], plane.y[-1])
     axes.imshow(plane.sigma.T, origin="lower", extent=extent, cmap="Greys_r", aspect="auto", alpha=0.75)
@@ -202,7 +202,7 @@ def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
 
 def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
     """A family in the cube of three joints (AM Figure 5b)."""
-    drawn = _new_figure((4.2, 4.0))
+    drawn = new_figure((4.2, 4.0))
     axes: Any = drawn.add_subplot(projection="3d")
     tone = COLOURS[index % len(COLOURS)]
     for line in solid.curves:
@@ -222,7 +222,7 @@ def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
 
 def workspace_figure(section: Workspace, family: str | None = None, index: int = 0) -> Figure:
     """The workspace in section with its walls, or with the image of one family."""
-    drawn = _new_figure((3.8, 4.4))
+    drawn = new_figure((3.8, 4.4))
     axes = drawn.add_subplot()
     shade = np.where(
         section.tips > 0, 0.15 + 0.35 * np.sqrt(np.minimum(section.tips / max(section.tips.max(), 1), 1)), 0
@@ -245,7 +245,7 @@ def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> 
     """The smallest singular values as each joint moves through the witness, one panel per joint."""
     columns = min(4, len(swept))
     rows = -(-len(swept) // columns)
-    drawn = _new_figure((2.1 * columns, 1.6 * rows + 0.3))
+    drawn = new_figure((2.1 * columns, 1.6 * rows + 0.3))
     rank = analysis.generic_rank
     for k, sweep in enumerate(swept):
         axes = drawn.add_subplot(rows, columns, k + 1)
@@ -280,11 +280,12 @@ def _name_axes(robot: Robot, axes: Any, joints: tuple[int, int]) -> None:
             set_ticks([value for value, _ in ticks], [word for _, word in ticks])
 
 
-def _new_figure(size: tuple[float, float]) -> Figure:
+def new_figure(size: tuple[float, float], what: str = "a figure for papers") -> Figure:
+    """An empty figure of a size [inch]; `what` is named where matplotlib is not installed."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", None, "a figure for papers") from error
+        raise MissingExtraError("matplotlib", None, what) from error
     return Figure(figsize=size)
 
 
@@ -304,12 +305,8 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     Raises:
         MissingExtraError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", None, "a figure for papers") from error
     robot = analysis.robot
-    drawn = Figure(figsize=(3.8, 3.8))
+    drawn = new_figure((3.8, 3.8))
     axes: Any = drawn.add_subplot(projection="3d")
     arm = drawn_at(robot, np.array(family.witness))
     size = reach(robot)

@@ -48,9 +48,11 @@ def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
+    ideal = f'<section id="ideal"><h2>Ideal arm</h2>{scrolled(html(content.beside), "ideal arm")}</section>'
     sections = (
-        _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
-        solid_section(content), workspace_section(content), line_section(content), verification_section(content),
+        _arm(content), _tables(content), exact_section(content), ideal if content.beside else "",
+        slice_section(content), solid_section(content), workspace_section(content), line_section(content),
+        verification_section(content),
     )  # fmt: skip
     whole = "".join(sections)
     there = [(target, name) for target, name in _NAVIGATION if f'<section id="{target}"' in whole]
@@ -87,6 +89,17 @@ def whole_page(
     )
 
 
+def header(
+    title: str, css: str, sentence: str, facts: Iterable[tuple[str, str]], above: str = "", below: str = ""
+) -> str:
+    """The head of a page: title (HTML), verdict, facts, and HTML above and below the facts."""
+    cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
+    return (
+        f'<header><h1>{title}</h1><p class="{css}">{escape(sentence)}</p>{above}'
+        f'<dl class="facts">{cells}</dl>{below}</header>'
+    )
+
+
 def asset(name: str) -> str:
     """One of the files that the page is made of."""
     return (resources.files("rankdrop.report") / "assets" / name).read_text(encoding="utf-8")
@@ -96,20 +109,15 @@ def _header(content: Content) -> str:
     analysis, verdict = content.analysis, content.verdict
     robot, task, settings = analysis.robot, analysis.task, analysis.settings
     css = "good" if verdict.holds else "bad"
-    redundancy = robot.n - analysis.generic_rank
-    found = ", ".join(
-        f"corank {summary.corank}: {len(rows)}"
-        for summary in analysis.coranks
-        if (rows := analysis.of_corank(summary.corank))
-    )
+    counts = {summary.corank: len(analysis.of_corank(summary.corank)) for summary in analysis.coranks}
+    found = ", ".join(f"corank {corank}: {count}" for corank, count in counts.items() if count)
     facts = [
         ("families", found or "none found"),
         ("chain", f"{robot.n} joints, {robot.base} to {robot.tip}"),
-        ("task", f"{task.name}: rank {analysis.generic_rank}, redundancy {redundancy}"),
+        ("task", f"{task.name}: rank {analysis.generic_rank}, redundancy {robot.n - analysis.generic_rank}"),
         ("length scale", f"{settings.length_scale:.4g} m"),
         ("made by", f"rankdrop {settings.version}, seed {settings.seed}"),
     ]
-    cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     source = robot.source.reference or robot.source.origin
     told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
     notes = told if source else ""
@@ -117,12 +125,9 @@ def _header(content: Content) -> str:
     near = None if content.beside else near_ideal(robot)
     small = [*robot.notes, *([] if near is None else [near.line])]
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
-    return (
-        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{verdict.word}</span></h1>'
-        f'<p class="{css}">{escape(verdict.sentence)}</p>'
-        f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
-        f'<dl class="facts">{cells}</dl>{notes}</header>'
-    )
+    title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
+    about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
+    return header(title, css, verdict.sentence, facts, about, notes)
 
 
 def _arm(content: Content) -> str:
@@ -185,24 +190,14 @@ def _meshes_box(content: Content) -> str:
     )
 
 
-def _beside(content: Content) -> str:
-    if not content.beside:
-        return ""
-    return f'<section id="ideal"><h2>Ideal arm</h2>{scrolled(html(content.beside), "ideal arm")}</section>'
-
-
-def _seen(family: Family) -> str:
-    """What a picture of a family shows, for those who do not see it."""
-    return escape(f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(family.lost_words)}.")
-
-
 def _tables(content: Content) -> str:
     cards = []
     for family, words in zip(content.analysis.families, content.blame_words, strict=True):
         lost = "".join(f"<p>{escape(text)}</p>" for text in family.lost_words)
+        seen = f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(family.lost_words)}."
         blame = f'<p class="small">{escape("; ".join(words))}</p>' if words else ""
         cards.append(
-            f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{_seen(family)}">'
+            f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{escape(seen)}">'
             f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )

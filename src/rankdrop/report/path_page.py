@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.errors import MissingExtraError
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
 from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch, free_words
 from rankdrop.report.content import LIVE, first_view, robot_data
-from rankdrop.report.page import whole_page
+from rankdrop.report.figures import new_figure
+from rankdrop.report.page import header, whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html
 from rankdrop.version import VERSION
@@ -38,17 +38,13 @@ def path_figure(check: PathCheck) -> Figure:
     Raises:
         MissingExtraError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", None, "a figure of a path") from error
     profile = check.profile
     x = profile.position if profile.time is None else profile.time
     panels: list[tuple[str, Array]] = [("distance [rad]", profile.distance), ("σ", profile.sigma)]
     if np.isfinite(profile.rates).any():
         panels.append(("rate / limit", profile.rates))
     panels = [(name, values) for name, values in panels if np.isfinite(values).any()]
-    drawn = Figure(figsize=(6.4, 0.6 + 1.3 * len(panels)))
+    drawn = new_figure((6.4, 0.6 + 1.3 * len(panels)), "a figure of a path")
     for k, (name, values) in enumerate(panels):
         axes = drawn.add_subplot(len(panels), 1, k + 1)
         _colour(axes, check, legend=k == 0)
@@ -74,7 +70,7 @@ def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
     """Bands of the stretches; marks on the axis where one is too short to be seen."""
     named: set[str] = set()
     for one in check.stretches:
-        low, high = _at(one.start), _at(one.end)
+        low, high = _x(one.start), _x(one.end)
         axes.axvspan(low, high, color=TONES[one.verdict], alpha=0.18, lw=0)
         mark = _MARKS.get(one.verdict)
         if mark is not None:
@@ -84,10 +80,6 @@ def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
             named.add(one.verdict)
     if legend and named:
         axes.legend(fontsize=7, loc="upper right")
-
-
-def _at(place: Place) -> float:
-    return place.row + place.share if place.time is None else place.time
 
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
@@ -112,12 +104,8 @@ def path_page(check: PathCheck) -> str:
     ]
     if check.curve.times is not None:
         facts.insert(1, ("lasts", f"{check.curve.times[-1] - check.curve.times[0]:.6g} s"))
-    cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
-    header = (
-        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{escape(check.verdict)}</span></h1>'
-        f'<p class="{css}">{escape(check.sentence)}</p><dl class="facts">{cells}</dl></header>'
-    )
-    body = f'{header}<main>{_stage(check)}<section id="words"><h2>In words</h2>'
+    title = f'{escape(robot.name)} <span class="badge {css}">{escape(check.verdict)}</span>'
+    body = f'{header(title, css, check.sentence, facts)}<main>{_stage(check)}<section id="words"><h2>In words</h2>'
     body += f'<div class="scroll words">{html(check.sections(full=True)[1:])}</div></section></main>'
     return whole_page(
         f"{robot.name}: a path", body, _data(check), SCRIPTS, ("page.css", "player.css"),
@@ -129,7 +117,7 @@ def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
         f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
-        f'<span class="small">{escape(_span(check, one))}</span></button>'
+        f'<span class="small">{escape(_when(check, one))}</span></button>'
         for i, one in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
@@ -158,13 +146,13 @@ def _order(one: Stretch) -> tuple[bool, int, float]:
     return (free, one.start.row, one.start.share) if free else (free, 0, 0.0)
 
 
-def _span(check: PathCheck, one: Stretch) -> str:
-    start, end = _when(check, one.start), _when(check, one.end)
+def _when(check: PathCheck, one: Stretch) -> str:
+    """From where to where: "row 3 – row 4.5", "at 1.25 s"."""
+    start, end = (
+        f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
+        for place in (one.start, one.end)
+    )
     return f"at {start}" if start == end else f"{start} – {end}"
-
-
-def _when(check: PathCheck, place: Place) -> str:
-    return f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
 
 
 def _data(check: PathCheck) -> dict[str, Any]:

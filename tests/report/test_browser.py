@@ -215,7 +215,7 @@ def test_a_button_leads_out(name: str, browser: Browser, contents: dict[str, Con
     index = next(i for i, ways in enumerate(shown.ways) if ways)
     browser.run(f"rankdropReport.goTo('{shown.analysis.families[index].id}', false)")
     browser.run("document.querySelector('#ways button').click()")
-    assert browser.run("rankdropReport.state.q") == pytest.approx(list(shown.ways[index][0].q))
+    assert browser.run("rankdropReport.state.q") == pytest.approx(list(shown.ways[index][0][2]))
     assert "Regular" in browser.run("document.getElementById('verdict').textContent")
     assert browser.run("document.querySelectorAll('#ways button').length") == 0
 

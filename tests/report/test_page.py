@@ -186,7 +186,6 @@ def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_every_way_out_that_is_offered_leads_out() -> None:
     from rankdrop.local import singular_values
 
@@ -195,8 +194,8 @@ def test_every_way_out_that_is_offered_leads_out() -> None:
     offered = [way for ways in found.ways for way in ways]
     assert len(offered) >= len(found.analysis.families)
     for way in offered:
-        assert singular_values(found.analysis.robot, way.q, found.analysis.task)[rank - 1] > 1e-4
-        assert (np.abs(way.q) <= found.analysis.robot.upper + 1e-9).all()
+        assert singular_values(found.analysis.robot, way[2], found.analysis.task)[rank - 1] > 1e-4
+        assert (np.abs(way[2]) <= found.analysis.robot.upper + 1e-9).all()
 
 
 @pytest.mark.slow

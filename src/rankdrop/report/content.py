@@ -20,7 +20,6 @@ from math import isfinite, pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
@@ -38,7 +37,6 @@ from rankdrop.families import (
 from rankdrop.family import Family
 from rankdrop.local import (
     LARGEST_CHAIN,
-    Direction,
     blame,
     circuits_at,
     escape,
@@ -59,19 +57,8 @@ from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 _SINGLE = 3  # joints alone that are offered, the best first
 
 
-@dataclass(frozen=True, slots=True)
-class Way:
-    """One motion that restores the full rank.
-
-    Attributes:
-        label: what is pressed: "joint 5 +5.7°".
-        after: what it gives: "σ6 = 0.017".
-        q: (n,) where it leads [rad, m].
-    """
-
-    label: str
-    after: str
-    q: tuple[float, ...]
+Way = tuple[str, str, tuple[float, ...]]
+"""A motion that restores the full rank: its name, "joint 5 +5.7°", what it gives, "σ6 = 0.017", and where it leads."""
 
 
 def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
@@ -82,22 +69,18 @@ def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     q = np.array(family.witness)
     found = escape(robot, q, task)
     rank = f"σ{generic_rank(robot, task)}"
-    ways = []
+    best, ways = found.best_direction, list[Way]()
     for one in found.single:
         if one.order is None or not one.within_limits or one.step == 0 or one.sigma_after <= found.floor:
             continue
         target = q.copy()
         target[one.number - 1] += one.step
         told = f"joint {one.number} {motion(one.step, robot.variables[one.number - 1].unit)}"
-        ways.append(Way(told, f"{rank} = {short(one.sigma_after, 2)}", tuple(target.tolist())))
-    return (*_direction(q, found.best_direction, rank), *ways[:_SINGLE])
-
-
-def _direction(q: Array, direction: Direction, rank: str) -> tuple[Way, ...]:
-    if direction.step == 0 or not direction.restores or not direction.within_limits:
-        return ()
-    target = q + direction.step * np.array(direction.delta)
-    return (Way("best direction", f"{rank} = {short(direction.sigma_after, 2)}", tuple(target.tolist())),)
+        ways.append((told, f"{rank} = {short(one.sigma_after, 2)}", tuple(target.tolist())))
+    target = q + best.step * np.array(best.delta)
+    direction = ("best direction", f"{rank} = {short(best.sigma_after, 2)}", tuple(target.tolist()))
+    usable = best.step and best.restores and best.within_limits
+    return (*([direction] if usable else []), *ways[:_SINGLE])
 
 
 Progress = Callable[[str, int, int], None]
@@ -194,6 +177,10 @@ def content(
     to_blame = [_blame(analysis, family) for family in families]
     swept = tuple(sweeps(robot, family.witness, task) for family in families)
     tell("report", 5, _PARTS)
+    beside: tuple[Section, ...] = ()
+    if made is not None:
+        there = nearby(made, task, families, seed=seed)
+        beside = (moved_section(made), *([there_section(there)] if there else []))
     return Content(
         analysis=analysis,
         blamed=tuple(numbers for numbers, _ in to_blame),
@@ -205,16 +192,9 @@ def content(
         workspace=section,
         sweeps=swept,
         ways=tuple(ways_out(robot, task, family) for family in families[:_WITH_WAYS]),
-        beside=_beside(analysis, made, seed),
+        beside=beside,
         meshes=meshes,
     )
-
-
-def _beside(analysis: Analysis, made: Idealised | None, seed: int) -> tuple[Section, ...]:
-    if made is None:
-        return ()
-    there = nearby(made, analysis.task, analysis.families, seed=seed)
-    return (moved_section(made), *((there_section(there),) if there else ()))
 
 
 def standing(analysis: Analysis, family: Family) -> str:
@@ -279,7 +259,8 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
     every = sum(len(one.faces) for one in meshes)
     if not every:
         return ()
-    area = sum(_area(one.vertices, one.faces) for one in meshes)
+    corners = np.concatenate([one.vertices[one.faces] for one in meshes])  # (F, 3, 3)
+    area = np.linalg.norm(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1)), axis=1).sum() / 2
     span = max(float(np.ptp(one.vertices, axis=0).max(initial=0.0)) for one in meshes)
     cell = 1e-6 * span if every <= most else max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
     while True:
@@ -287,11 +268,6 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
         if sum(len(one.faces) for one in found) <= most:
             return tuple(one for one in found if len(one.faces))
         cell *= _GROWS
-
-
-def _area(vertices: Array, faces: NDArray[Any]) -> float:
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
 def _clustered(mesh: Mesh, cell: float) -> Mesh:
@@ -398,7 +374,7 @@ def robot_data(robot: Robot, task: Task) -> dict[str, Any]:
         ],
         "chain": chain,
         "home": _rows(robot.home),
-        "reach": _size(robot, points),
+        "reach": max(reach(robot), float(np.linalg.norm(points[0])), 1e-6),
         "rows": list(task.rows),
         "length_scale": task.scale(robot),
         "frame": {
@@ -407,11 +383,6 @@ def robot_data(robot: Robot, task: Task) -> dict[str, Any]:
             "point": list(frame.point),
         },
     }
-
-
-def _size(robot: Robot, points: Array) -> float:
-    """The size that the arm is drawn in [m]: its reach, the base included."""
-    return max(reach(robot), float(np.linalg.norm(points[0])), 1e-6)
 
 
 def first_view(robot: Robot) -> dict[str, float]:
@@ -437,7 +408,7 @@ def _family(
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
         "told": family_html(family, words, robot),
-        "ways": [{"label": one.label, "after": one.after, "q": list(one.q)} for one in ways],
+        "ways": [dict(zip(("label", "after", "q"), one, strict=True)) for one in ways],
     }
 
 
@@ -470,11 +441,6 @@ def pieces(line: Array) -> list[Array]:
     inside = wrap(line)
     jumps = np.flatnonzero((np.abs(np.diff(inside, axis=0)) > pi).any(axis=1)) + 1
     return [piece for piece in np.split(inside, jumps) if len(piece) > 1]
-
-
-def finite(value: float) -> float | None:
-    """A number for JSON, None where it is infinite."""
-    return value if isfinite(value) else None
 
 
 def families_csv(content: Content) -> str:

@@ -18,7 +18,7 @@ from rankdrop.report.content import Content, pieces
 from rankdrop.report.svg import Chart, angle_ticks, axis_name, plain_ticks
 from rankdrop.report.tables import scrolled
 from rankdrop.results import sampled, unseen
-from rankdrop.robot import Array, Robot
+from rankdrop.robot import Array, Robot, count
 from rankdrop.text import joint_symbol
 
 COLOURS = 8
@@ -69,21 +69,13 @@ def projections(robot: Robot, solid: Solid, index: int) -> list[str]:
     return found
 
 
-def workspace_chart(section: Workspace) -> str:
-    """Where the tip can be (grey), with the walls: dark where they bound, orange where another posture passes."""
-    chart = _map_chart(section, 440.0)
-    parts = [_tips(chart, section), _axes(chart, section)]
-    parts.append(chart.dots(section.walls[~section.one_sided], "pass", 0.9))
-    parts.append(chart.dots(section.walls[section.one_sided], "wall", 1.1))
-    seen = "Workspace in section: where the tip can be; walls, dark where not crossed, orange where passed by posture"
-    return chart.svg(parts, seen)
-
-
-def image_chart(section: Workspace, points: Array, index: int) -> str:
-    """The image of one family over the workspace."""
-    chart = _map_chart(section, 320.0)
-    parts = [_tips(chart, section), _axes(chart, section), chart.dots(points, "", 1.0, colour(index))]
-    return chart.svg(parts, "Workspace in section: where the tip is while the arm is in this family")
+def workspace_chart(section: Workspace, size: float, marks: Sequence[tuple[Array, str, float, str]], seen: str) -> str:
+    """Where the tip can be (grey), under dots: (points, class, radius, style) of each kind."""
+    chart = _map_chart(section, size)
+    few = [max(2, round(side / 70)) for side in (chart.width, chart.height)]
+    axes = chart.axes(section.section.labels, (plain_ticks(*chart.x, few[0]), plain_ticks(*chart.y, few[1])))
+    parts = [_tips(chart, section), axes, *(chart.dots(*mark) for mark in marks)]
+    return chart.svg(parts, f"Workspace in section: {seen}")
 
 
 def spread(section: Workspace, points: Array) -> float:
@@ -105,11 +97,6 @@ def _tips(chart: Chart, section: Workspace) -> str:
     most = max(float(np.quantile(kept[kept > 0], 0.95)) if (kept > 0).any() else 1.0, 1.0)
     dark = np.where(kept > 0, 0.12 + 0.33 * np.minimum(kept / most, 1.0) ** 0.5, 0.0)
     return chart.image(dark)
-
-
-def _axes(chart: Chart, section: Workspace) -> str:
-    few = [max(2, round(side / 70)) for side in (chart.width, chart.height)]
-    return chart.axes(section.section.labels, (plain_ticks(*chart.x, few[0]), plain_ticks(*chart.y, few[1])))
 
 
 def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
@@ -190,7 +177,9 @@ def solid_section(content: Content) -> str:
     for number, one in enumerate(content.solids, start=1):
         axes = ", ".join(names[joint - 1] for joint in one.joints)
         held = _held(robot, one.q, one.joints)
-        what = _curves(len(one.curves), one.closed) if one.curves else f"a surface, {len(one.triangles):,} triangles"
+        curves = count(len(one.curves), "closed curve" if one.closed == len(one.curves) else "curve")
+        curves += f", {one.closed} of them closed" * (one.closed < len(one.curves))
+        what = curves if one.curves else f"a surface, {len(one.triangles):,} triangles"
         figures.append(
             f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {one.family} in the '
             f'cube of {axes}: {what}. Arrow keys turn it."></canvas>'
@@ -207,19 +196,17 @@ def solid_section(content: Content) -> str:
     )
 
 
-def _curves(count: int, closed: int) -> str:
-    many = "s" if count > 1 else ""
-    return f"{count} closed curve{many}" if closed == count else f"{count} curve{many}, {closed} of them closed"
-
-
 def workspace_section(content: Content) -> str:
     """The workspace with the images of the families."""
     section = content.workspace
     figures = []
     if len(section.walls):
         share = f"{int(section.one_sided.sum()):,} of {len(section.walls):,}"
+        passed, barred = section.walls[~section.one_sided], section.walls[section.one_sided]
+        seen = "where the tip can be; walls, dark where not crossed, orange where passed by posture"
+        chart = workspace_chart(section, 440.0, [(passed, "pass", 0.9, ""), (barred, "wall", 1.1, "")], seen)
         figures.append(
-            f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
+            f"<figure>{chart}<figcaption>Grey: where the tip can be ({section.count:,} random "
             "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to "
             f"second order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of "
             'voids, barriers inside. <b class="bad">Orange</b>: the arm passes by changing its posture.'
@@ -232,8 +219,10 @@ def workspace_section(content: Content) -> str:
             continue
         fills = spread(section, points) > _WIDE
         words = "can occur wherever there are dots, it depends on the posture" if fills else "occurs at these places"
+        image = [(points, "", 1.0, colour(content.colours[family]))]
+        chart = workspace_chart(section, 320.0, image, "where the tip is while the arm is in this family")
         figures.append(
-            f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
+            f"<figure>{chart}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
         )
     if not figures:

@@ -5,14 +5,14 @@ The exact conditions, typeset.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from html import escape
 
 from rankdrop.exact import ExactFamily, typeset
-from rankdrop.family import CorankSummary, Derivation, ExactRow, Family
+from rankdrop.family import CorankSummary, ExactRow, Family
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Joint, Robot, witness_text
+from rankdrop.robot import Joint, witness_text
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
@@ -48,7 +48,10 @@ def exact_section(content: Content) -> str:
     head = '<section id="exact"><h2>Exact conditions</h2>'
     joined = content.analysis.exact
     if joined is not None and joined.families:
-        return f"{head}{_joined(joined)}</section>"
+        letters = letters_text(joined.letters)
+        wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in joined.disagreements)
+        told = f"<p>The families are derived exactly.{escape(f' Lengths: {letters}.') if letters else ''}</p>"
+        return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, joined.families))}</div>{wrong}</section>'
     found = content.exact
     if found is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
@@ -86,14 +89,6 @@ def exact_section(content: Content) -> str:
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 
-def _joined(derivation: Derivation) -> str:
-    """The conditions of the families of the analysis, which were derived with it."""
-    letters = letters_text(derivation.letters)
-    told = f"The families are derived exactly.{' Lengths: ' + letters + '.' if letters else ''}"
-    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in derivation.disagreements)
-    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, derivation.families))}</div>{wrong}'
-
-
 def _cut(text: str) -> str:
     return escape(text if len(text) < _LONG else text[:_LONG] + " …")
 
@@ -102,19 +97,15 @@ def _exact_family(family: ExactFamily | ExactRow) -> str:
     side_by_side = [f"<span>{typeset(one)}</span>" for one in family.latex if len(one) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
     lines = f'<div class="condition">{short}</div>' if short else ""
-    lines += "".join(_condition(one) for one in family.latex if len(one) > _SHORT)
+    for one in family.latex:
+        text = f'<div class="condition longer">{typeset(one)}</div>'
+        folded = f"<details><summary>a condition of {len(one):,} characters</summary>{text}</details>"
+        lines += folded if len(one) > _LONG else text if len(one) > _SHORT else ""
     real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
     return (
         f'<div class="exact"><h3>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
         f"</h3>{lines}{real}</div>"
     )
-
-
-def _condition(latex: str) -> str:
-    text = f'<div class="condition longer">{typeset(latex)}</div>'
-    if len(latex) <= _LONG:
-        return text
-    return f"<details><summary>a condition of {len(latex):,} characters</summary>{text}</details>"
 
 
 STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none found": "none found inside the limits"}
@@ -129,12 +120,8 @@ def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
         derived: their exact conditions, where these do not stand in the analysis.
     """
     key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
-    return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + _near(analysis)
-
-
-def _near(analysis: Analysis) -> str:
-    """Shares of the joint space near families, where they were asked for."""
-    return "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
+    near = "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
+    return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + near
 
 
 def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSummary) -> str:
@@ -147,7 +134,9 @@ def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSumma
     css = "good" if share.agree == share.tested else "bad"
     complete = f'<p>{number_of(rows)}, <span class="{css}">{explained(share)}</span>.</p>'
     body = "".join(_rows(analysis, derived, row) for row in rows)
-    table = f"<table><thead>{_head(analysis.robot, summary)}</thead><tbody>{body}</tbody></table>"
+    joints = iter(analysis.robot.variables)
+    head = "".join(_heading(one, joints) for one in columns(analysis.robot, summary.corank))
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     return f"{heading}{complete}{_SWIPE}{scrolled(table, f'families of corank {summary.corank}')}{ends}"
 
 
@@ -159,16 +148,11 @@ def scrolled(table: str, name: str) -> str:
     return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(name)}">{table}</div>'
 
 
-def _head(robot: Robot, summary: CorankSummary) -> str:
-    joints = iter(robot.variables)
-    return f"<tr>{''.join(_heading(one, joints) for one in columns(robot, summary.corank))}</tr>"
-
-
 def _heading(column: Column, joints: Iterator[Joint]) -> str:
     if column.key == "id":
         return '<th><span class="hidden">id</span></th>'
     if column.holds == JOINT:
-        return f'<th title="{escape(next(joints).name)}">{_subscript(column.title)}</th>'
+        return f'<th title="{escape(next(joints).name)}">{column.title[0]}<sub>{column.title[1:]}</sub></th>'
     return f"<th{_WORDS * (column.holds == WORDS)}>{column.title}</th>"
 
 
@@ -181,12 +165,14 @@ def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
     row, outside = within(row, robot, limits=analysis.settings.limits)
     every = columns(robot, row.corank)
     first = f"<tr>{''.join(_cell(one, row) for one in every)}</tr>"
-    limits = [("limits", outside)] if outside else []
-    notes = "".join(
-        f'<tr class="note"><td></td><td class="words" colspan="{len(every) - 1}">{text}</td></tr>'
-        for text in _notes(robot, row, [*limits, *conditions])
+    notes = [
+        f'<i class="{"bad" if label in (COUPLED, "limits") else "good"}">{label}</i>&ensp;{escape(text)}'
+        for label, text in (*([("limits", outside)] if outside else []), *conditions)
+    ]
+    notes += [f"witness {witness_text(robot, row.witness)}"] * at_witness(row)
+    return first + "".join(
+        f'<tr class="note"><td></td><td class="words" colspan="{len(every) - 1}">{text}</td></tr>' for text in notes
     )
-    return first + notes
 
 
 def _cell(column: Column, row: Family) -> str:
@@ -202,15 +188,3 @@ def _cell(column: Column, row: Family) -> str:
     if column.key == "name":
         return f'<td class="words"><span class="{bad.strip()}">{text}</span></td>'
     return f'<td class="{"words lost" if column.holds == WORDS else "num" + bad}">{text}</td>'
-
-
-def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Iterator[str]:
-    for label, text in notes:
-        css = "bad" if label in (COUPLED, "limits") else "good"
-        yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
-    if at_witness(row):
-        yield f"witness {witness_text(robot, row.witness)}"
-
-
-def _subscript(symbol: str) -> str:
-    return f"{symbol[0]}<sub>{symbol[1:]}</sub>"

@@ -15,11 +15,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.axes import Scene, describe
-from rankdrop.local.block import generic_rank, structural_sample
+from rankdrop.local.block import generic_rank, sigma_of, singular_values, structural_sample, svd
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEPENDENT
@@ -91,7 +90,7 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
             coefficients=tuple(_dependency(columns[0], members)[list(members)].tolist()),
             units=tuple(units[i] for i in members),
             generic=_dependent(usual, members, tolerance),
-            sigma=_smallest(_unit(columns), members),
+            sigma=0.0 if len(members) > task.m else float(sigma_of(_unit(columns[0])[:, members])[-1]),
             words=describe(scene, members, task),
         )
         for members in sets
@@ -108,9 +107,8 @@ def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) 
     Args, Raises: as `circuits_at`.
     """
     found = circuits_at(robot, q, task, tolerance)
-    sigma = _core.svd(task_jacobian(robot, one_configuration(robot, q), task)[None], False, 1)[0]
-    corank = generic_rank(robot, task) - int((sigma > tolerance).sum())
-    return _smallest_of(found, robot.n, corank)
+    corank = generic_rank(robot, task) - int((singular_values(robot, q, task) > tolerance).sum())
+    return make_all(found, robot.n, corank)
 
 
 def make_all(circuits: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
@@ -132,18 +130,12 @@ def make_all(circuits: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit
         >>> [circuit.numbers for circuit in make_all(found, 7, 4)]  # rank 3
         [(1, 3), (1, 5), (1, 7), (2, 4, 6)]
     """
-    return _smallest_of(circuits, n, nullity)
-
-
-def _smallest_of(circuits: Sequence[Circuit], n: int, count: int) -> tuple[Circuit, ...]:
-    """The first special circuits, at most `count`, that bring new dependencies."""
     known = [_vector(circuit, n) for circuit in circuits if circuit.generic]
     special = [circuit for circuit in circuits if not circuit.generic]
-    return tuple(special[i] for i in _independent(known, [_vector(circuit, n) for circuit in special], count))
+    return tuple(special[i] for i in _independent(known, [_vector(circuit, n) for circuit in special], nullity))
 
 
 def _vector(circuit: Circuit, n: int) -> Array:
-    """(n,) its coefficients, zero at the other joints."""
     result = np.zeros(n)
     result[[number - 1 for number in circuit.numbers]] = circuit.coefficients
     return result
@@ -218,7 +210,7 @@ def _all_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -> 
     if size > rows or count == 0:
         return np.ones(count, dtype=bool)
     parts = unit[:, :, members].transpose(0, 2, 1, 3).reshape(-1, rows, size)
-    sigma = _core.svd(np.ascontiguousarray(parts), False, 1)[:, -1]
+    sigma = sigma_of(parts)[:, -1]
     return np.asarray((sigma.reshape(points, count) <= tolerance).all(axis=0))
 
 
@@ -226,36 +218,24 @@ def _dependent(unit: Array, members: tuple[int, ...], tolerance: float) -> bool:
     return bool(_all_dependent(unit, np.array([members], dtype=np.intp), tolerance)[0])
 
 
-def _smallest(unit: Array, members: tuple[int, ...]) -> float:
-    if len(members) > unit.shape[1]:
-        return 0.0
-    return float(_core.svd(np.ascontiguousarray(unit[:1][..., members]), False, 1)[0, -1])
-
-
 def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
     """(n,) c with Σ c_i J_i = 0 over a circuit, the largest entry 1 (the first of equals)."""
-    unit = _unit(columns[:, list(members)])
-    _, _, v = _core.svd(np.ascontiguousarray(unit[None]), True, 1)
-    rates = v[0][:, -1] / _lengths(columns[:, list(members)])[0]
-    size = np.abs(rates)
-    result = np.zeros(columns.shape[1])
+    own = columns[:, list(members)]
+    rates = svd(_unit(own))[2][:, -1] / _lengths(own)[0]
+    size, result = np.abs(rates), np.zeros(columns.shape[1])
     result[list(members)] = rates / rates[int(np.argmax(size >= size.max() * (1 - _TIE)))]
     return result
 
 
 def _independent(known: list[Array], vectors: list[Array], count: int) -> list[int]:
     """Indices of the first vectors, at most `count`, that are independent of each other and of the known ones."""
-    taken = list(known)
+    taken, chosen = list(known), list[int]()
     rank = int(np.linalg.matrix_rank(np.array(taken), tol=1e-6)) if taken else 0
-    chosen: list[int] = []
     for i, vector in enumerate(vectors):
-        if len(chosen) >= count:
-            break
-        grown = int(np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6))
-        if grown > rank:
+        if len(chosen) < count and np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6) > rank:
             chosen.append(i)
             taken.append(vector)
-            rank = grown
+            rank += 1
     return chosen
 
 
@@ -266,5 +246,4 @@ def _lengths(columns: Array) -> Array:
 
 
 def _unit(columns: Array) -> Array:
-    """Columns of length 1; those shorter than rounding are left as they are."""
     return np.asarray(columns / _lengths(columns))

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import link_poses, one_configuration, task_jacobian
-from rankdrop.local.block import decompose, generic_rank
+from rankdrop.local.block import decompose, generic_rank, svd
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows
@@ -577,7 +577,7 @@ def _blocked(
 def _without(robot: Robot, q: Array, task: Task, joint: int) -> Array:
     """(m, m) left singular vectors of the task Jacobian without one column."""
     left = np.delete(task_jacobian(robot, q, task), joint, axis=1)
-    return np.eye(task.m) if not left.shape[1] else np.asarray(_core.svd(np.ascontiguousarray(left)[None])[0][0])
+    return svd(left)[0] if left.shape[1] else np.eye(task.m)
 
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:

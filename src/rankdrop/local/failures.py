@@ -19,10 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop import _core
 from rankdrop.configuration import Configuration, at
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
-from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.local.block import generic_rank, joint_scale, sigma_of, svd
 from rankdrop.local.directions import lost_in_sparsest_frame, words
 from rankdrop.local.minimax import Evaluate, Model
 from rankdrop.robot.model import Array, Robot
@@ -113,33 +112,23 @@ def failures_at(
         ([0.5, 0.5, 0.5, 0.5], 0.5)
     """
     here = at(robot, q, task, tolerances)
-    robot, resolved, configuration, tolerances, full = here.robot, here.task, here.q, here.tolerances, here.generic
+    robot, full, zero = here.robot, here.generic, here.tolerances.singular
     whole = here.metric.jacobian * here.metric.scale
-    sigma = _core.svd(np.ascontiguousarray(whole)[None], False)[0]
-    regular = float(sigma[full - 1]) > tolerances.singular
-    null = np.linalg.svd(whole)[2][full:]
-    shares = np.linalg.norm(null, axis=0) if regular else np.zeros(robot.n)
+    sigma = sigma_of(whole)
+    regular = float(sigma[full - 1]) > zero
+    shares = np.linalg.norm(np.linalg.svd(whole)[2][full:], axis=0) * regular
+    remaining = sigma_of(_without_each(whole[None])[0]) if robot.n > 1 else np.zeros((robot.n, 0))
     single = []
-    remaining = np.zeros((robot.n, 0))
-    if robot.n > 1:
-        remaining = _core.svd(np.ascontiguousarray(_without_each(whole[None])[0]), False)
     for j, joint in enumerate(robot.variables):
-        left = remaining[j]
-        rank = min(full, int((left > tolerances.singular).sum()))
-        rows, told = _lost(robot, configuration, resolved, full - rank, j)
-        least = float(left[full - 1]) if len(left) >= full else 0.0
-        single.append(
-            Failure(j + 1, joint.name, left, least if rank == full else 0.0, rank, float(shares[j]), rows, told)
-        )
+        left, rows, lost_words = remaining[j], np.zeros((0, 6)), tuple[str, ...]()
+        rank = min(full, int((left > zero).sum()))
+        if rank < full:
+            framed = lost_in_sparsest_frame(robot, here.q, here.task, full - rank, without=j)
+            rows, lost_words = framed.directions, tuple(words(row, framed.name) for row in framed.directions)
+        least = float(left[full - 1]) if rank == full else 0.0
+        single.append(Failure(j + 1, joint.name, left, least, rank, float(shares[j]), rows, lost_words))
     bound = float(np.sqrt((robot.n - full) / robot.n) * sigma[0]) if regular else None
     return Failures(tuple(single), full, float(sigma[full - 1]) if regular else 0.0, bound)
-
-
-def _lost(robot: Robot, q: Array, task: Task, corank: int, joint: int) -> tuple[Array, tuple[str, ...]]:
-    if not corank:
-        return np.zeros((0, 6)), ()
-    found = lost_in_sparsest_frame(robot, q, task, corank, without=joint)
-    return found.directions, tuple(words(row, found.name) for row in found.directions)
 
 
 def worst_case(robot: Robot, q: ArrayLike, task: Task, *, relative: bool = False) -> Array:
@@ -151,11 +140,9 @@ def worst_case(robot: Robot, q: ArrayLike, task: Task, *, relative: bool = False
     if robot.n <= full:
         return np.zeros(rows.shape[:-1])
     jacobian = task_jacobian(robot, rows.reshape(-1, robot.n), task) * joint_scale(robot, task)
-    reduced = _without_each(jacobian)
-    sigma = _core.svd(np.ascontiguousarray(reduced.reshape(-1, *reduced.shape[2:])), False)
-    worst = sigma[:, full - 1].reshape(len(jacobian), robot.n).min(axis=1)
+    worst = sigma_of(_without_each(jacobian))[..., full - 1].min(axis=1)
     if relative:
-        worst = worst / np.maximum(_core.svd(np.ascontiguousarray(jacobian), False)[:, 0], _SMALLEST)
+        worst = worst / np.maximum(sigma_of(jacobian)[:, 0], _SMALLEST)
     return np.asarray(worst.reshape(rows.shape[:-1]))
 
 
@@ -175,17 +162,14 @@ def failure_model(robot: Robot, task: Task, *, relative: bool = False) -> Evalua
     others = np.array([[i for i in range(n) if i != j] for j in range(n)])
 
     def absolute(jacobian: Array, derivative: Array) -> Model:
-        reduced = _without_each(jacobian)
-        u, sigma, v = _core.svd(np.ascontiguousarray(reduced.reshape(-1, *reduced.shape[2:])))
-        kept, rows = slice(full - tied, full), len(jacobian)
-        left = u[:, :, kept].reshape(rows, n, reduced.shape[2], tied)
-        right = np.zeros((rows, n, n, tied))
-        right[:, np.arange(n)[:, None], others] = v[:, :, kept].reshape(rows, n, n - 1, tied)
-        tensor = np.einsum("bjalk,bjlc->bjack", np.einsum("bjia,bilk->bjalk", left, derivative), right)
-        return sigma[:, kept].reshape(rows, n, tied), tensor
+        u, sigma, v = svd(_without_each(jacobian))
+        kept, right = slice(full - tied, full), np.zeros((len(jacobian), n, n, tied))
+        right[:, np.arange(n)[:, None], others] = v[..., kept]
+        left = np.einsum("bjia,bilk->bjalk", u[..., kept], derivative)
+        return sigma[..., kept], np.einsum("bjalk,bjlc->bjack", left, right)
 
     def whole(jacobian: Array, derivative: Array) -> Model:
-        u, sigma, v = _core.svd(np.ascontiguousarray(jacobian))
+        u, sigma, v = svd(jacobian)
         top = min(_LARGEST, full)
         seen = np.einsum("bia,bilk->balk", u[:, :, :top], derivative)
         return sigma[:, None, :top], np.einsum("balk,blc->back", seen, v[:, :, :top])[:, None]

@@ -21,16 +21,17 @@ arm: slide at 0): σ holds half the digits there, and distances are right to 1e-
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop.configuration import Configuration
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import chain_of, one_configuration, task_view
+from rankdrop.kinematics import LARGEST_SEED, one_configuration, whole_number
 from rankdrop.local.notebook import nearest_html
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
@@ -137,15 +138,26 @@ def nearest_singularity(
             starts=starts, seed=seed, seeds=[into_metres(robot, one_configuration(robot, one)) for one in seeds],
             tolerances=tolerances,
         )
-        return None if there is None else _out_of_metres(there, robot)
+        if there is None:
+            return None
+        q, delta = (tuple(out_of_metres(robot, one).tolist()) for one in (there.q, there.delta))
+        return replace(there, q=q, delta=delta)
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     problem = Problem(robot, resolved, corank, tolerances, limits)
     walks = STARTS[0 if corank == 1 else 1] if starts is None else starts
-    _check(problem, walks, seed)
+    whole_number("corank", corank, 1, problem.generic_rank)
+    whole_number("starts", walks, 1, MOST_STARTS)
+    whole_number("seed", seed, 0, LARGEST_SEED)
+    conditions = (resolved.m - problem.rank) * (robot.n - problem.rank)
+    if min(robot.n, conditions) > _MOST_CONDITIONS:
+        raise OptionError(
+            "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
+            allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
+        )  # fmt: skip
     given = np.array([one_configuration(robot, one) for one in seeds]).reshape(-1, robot.n)
-    walk = _Walk(problem, centre, np.stack([robot.lower, robot.upper]) if limits else None)
+    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
     steps = starts is None and walk.smooth
-    ends, distances, lost = walk.newton(given, seed) if steps else walk.nothing
+    ends, distances, lost = walk.newton(given, seed) if steps else (np.empty((0, robot.n)), np.empty(0), 0)
     nearest, begun = distances.min(initial=np.inf), len(given) + sum(NEWTON) if steps else 0
     if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
         walked, far = walk.walked(given, walks, seed)
@@ -170,12 +182,6 @@ def nearest_singularity(
     )
 
 
-def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
-    """A configuration of `in_metres(robot)` as one of the arm itself."""
-    q, delta = out_of_metres(robot, nearest.q), out_of_metres(robot, nearest.delta)
-    return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
-
-
 @lru_cache(maxsize=16)
 def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple[Array, Array]:
     """Points (N, n) that fill balls evenly, over the joints that move: first of several radii, then of radius 1."""
@@ -189,52 +195,42 @@ def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple
     return drawn(np.resize(_RADII, (counts[0], 1))), drawn(np.ones((counts[1], 1)))
 
 
+Run = Callable[[Array, float], tuple[Array, ...]]
+"""Starts (N, n), and how far ends may be -> ends (C, n), their distances (C,), and what else there is."""
+
+
 @dataclass(frozen=True)
 class _Walk:
     """One question, the configuration to stay near to, and the corners (2, n) of the box to stay in."""
 
-    problem: Problem
-    centre: Array
+    here: Configuration
     box: Array | None
 
     @cached_property
-    def chain(self) -> _core.Chain:
-        """The arm as the core takes it."""
-        return chain_of(self.problem.robot)
+    def problem(self) -> Problem:
+        return self.here.problem
 
     @cached_property
-    def view(self) -> _core.View:
-        """The task as the core takes it."""
-        return task_view(self.problem.robot, self.problem.task)
+    def centre(self) -> Array:
+        return self.here.q
 
     def distance(self, q: Array) -> float:
         return float(self.problem.length(q - self.centre))
 
-    def draws(self, seed: int, counts: tuple[int, int]) -> tuple[Array, Array]:
-        """Of the first starts, and of the rest."""
+    def _in_two_rounds(self, run: Run, given: Array, counts: tuple[int, int], seed: int) -> tuple[Array, ...]:
+        """What comes of q itself and starts around it, then of starts in the ball in which a nearer point must lie."""
         moves = tuple((~self.problem.idle).tolist())
-        return (_draws if sum(counts) <= _KEPT else _draws.__wrapped__)(seed, counts, moves)
-
-    def around(self, draw: Array) -> Array:
-        """q itself, and starts from balls of several radii around it."""
-        starts = self._ball(draw, 1.0)
-        starts[0] = self.centre
-        return starts
-
-    def within(self, draw: Array, distance: float) -> Array:
-        """Starts from the ball in which a nearer point must lie, or from wide ones where there is no point yet."""
-        if distance == 0.0:
-            return np.empty((0, self.problem.n))
-        return self._ball(draw, _WIDER * distance if np.isfinite(distance) else max(_RADII))
+        first, rest = (_draws if sum(counts) <= _KEPT else _draws.__wrapped__)(seed, counts, moves)
+        around = self._ball(first, 1.0)
+        around[0] = self.centre
+        early = run(np.concatenate([given, around]), np.inf)
+        nearest = early[1].min(initial=np.inf)
+        radius = _WIDER * nearest if np.isfinite(nearest) else max(_RADII)
+        late = run(self._ball(rest if nearest > 0.0 else rest[:0], radius), nearest)
+        return tuple(np.concatenate(both) for both in zip(early, late, strict=True))
 
     def _ball(self, draw: Array, radius: float) -> Array:
-        """Uniform in a ball around q, over the joints that matter."""
         return np.asarray(self.centre + draw * (radius * self.problem.scale))
-
-    @property
-    def nothing(self) -> tuple[Array, Array, int]:
-        """No ends, of no starts."""
-        return np.empty((0, self.problem.n)), np.empty(0), 0
 
     @property
     def smooth(self) -> bool:
@@ -245,13 +241,9 @@ class _Walk:
 
     def newton(self, given: Array, seed: int) -> tuple[Array, Array, int]:
         """The best ends (C, n) of starts that take Newton's steps, distances of all (N,), and how many got lost."""
-        if self._sigma(self.centre[None])[0, self.problem.rank] <= self.problem.tolerances.target:
+        if self.problem.sigma(self.centre)[self.problem.rank] <= self.problem.tolerances.target:
             return self.centre[None], np.zeros(1), 0
-        first, rest = self.draws(seed, NEWTON)
-        early = self._feet(np.concatenate([given, self.around(first)]), np.inf)
-        nearest = early[1].min(initial=np.inf)
-        late = self._feet(self.within(rest, nearest), nearest)
-        ends, distances, lost = (np.concatenate(both) for both in zip(early, late, strict=True))
+        ends, distances, lost = self._in_two_rounds(self._feet, given, NEWTON, seed)
         far = self.problem.length(lost - self.centre)
         near = far.argsort(kind="stable")[:_AGAIN]
         near = near[far[near] < _NEAR * distances.min(initial=np.inf)]
@@ -264,27 +256,19 @@ class _Walk:
         if not len(starts):
             return starts, np.empty(0), starts
         q, met, far = _core.set_feet(
-            self.chain, self.view, starts, centre=self.centre, scale=self.problem.scale, turn=self._turn,
-            farthest=farthest,
+            self.here.chain, self.here.view, starts, centre=self.centre, scale=self.problem.scale,
+            turn=np.where(self.problem.robot.periodic, 2 * np.pi, 0.0), farthest=farthest,
         )  # fmt: skip
         arrived = met == _ARRIVED
         return q[arrived], far[arrived], q[met == _LOST]
 
-    @cached_property
-    def _turn(self) -> Array:
-        """(n,) what brings a joint back to where it was [rad]; 0 for slides."""
-        return np.asarray(2 * np.pi * self.problem.robot.periodic)
-
     def walked(self, given: Array, starts: int, seed: int) -> tuple[Array, Array]:
         """The best ends (C, n) of starts that walk, and the distances of all (N,)."""
         few = max(1, starts // 4)
-        first, rest = self.draws(seed, (few, starts - few))
-        early = self.run(np.concatenate([given, self.around(first)]))
-        late = self.run(self.within(rest, early[1].min(initial=np.inf)))
-        ends, distances = (np.concatenate(both) for both in zip(early, late, strict=True))
+        ends, distances = self._in_two_rounds(self.run, given, (few, starts - few), seed)
         return _best(ends, distances), distances
 
-    def run(self, starts: Array) -> tuple[Array, Array]:
+    def run(self, starts: Array, _farthest: float = np.inf) -> tuple[Array, Array]:
         """Onto the singular set, then along it to the nearest point, to half the digits; without what is not singular.
 
         Returns:
@@ -292,51 +276,39 @@ class _Walk:
         """
         if self.box is not None:
             starts = np.clip(starts, *self.box)
-        q, _, outcome, *_ = _core.search(self.chain, self.view, starts, self.onto, threads=1)
+        q, _, outcome, *_ = _core.search(self.here.chain, self.here.view, starts, self._onto, threads=1)
         near = self._brought_near(q[outcome == 0])
-        q, distance, _, _ = _core.nearest(self.chain, self.view, near, self.along, threads=1)
-        q = q[self._singular(q) & np.isfinite(distance)]
+        q, distance, _ = self._walk_along(near, _NEARLY, polish=False)
+        q = q[self.problem.singular(q) & np.isfinite(distance)]
         return q, self.problem.length(q - self.centre)
 
     @cached_property
-    def onto(self) -> _core.SearchSettings:
-        """Onto the singular set."""
+    def _onto(self) -> _core.SearchSettings:
         problem, limit = self.problem, self.problem.tolerances.singular
         return _core.SearchSettings(
             method=0, rank=problem.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
             stationary=problem.tolerances.stationary, seed=0, scale=problem.scale, limits=self.box, tie=TIE,
         )  # fmt: skip
 
-    @cached_property
-    def along(self) -> _core.NearestSettings:
-        """Along it, to half the digits."""
-        return self._along(_NEARLY, polish=False)
-
-    def _sigma(self, q: Array) -> Array:
-        """(N, min(m, n)) singular values at q (N, n)."""
-        return _core.singular_values(self.chain, self.view, q, None)
-
-    def _singular(self, q: Array) -> NDArray[np.bool_]:
-        """(N,) whether rank is lost at q (N, n)."""
-        return np.asarray(self._sigma(q)[:, self.problem.rank] <= self.problem.tolerances.singular)
-
     def finest(self, ends: Array) -> tuple[Array, float] | None:
         """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""
         if not len(ends):
             return None
-        q, distance, stationarity, _ = _core.nearest(self.chain, self.view, ends, self._along(), threads=1)
-        sound = self._singular(q) & np.isfinite(distance)
+        q, distance, stationarity = self._walk_along(ends, _STILL, polish=True)
+        sound = self.problem.singular(q) & np.isfinite(distance)
         distance = np.where(sound, self.problem.length(q - self.centre), np.inf)
         number = int(distance.argmin())
         return (q[number], float(stationarity[number])) if sound[number] else None
 
-    def _along(self, still: float = _STILL, *, polish: bool = True) -> _core.NearestSettings:
+    def _walk_along(self, starts: Array, still: float, *, polish: bool) -> tuple[Array, Array, Array]:
+        """Along the singular set to the nearest points (C, n); their distances and stationarities (C,)."""
         problem = self.problem
-        return _core.NearestSettings(
+        settings = _core.NearestSettings(
             rank=problem.rank, evaluations=_EVALUATIONS, singular=problem.tolerances.singular,
             target=problem.tolerances.target, centre=self.centre, scale=problem.scale, limits=self.box,
             still=still, polish=polish,
         )  # fmt: skip
+        return _core.nearest(self.here.chain, self.here.view, starts, settings, threads=1)[:3]
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""
@@ -354,27 +326,10 @@ class _Walk:
         plain = np.where(still, self.centre, q)
         if self.box is not None:
             plain = np.clip(plain, *self.box)
-        sigma, rank = self._sigma(np.stack([q, plain])), self.problem.rank
+        sigma, rank = self.problem.sigma(np.stack([q, plain])), self.problem.rank
         good = sigma[1, rank] <= max(sigma[0, rank], self.problem.tolerances.target)
         return (plain, sigma[1]) if good else (q, sigma[0])
 
 
 def _best(ends: Array, distances: Array) -> Array:
-    """Those that go on to the last digit."""
     return np.asarray(ends[distances.argsort(kind="stable")[:_FINEST]])
-
-
-def _check(problem: Problem, starts: int, seed: int) -> None:
-    """Refuse numbers that make no sense, and what the core cannot take."""
-    robot, corank, full = problem.robot, problem.corank, problem.generic_rank
-    asked = (("corank", corank, 1, full), ("starts", starts, 1, MOST_STARTS), ("seed", seed, 0, 2**63 - 1))
-    for name, value, least, most in asked:
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-            allowed = f"a whole number, {least} … {most}"
-            raise OptionError(f"{name} is outside the range", got=repr(value), allowed=allowed)
-    conditions = (problem.task.m - full + corank) * (robot.n - full + corank)
-    if min(robot.n, conditions) > _MOST_CONDITIONS:
-        raise OptionError(
-            "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
-            allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
-        )  # fmt: skip

@@ -31,11 +31,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop import _core
 from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian, one_configuration, task_jacobian_derivative
-from rankdrop.local.block import STRUCTURE_SEED, structural_sample
+from rankdrop.local.block import STRUCTURE_SEED, sigma_of, structural_sample
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -314,10 +313,7 @@ def _runs(here: OrderedScrewSet, elsewhere: Array | None = None) -> tuple[Ordere
 
 def _ranks(rows: Array, tolerance: float) -> Array:
     """(B,) ranks of (B, k, 6) unit rows."""
-    if len(rows) == 0:
-        return np.zeros(0, dtype=int)
-    sigma = _core.svd(np.ascontiguousarray(np.swapaxes(rows, -1, -2)), False, 1)
-    return np.asarray((sigma > tolerance).sum(axis=-1))
+    return np.asarray((sigma_of(rows) > tolerance).sum(axis=-1)) if len(rows) else np.zeros(0, dtype=int)
 
 
 def _middle(screws: Array) -> tuple[Array, float]:

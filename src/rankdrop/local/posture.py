@@ -46,28 +46,27 @@ def drawn_at(robot: Robot, q: Array) -> Drawn:
         q: (n,) configuration [rad, m].
     """
     check_robot(robot)
-    at_home, drawn = skeleton(robot)
-    poses = link_poses(robot, q)
-    frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    moved = [poses[i] @ np.linalg.inv(frames[i]) for i in range(len(robot.joints) + 1)]
-    links, middles, axes = [np.zeros(3)], [], []
-    for i, joint in enumerate(robot.joints):
-        held, carried = moved[i], moved[i + 1]
-        links += [_apply(held, at_home[i]), _apply(carried, at_home[i])]
-        middles.append(_apply(held, drawn[i]))
-        axis = joint.screw[:3] if joint.kind is JointKind.PRISMATIC else joint.screw[3:]
-        axes.append(held[:3, :3] @ axis)
-    links.append(pose(robot, q)[:3, 3])
+    slides = tuple(joint.kind is JointKind.PRISMATIC for joint in robot.joints)
+    held = _link_motions(robot, q)[:-1]  # joint i rides on link i − 1
+    screws = np.stack([joint.screw for joint in robot.joints])
+    axes = np.where(np.array(slides)[:, None], screws[:, :3], screws[:, 3:])
     names = [joint.name for joint in robot.variables]
     return Drawn(
-        np.array(links), np.array(middles), np.array(axes),
-        tuple(joint.kind is JointKind.PRISMATIC for joint in robot.joints),
+        spine(robot, np.asarray(q)[None])[0], _moved(held, skeleton(robot)[1]),
+        np.einsum("nij,nj->ni", held[:, :3, :3], axes), slides,
         tuple(names.index(joint.mimic.leader if joint.mimic else joint.name) + 1 for joint in robot.joints),
     )  # fmt: skip
 
 
-def _apply(moved: Array, point: Array) -> Array:
-    return np.asarray(moved[:3, :3] @ point + moved[:3, 3])
+def _link_motions(robot: Robot, q: Array) -> Array:
+    """(..., N + 1, 4, 4) how base and links have moved from where they are at q = 0."""
+    frames = np.stack([np.eye(4), *(joint.frame for joint in robot.joints)])
+    return np.asarray(link_poses(robot, q)[..., :-1, :, :] @ np.linalg.inv(frames))
+
+
+def _moved(motions: Array, points: Array) -> Array:
+    """(..., N, 3) points (N, 3) carried along by motions (..., N, 4, 4)."""
+    return np.asarray((motions[..., :3, :3] @ points[..., None])[..., 0] + motions[..., :3, 3])
 
 
 def skeleton(robot: Robot) -> tuple[Array, Array]:
@@ -88,11 +87,8 @@ def skeleton(robot: Robot) -> tuple[Array, Array]:
     before = np.vstack([np.zeros(3), points[:-1]])
     drawn = points.copy()
     for i, joint in enumerate(robot.joints):
-        way = float(np.linalg.norm(points[i] - before[i]))
-        if (
-            joint.kind is not JointKind.PRISMATIC
-            and np.linalg.norm(_foot(robot, i, before[i]) - before[i]) <= _ALONG + 1e-6 * way
-        ):
+        off, way = (float(np.linalg.norm(end - before[i])) for end in (_foot(robot, i, before[i]), points[i]))
+        if joint.kind is not JointKind.PRISMATIC and off <= _ALONG + 1e-6 * way:
             drawn[i] = (points[i] + before[i]) / 2
     return points, drawn
 
@@ -144,15 +140,10 @@ def fault(robot: Robot, q: Array) -> Array:
 
 def spine(robot: Robot, q: Array) -> Array:
     """(N, P, 3) points from the base to the tip, joined by the links, at configurations q (N, n) [m]."""
-    at_home, _ = skeleton(robot)
-    poses = link_poses(robot, q)
-    frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    moved = [poses[:, i] @ np.linalg.inv(frame) for i, frame in enumerate(frames)]
-    points = [np.zeros((len(q), 3))]
-    for i, point in enumerate(at_home):
-        points += [carried[:, :3, :3] @ point + carried[:, :3, 3] for carried in (moved[i], moved[i + 1])]
-    points.append(poses[:, -1, :3, 3])
-    return np.stack(points, axis=1)
+    points, motions = skeleton(robot)[0], _link_motions(robot, q)
+    pairs = np.stack([_moved(motions[:, :-1], points), _moved(motions[:, 1:], points)], axis=2)
+    base, tip = np.zeros((len(q), 1, 3)), pose(robot, q)[:, None, :3, 3]
+    return np.concatenate([base, pairs.reshape(len(q), -1, 3), tip], axis=1)
 
 
 def _folded(points: Array) -> Array:

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.configuration import Configuration, Rank, at
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.kinematics import configurations, one_configuration
+from rankdrop.kinematics import configurations
 from rankdrop.local.block import block, generic_rank, joint_scale, read_only
 from rankdrop.local.directions import readable_basis
 from rankdrop.local.notebook import redundancy_html
@@ -59,9 +59,8 @@ def away_from_limits(robot: Robot, q: ArrayLike) -> Array:
         ConfigurationError: q has the wrong shape or is not finite.
     """
     rows, batch = configurations(robot, q)
-    bounded = np.isfinite(robot.lower) & np.isfinite(robot.upper)
-    middle = np.where(bounded, 0.5 * (np.where(bounded, robot.lower, 0.0) + np.where(bounded, robot.upper, 0.0)), 0.0)
-    return np.where(bounded, middle - rows, 0.0).reshape(*batch, robot.n)
+    low, high = (np.where(np.isfinite(robot.upper - robot.lower), end, np.nan) for end in (robot.lower, robot.upper))
+    return np.nan_to_num(0.5 * (low + high) - rows).reshape(*batch, robot.n)
 
 
 def away_from_singularity(robot: Robot, q: ArrayLike, task: Task | str | None = None) -> Array:
@@ -254,8 +253,7 @@ def null_space_motion(
     wished = _vectors("secondary", secondary, robot.n, batch) / parts.joints
     kept = parts.v * (np.arange(robot.n) < parts.rank[..., None])[..., None, :]  # columns of V that move the task
     unseen = wished - (kept @ (kept.swapaxes(-1, -2) @ wished[..., None]))[..., 0]
-    follow = (parts.inverse(parts.reciprocal) @ xi[..., None])[..., 0]
-    return np.asarray(follow + parts.joints * unseen)
+    return np.asarray((parts.inverse(parts.reciprocal) @ xi[..., None])[..., 0] + parts.joints * unseen)
 
 
 def readable_parts(columns: Array) -> Array:
@@ -378,15 +376,14 @@ class SelfMotion:
 
 
 def self_motion(
-    robot: Robot,
-    q: ArrayLike,
+    robot: Robot | Configuration,
+    q: ArrayLike | None = None,
     task: Task | str | None = None,
     *,
     length: float = 20.0,
     step: float = 0.05,
     direction: ArrayLike | None = None,
     limits: bool = True,
-    tolerances: Tolerances = DEFAULT,
 ) -> SelfMotion:
     """Trace the self-motion through q until it closes, meets a joint limit or a singularity, or is long enough.
 
@@ -399,14 +396,13 @@ def self_motion(
     ends at the crossing, because the curve does not say which one to take.
 
     Args:
-        robot: the arm.
+        robot: the arm, or a `Configuration`, which stands for the first three.
         q: (n,) configuration [rad, m].
         task: name, `Task`, or None for the task the arm is made for.
         length: of the curve at most, in scaled joint coordinates (slides divided by the length scale) [rad].
         step: of the predictor, in the same measure [rad].
         direction: (n,) wanted joint motion at the start [rad, m].
         limits: stop at joint limits.
-        tolerances: `singular` decides the rank.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -419,16 +415,14 @@ def self_motion(
         >>> traced.ended, bool(traced.task_error.max() < 1e-10)
         ('closed loop', True)
     """
-    resolved = resolve_task(task, robot)
-    start = one_configuration(robot, q)
     if not (np.isfinite(length) and length > 0.0 and 1e-4 <= step <= 0.2 and length / step <= 1e5):
         raise OptionError(
             "length or step out of range", got=f"length {length}, step {step}",
             allowed="step 0.0001 … 0.2 [rad], length at most 100 000 steps",
         )  # fmt: skip
-    here = at(robot, start, resolved, tolerances)
-    verdict = here.measured
-    where = Displacement(robot, start, resolved)
+    here = at(robot, q, task)
+    robot, start, verdict = here.robot, here.q, here.measured
+    where = Displacement(robot, start, here.task)
     low, high = (robot.lower, robot.upper) if limits else (np.full(robot.n, -np.inf), np.full(robot.n, np.inf))
     wanted = None if direction is None else joint_direction(robot, direction) / where.joints
     points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
@@ -442,7 +436,7 @@ def self_motion(
                 break
     found = read_only(np.array(points))
     errors = read_only(np.linalg.norm(where.error(found), axis=-1))
-    sigma = read_only(task_sigma(robot, found, resolved)[:, verdict.generic_rank - 1])
+    sigma = read_only(task_sigma(robot, found, here.task)[:, verdict.generic_rank - 1])
     travelled = float(np.linalg.norm(np.diff(found, axis=0) / where.joints, axis=1).sum())
     return SelfMotion(found, errors, sigma, travelled, ended, words, verdict.nullity, verdict.corank)
 

@@ -56,6 +56,11 @@ class RankdropError(Exception):
         self.what, self.where, self.got, self.allowed, self.mend, self.typed = what, where, got, allowed, mend, typed
         super().__init__(self._line(mend, where))
 
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What the error was made of, by name: to make another one of it."""
+        return {name: getattr(self, name) for name in ("what", "where", "got", "allowed", "mend", "typed")}
+
     def on_command_line(self, options: Container[str] = ()) -> str:
         """The one line as a command shows it: with the names of its options, not the Python keywords."""
         option = f"--{self.where}".replace("_", "-")

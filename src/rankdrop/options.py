@@ -23,7 +23,7 @@ from functools import cache
 from inspect import Parameter, signature
 from math import isfinite
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Meta
@@ -49,11 +49,13 @@ def option(help: str, *, unit: str = "", name: str = "", **bounds: Any) -> Meta:
 class Options:
     """Base of the records of options: a record that exists is within its bounds."""
 
+    TYPED: ClassVar[Mapping[str, str]] = {}  # field -> its option, where that has another name and was typed
+
     def __post_init__(self) -> None:
         for name, hint in hints(type(self)).items():  # type: ignore[arg-type]  # a class is hashable
             value = _plain(getattr(self, name))
             object.__setattr__(self, name, value)
-            check_value(name, hint, value)
+            check_value(self.TYPED.get(name, name), hint, value)
 
     @classmethod
     def of(cls, options: Self | None, given: Mapping[str, Any]) -> Self:
@@ -92,7 +94,7 @@ def hints(record: type) -> dict[str, Any]:
 
 def meta_of(hint: Any) -> Meta | None:
     """The metadata of a field's type, `Annotated[…] | None` included."""
-    return next((one for one in _parts(hint) if isinstance(one, Meta)), None)
+    return next((one for one in parts_of(hint) if isinstance(one, Meta)), None)
 
 
 def plain_type(hint: Any) -> Any:
@@ -128,11 +130,12 @@ def allowed(hint: Any) -> str:
     return "".join([words, *limits, f" [{unit}]" if unit else ""])
 
 
-def _parts(hint: Any) -> Iterator[Any]:
+def parts_of(hint: Any) -> Iterator[Any]:
+    """A type with all that it is made of: Annotated and unions taken apart."""
     yield hint
     if get_origin(hint) in (Annotated, Union, UnionType):
         for part in get_args(hint):
-            yield from _parts(part)
+            yield from parts_of(part)
 
 
 def _plain(value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -97,3 +98,70 @@ class TolerantOptions(Options):
     starts: Annotated[int, option("Random starts", ge=1, le=10_000_000)] = 300
     seed: Annotated[int, _SEED] = 0
     show: Annotated[int, option("Local maxima to show", ge=1, le=1000)] = 5
+
+
+@dataclass(frozen=True)
+class ConditionsOptions(Options):
+    """What `conditions` is asked; the result depends on the time limit only where it was met."""
+
+    method: Annotated[
+        Literal[
+            "auto", "decoupling", "suppression", "tree", "determinant", "cofactors", "decomposition", "reciprocity",
+            "singular-vector",
+        ],
+        option("How corank 1 is derived; all methods give the same set, and auto says which it took and why"),
+    ] = "auto"  # fmt: skip
+    lengths: Annotated[
+        str | Mapping[str, float],
+        option('Lengths in conditions: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm"'),
+    ] = "auto"
+    coranks: Annotated[int, option("The highest corank to derive; else all", ge=1)] | None = None
+    seconds: Annotated[
+        float, option("Limit on the processor's time: what was derived by then is shown, with what is left",
+                      unit="s", gt=0, name="--time-limit")
+    ] = 60.0  # fmt: skip
+    seed: Annotated[int, _SEED] = 0
+    points: Annotated[
+        int, option("Singular configurations found numerically that the families have to explain; 0 for none",
+                    ge=0, le=100_000)
+    ] = 1000  # fmt: skip
+    special: Annotated[bool, option("Derive the arms of special lengths as well: which families they have besides")] = (
+        False
+    )
+    steps: Annotated[
+        bool, option("Derive corank 1 step by step, as by hand, and the determinant of the Jacobian, or its minors, in "
+                     "factors, for files as well")
+    ] = False  # fmt: skip
+    basic: (
+        Annotated[
+            str | tuple[int, ...],
+            option("With the methods suppression and reciprocity: the six basic screws, 2-7 or 1,2,4-7; else chosen"),
+        ]
+        | None
+    ) = None
+    frame: (
+        Annotated[
+            int, option("With these methods: link in whose frame the screws are taken; else where they are shortest")
+        ]
+        | None
+    ) = None
+    fresh: Annotated[bool, option("Derive anew what is shipped for the catalogue's arms")] = False
+
+
+@dataclass(frozen=True)
+class CoverOptions(Options):
+    """What `cover` is asked."""
+
+    width: Annotated[
+        float, option("Width of the boxes, at most; slides divided by the length scale; 3deg is understood", unit="rad")
+    ] = 0.05
+    corank: Annotated[
+        int, option("The boxes hold every configuration of this corank or more; above 1 by enclosures for every arm")
+    ] = 1
+    limits: Annotated[bool, _LIMITS] = False
+    explain: Annotated[bool, option("Match the boxes to families")] = True
+    budget: Annotated[
+        int, option("Enclosures, about 1.5 µs each, after which no further part is begun; arms of six turning joints "
+                    "need none for corank 1", ge=1)
+    ] = 100_000_000  # fmt: skip
+    threads: Annotated[int, _THREADS] = 0

@@ -234,7 +234,7 @@ def test_slides_and_screws_of_any_pitch_are_squared_too(rng: np.random.Generator
 def as_urdf(arm: Robot, digits: int) -> str:
     """The arm as a URDF with angles of so many places; every link's frame stands on its axis, z along it."""
     lines = axis_lines(arm, length=1e-6)
-    frames = [frame_on_axis(line.direction, line.point) for line in lines] + [arm.home]
+    frames = [frame_on_axis(*line) for line in lines] + [arm.home]
     texts, before = [], np.eye(4)
     for i, frame in enumerate(frames):
         local = np.linalg.inv(before) @ frame

@@ -78,13 +78,12 @@ def analyze(
     check_targets({"--json": output.json, "--latex": latex})
     begun = monotonic()
     model, task, made = open_ideal(robot, arm, arm.ideal, intended=True)
-    if options.within is None and options.limits:
-        options = replace(options, within=radians(5.0))
-    asked = {**vars(options), "within": options.within or None}
+    within = radians(5.0) if options.within is None and options.limits else options.within
+    options = replace(options, within=within or None)
     offsets = arm.ideal is None and made is not None and not made.tolerance.angle
     with reporter(quiet=output.quiet) as report:
-        analysis = run(model, task, **asked, progress=report)
-        own = run(made.real, task, **asked, progress=report) if made is not None and offsets else None
+        analysis = run(model, task, options, progress=report)
+        own = run(made.real, task, options, progress=report) if made is not None and offsets else None
     nearby, moved, beside = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 

@@ -13,13 +13,14 @@ from functools import cache
 from inspect import cleandoc
 from math import degrees, pi, radians
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter, Token
 
 from rankdrop.cli.terminal import say
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
-from rankdrop.options import Options, hints, meta_of, option, plain_type, unit_of
+from rankdrop.options import Options, hints, meta_of, option, parts_of, plain_type, unit_of
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
@@ -114,14 +115,7 @@ def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
     try:
         value = quantity(word, "length" if unit == "m" else "angle", where=where)
     except RobotError as error:
-        raise ConfigurationError(
-            error.what,
-            where=error.where,
-            got=error.got,
-            allowed=error.allowed,
-            mend=error.mend,
-            typed=error.typed,
-        ) from error
+        raise ConfigurationError(**error.parts) from error
     plain = not re.search(r"(deg|rad|°)$", word)
     return radians(value) if deg and unit == "rad" and plain else value
 
@@ -227,10 +221,6 @@ ROBOT = Annotated[str, Parameter(
 Q = Annotated[str, Parameter(
     help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
     allow_leading_hyphen=True,
-)]  # fmt: skip
-IDEAL = Annotated[str | None, Parameter(
-    help="The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.",
-    allow_leading_hyphen=True, show_default=False,
 )]  # fmt: skip
 FRAME = Literal["base", "tool", "link"] | None
 TCP = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
@@ -425,14 +415,21 @@ def command(function: Command) -> Command:
 def derived(record: type[Options]) -> type[Options]:
     """A subclass of a record whose fields carry what cyclopts needs; `TITLE` of the record groups them in the help."""
     own = {
-        field.name: Annotated[hint, _parameter(hint, field.default)]
+        field.name: Annotated[_typed(hint), _parameter(hint, field.default)]
         for field, hint in zip(fields(record), hints(record).values(), strict=True)  # type: ignore[arg-type]
     }
     defaults = {field.name: field.default for field in fields(record)}  # type: ignore[arg-type]
-    made = type(record.__name__, (record,), {"__annotations__": own, "__doc__": "", "__module__": __name__, **defaults})
+    typed = {name: option for name, hint in hints(record).items() if (option := _name(hint))}  # type: ignore[arg-type]
+    body = {"__annotations__": own, "__doc__": "", "__module__": __name__, "TYPED": typed, **defaults}
+    made = type(record.__name__, (record,), body)
     found: type[Options] = dataclass(frozen=True)(made)
     flat = Parameter(name="*", group=_group(record.TITLE)) if hasattr(record, "TITLE") else Parameter(name="*")
     return flat(found)
+
+
+def _typed(hint: Any) -> Any:
+    """What is typed for a field: of a text or something else the text, which the verb reads."""
+    return hint if plain_type(hint) is not str else str | None if NoneType in parts_of(hint) else str
 
 
 @cache
@@ -444,12 +441,18 @@ def _group(title: str) -> Group:
 def _parameter(hint: Any, default: object) -> Parameter:
     """The option of one field."""
     kind, meta = plain_type(hint), meta_of(hint)
-    unit, name = unit_of(hint), ((meta.extra if meta else None) or {}).get("name")
+    unit = unit_of(hint)
     convert = {int: whole, float: _quantity(unit)}.get(kind)
     return Parameter(
-        name=name, help=_help(meta.description or "" if meta else "", unit, kind), converter=convert, negative=(),
+        name=_name(hint), help=_help(meta.description or "" if meta else "", unit, kind), converter=convert,
+        negative=None if kind is bool and default is not False else (),
         show_default=None if default not in (None, False, (), "") else False, allow_leading_hyphen=kind is str,
     )  # fmt: skip
+
+
+def _name(hint: Any) -> str | None:
+    meta = meta_of(hint)
+    return ((meta.extra if meta else None) or {}).get("name")
 
 
 def _help(words: str, unit: str, kind: Any) -> str:

@@ -54,7 +54,7 @@ def jacobian(
     Exit code 0: all checks hold; 3: one fails, or there is no inverse because the configuration is singular; 2: bad
     input.
     """
-    from rankdrop.cli.conditions import lengths_of
+    from rankdrop.robot import read_lengths
     from rankdrop.verbs import link_jacobian
 
     check_targets({"--latex": options.latex, "--json": output.json})
@@ -67,7 +67,7 @@ def jacobian(
     found = link_jacobian(
         model, options.frame, task, at=None if point == "tip" else int(point),
         q=None if options.q is None else parse_configuration(options.q, model, deg=options.deg),
-        symbolic=options.symbolic or options.q is None, inverse=options.inverse, lengths=lengths_of(options.lengths),
+        symbolic=options.symbolic or options.q is None, inverse=options.inverse, lengths=read_lengths(options.lengths),
         seconds=options.time_limit / 3.0,
     )  # fmt: skip
     hand_over(

@@ -4,55 +4,66 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole, command, open_arm, parse_configuration
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Output, command, open_arm, parse_configuration
 from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, write_json
 from rankdrop.errors import OptionError
-
-if TYPE_CHECKING:
-    from rankdrop.certify import Verified
+from rankdrop.options import Options, option
 
 
-@Parameter(name="*", group="The claim must be about")
-@dataclass(frozen=True, slots=True)
-class AboutOptions:
-    """What the certificate must be about.
+@dataclass(frozen=True)
+class AboutOptions(Options):
+    """What the certificate must be about."""
 
-    Attributes:
-        robot: This arm: name or file, with --task, --length-scale and so on. Default: the arm whose numbers are in it.
-        q: This configuration [rad, m], of a ball or a singular configuration; needs --robot.
-        path: This file of a path: its hash, and with --robot its rows.
-        deg: Angles of --q and of --path are in degrees.
-        limits: The joint limits (--limits) or the whole joint space (--no-limits), of a covering.
-    """
-
-    robot: str | None = None
-    q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
-    path: str | None = None
-    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False
-    limits: bool | None = None
+    TITLE = "The claim must be about"
+    robot: Annotated[
+        str | None, option("This arm: name or file, with --task, --length-scale and so on; else the arm of the file")
+    ] = None
+    q: Annotated[
+        str | None, option("This configuration [rad, m], of a ball or a singular configuration; needs --robot")
+    ] = None
+    path: Annotated[str | None, option("This file of a path: its hash, and with --robot its rows")] = None
+    deg: Annotated[bool, option("Angles of --q and of --path are in degrees")] = False
+    limits: Annotated[
+        bool | None, option("The joint limits (--limits) or the whole joint space (--no-limits), of a covering")
+    ] = None
 
 
-ANYTHING = AboutOptions()
+@dataclass(frozen=True)
+class CheckOptions(Output):
+    """How much is checked."""
+
+    TITLE = "Check"
+    enclosures: Annotated[int, option("Enclosures that the check may make, about a millisecond each")] = 500_000
+    sample: (
+        Annotated[
+            int,
+            option("Of a covering, check so many free boxes only, chosen at random: quick, but never exit code 0"),
+        ]
+        | None
+    ) = None
+    everything: Annotated[
+        bool, option("Of a covering, check all free boxes, whatever --enclosures allows; those of six turning joints "
+                     "need a minute or two and no --all", name="--all")
+    ] = False  # fmt: skip
+    journal: Annotated[
+        str | None, option("Of a covering, keep in this file how many boxes are proven: after an interruption the same "
+                           "command continues there. Take none from others: it is believed")
+    ] = None  # fmt: skip
 
 
 @command
 def verify(
-    file: str,
+    file: Annotated[str, Parameter(help="A certificate.")],
     /,
     *,
-    about: AboutOptions = ANYTHING,
+    about: AboutOptions = AboutOptions(),
     arm: ArmOptions = NO_OPTIONS,
-    enclosures: Whole = 500_000,
-    sample: Whole | None = None,
-    everything: Annotated[bool, Parameter(name="--all", negative=(), show_default=False)] = False,
-    journal: str | None = None,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    output: CheckOptions = CheckOptions(),
 ) -> int:
     """Check a certificate: prove its claim again.
 
@@ -72,28 +83,21 @@ def verify(
 
     Exit code 0: the claim holds; 3: it does not, could not be confirmed, or is
     another claim, with the reason; 2: no certificate, or a malformed one.
-
-    Args:
-        file: A certificate.
-        enclosures: Enclosures that the check may make, about a millisecond each.
-        sample: Of a covering, check so many free boxes only, chosen at random: quick, but never exit code 0.
-        everything: Of a covering, check all free boxes, whatever --enclosures allows. Those of six turning joints need
-            a minute or two and no --all; of other arms a box takes milliseconds, and the time is printed first.
-        journal: Of a covering, keep in this file how many boxes are proven; after Ctrl-C, or a kill, the same command
-            continues there. Take none from others: it is believed.
-        json: Write the result to this file as well; - writes it to stdout in place of the text.
-        quiet: No progress.
     """
     from rankdrop.certify import verify as check
 
-    check_targets({"--json": json})
+    check_targets({"--json": output.json})
     asked = _asked(about, arm)
-    with reporter(quiet=quiet) as report:
+    with reporter(quiet=output.quiet) as report:
         found = check(
-            file, asked, enclosures=enclosures, sample=sample, every=everything, journal=journal,
+            file, asked, enclosures=output.enclosures, sample=output.sample, every=output.everything,
+            journal=output.journal,
             progress=lambda done, total: report("checked", done, total),
         )  # fmt: skip
-    hand_over(lambda: _print(found), (json, lambda target: write_json(found.to_dict(), target)))
+    hand_over(
+        lambda: print_sections(found.sections()),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
     if not found.complete:
         return exits.INTERRUPTED
     return exits.FINE if found.holds else exits.UNEXPLAINED
@@ -117,8 +121,3 @@ def _asked(about: AboutOptions, arm: ArmOptions) -> Any:
         rows = read_trajectory(Path(about.path), model, deg=about.deg).q
     stated = task if arm.task is not None or arm.length_scale is not None else None
     return asked_about(model, stated, q=q, path=about.path, rows=rows, limits=about.limits)
-
-
-def _print(verified: Verified) -> None:
-
-    print_sections(verified.sections())

@@ -16,7 +16,6 @@ from .posture_changes import decide_postures as decide_postures
 from .reading import Node as Node
 from .reading import parse_conditions as parse_conditions
 from .reading import read as read
-from .stratum import parse_joints as parse_joints
 from .suppression import Suppression as Suppression
 from .suppression import conditions_text as conditions_text
 from .suppression import suppress as suppress

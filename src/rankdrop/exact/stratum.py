@@ -28,7 +28,6 @@ from functools import cached_property, reduce
 from itertools import combinations, product
 from math import prod
 
-from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.field import P, Point, complete, value_at
 from rankdrop.exact.algebra.polynomial import (
     COS_SIN,
@@ -627,18 +626,3 @@ def _with_triple(known: Sequence[tuple[tuple[int, int, int], str]], six: Sequenc
 def _short(six: Sequence[int]) -> str:
     """1–6, or 1, 2, 4, 5, 6, 7."""
     return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else ", ".join(map(str, six))
-
-
-def parse_joints(text: str) -> tuple[int, ...]:
-    """Numbers of joints as people write them: "2-7", "1,2,4-7".
-
-    Raises:
-        OptionError: something else.
-    """
-    found: list[int] = []
-    for word in text.replace("–", "-").replace(",", " ").split():
-        first, _, last = word.partition("-")
-        if not first.isdecimal() or ("-" in word and not last.isdecimal()):
-            raise OptionError("these are no joints", got=repr(word), allowed="numbers and runs, such as 2-7 or 1,2,4-7")
-        found += range(int(first), int(last or first) + 1)
-    return tuple(found)

@@ -82,8 +82,7 @@ def perform(work: str, plan: Plan, chunk: int) -> bytes:
 
 def error_to_dict(error: RankdropError) -> dict[str, Any]:
     """An error as plain data, for the way from a worker."""
-    parts = {name: getattr(error, name) for name in ("what", "where", "got", "allowed", "mend", "typed")}
-    return {name: None if value is None else str(value) for name, value in parts.items()}
+    return {name: None if value is None else str(value) for name, value in error.parts.items()}
 
 
 def error_from_dict(record: dict[str, Any]) -> RankdropError:

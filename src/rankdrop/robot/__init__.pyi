@@ -27,6 +27,7 @@ from .quantities import Angles as Angles
 from .quantities import count as count
 from .quantities import degrees_text as degrees_text
 from .quantities import quantity as quantity
+from .quantities import read_lengths as read_lengths
 from .shapes import LARGEST_MESH as LARGEST_MESH
 from .shapes import Mesh as Mesh
 from .shapes import Visual as Visual

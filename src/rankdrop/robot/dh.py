@@ -109,7 +109,7 @@ def joint_name(given: Mapping[str, Any], number: int, where: Where) -> str:
 
 def relocate(error: RobotError, where: str) -> RobotError:
     """The same error at a place that its raiser could not know."""
-    return RobotError(error.what, where=where, got=error.got, allowed=error.allowed, mend=error.mend, typed=error.typed)
+    return RobotError(**error.parts | {"where": where})
 
 
 Convention = Literal["standard", "modified"]

@@ -234,11 +234,11 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     normals = common_normals(robot, lines, angle=angle, length=length)
     made = [_exact(one, unit, angle, length) for one in between(lines, normals)]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
-    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), unit, angle)
+    pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = times(pose, rotation("z", numbers.phase), translation(0.0, 0.0, numbers.d))
-        after = frame_at(normals[i + 1].direction, lines[i].direction, normals[i + 1].near)
+        after = frame_at(normals[i + 1][0], lines[i][0], normals[i + 1][1])
         frame = times(pose, _pose_squared(times(inverse(after), joint.frame), unit, angle, length))
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
         joints.append(replace(joint, screw=screw, frame=frame))

@@ -28,32 +28,10 @@ FAR = 2.0
 _NOTHING = 1e-12  # share of the coordinates that a length is made of at which it is rounding
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """An axis.
-
-    Attributes:
-        direction: (3,) of length 1.
-        point: (3,) on it [m].
-    """
-
-    direction: Array
-    point: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Normal:
-    """A common normal of two axes.
-
-    Attributes:
-        direction: (3,) of length 1.
-        near: (3,) its foot on the axis before [m].
-        far: (3,) its foot on the axis after [m].
-    """
-
-    direction: Array
-    near: Array
-    far: Array
+Line = tuple[Array, Array]
+"""An axis: (3,) its direction, of length 1; (3,) a point on it [m]."""
+Normal = tuple[Array, Array, Array]
+"""A common normal of two axes: (3,) its direction, of length 1; (3,) its feet on the axis before and after [m]."""
 
 
 def anchors(robot: Robot) -> Array:
@@ -65,7 +43,7 @@ def anchors(robot: Robot) -> Array:
     found = np.zeros((len(robot.joints), 3))
     for i, joint in reversed(list(enumerate(robot.joints))):
         slides = joint.kind is JointKind.PRISMATIC
-        point = _nearest(Line(joint.screw[:3], joint.frame[:3, 3]) if slides else _turning_line(joint.screw), point)
+        point = _nearest((joint.screw[:3], joint.frame[:3, 3]) if slides else _turning_line(joint.screw), point)
         found[i] = point
     return found
 
@@ -103,7 +81,7 @@ def axis_lines(robot: Robot, *, length: float) -> list[Line]:
             lines.append(_turning_line(joint.screw))
         else:
             frame = joint.frame if on_own or i == 0 else joints[i - 1].frame
-            lines.append(Line(joint.screw[:3], frame[:3, 3]))
+            lines.append((joint.screw[:3], frame[:3, 3]))
     return lines
 
 
@@ -125,10 +103,10 @@ def common_normals(robot: Robot, lines: list[Line], *, angle: float, length: flo
         place = (robot.joints[i].frame, near[i], far)
         between.append(_normal(lines[i], lines[i + 1], place, before, angle, length))
     if not between:  # one joint alone
-        x = _perpendicular(lines[0].direction)
-        return [Normal(x, lines[0].point, lines[0].point)] * 2
-    start, last = between[0], between[-1]
-    return [Normal(start.direction, start.near, start.near), *between, Normal(last.direction, last.far, last.far)]
+        axis, point = lines[0]
+        return [(_perpendicular(axis), point, point)] * 2
+    (first, start, _), (last, _, end) = between[0], between[-1]
+    return [(first, start, start), *between, (last, end, end)]
 
 
 def frame_at(x: Array, z: Array, origin: Array) -> Array:
@@ -142,7 +120,7 @@ def frame_at(x: Array, z: Array, origin: Array) -> Array:
 
 def _turning_line(screw: Array) -> Line:
     omega = screw[3:]
-    return Line(omega, np.cross(omega, screw[:3]))
+    return omega, np.cross(omega, screw[:3])
 
 
 def _normal(
@@ -153,51 +131,54 @@ def _normal(
     `before` is the normal before.
     """
     hint, anchor, far_off = place
-    cross = np.cross(one.direction, two.direction)
+    (axis, point), (other, beyond) = one, two
+    cross = np.cross(axis, other)
     if norm(cross) > angle:
         x = cross / norm(cross)
         near, far = _feet(one, two)
         if abs(dot(far - near, x)) > length:
             x = x * np.sign(dot(far - near, x))
     else:
-        start = before.far if before is not None else one.point
+        start = before[2] if before is not None else point
         on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < length
         near = _nearest(one, hint[:3, 3] if on_axis else start)
         if norm(near - anchor) > far_off:
             near = _nearest(one, anchor)
         # where axis two crosses the plane: the axes are parallel to `angle` only, and part far away
-        way = dot(near - two.point, one.direction) / dot(two.direction, one.direction)
-        far = two.point + two.direction * way
+        far = beyond + other * (dot(near - beyond, axis) / dot(other, axis))
         across = far - near
         if norm(across) > length:
             x = across / norm(across)
         else:
-            x = hint[:3, 0] - one.direction * dot(hint[:3, 0], one.direction)
+            x = hint[:3, 0] - axis * dot(hint[:3, 0], axis)
             if norm(x) < 0.5:
-                x = before.direction if before is not None else _perpendicular(one.direction)
+                x = before[0] if before is not None else _perpendicular(axis)
             x = x / norm(x)
     if dot(hint[:3, 0], x) < -1 + max(angle, 1e-6):  # along the frame's, but for the way
         x = -x
-    return Normal(x, near, far)
+    return x, near, far
 
 
 def _feet(one: Line, two: Line) -> tuple[Array, Array]:
     """Points of the two lines that are closest to each other."""
-    a, b, gap = one.direction, two.direction, two.point - one.point
+    (a, start), (b, end) = one, two
+    gap = end - start
     lean, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)  # s − lean t = along_a, lean s − t = along_b
     across = np.cross(a, b)
     less = dot(across, across)  # 1 − lean², without cancelling
     s, t = (along_a - lean * along_b) / less, (lean * along_a - along_b) / less
-    return one.point + s * a, two.point + t * b
+    return start + s * a, end + t * b
 
 
 def _nearest(line: Line, point: Array) -> Array:
     """The point of a line that is nearest to a point."""
-    return line.point + line.direction * dot(point - line.point, line.direction)
+    direction, start = line
+    return start + direction * dot(point - start, direction)
 
 
 def _distance(point: Array, line: Line) -> float:
-    return norm(np.cross(point - line.point, line.direction))
+    direction, start = line
+    return norm(np.cross(point - start, direction))
 
 
 def _perpendicular(z: Array) -> Array:
@@ -240,14 +221,13 @@ def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
     """The numbers of n axes with their n + 1 normals."""
     found = []
     for i, line in enumerate(lines):
-        before, after, z = normals[i], normals[i + 1], line.direction
-        phase = _turn(before.direction, after.direction, z)
-        d = dot(after.near - before.far, z)
+        (before, _, start), (after, near, far), z = normals[i], normals[i + 1], line[0]
+        phase, d = _turn(before, after, z), dot(near - start, z)
         a = twist = tilt = 0.0
         if i + 1 < len(lines):
-            twist = _turn(z, lines[i + 1].direction, after.direction)
-            tilt = asin(max(-1.0, min(1.0, dot(lines[i + 1].direction, after.direction))))
-            a = dot(after.far - after.near, after.direction)
+            next_z = lines[i + 1][0]
+            twist, a = _turn(z, next_z, after), dot(far - near, after)
+            tilt = asin(max(-1.0, min(1.0, dot(next_z, after))))
         found.append(Numbers(phase, d, a, twist, tilt))
     return found
 

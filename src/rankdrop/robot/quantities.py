@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
 from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
 from operator import add, mul, neg, pos, sub, truediv
 from typing import Any
 
-from rankdrop.errors import RobotError
+from rankdrop.errors import OptionError, RobotError
 from rankdrop.robot.files import LONGEST_TEXT, RANGE, allowed_range
 
 _UNITS: dict[str, dict[str, float]] = {
@@ -208,6 +208,49 @@ def checked_lengths(given: Iterable[tuple[Any, Any]], where: Callable[[str], str
             )
         found[name] = length
     return tuple(found.items())
+
+
+def read_lengths(text: str | Mapping[str, float]) -> str | dict[str, float]:
+    """Lengths in conditions, also as they are typed: a word, or letters with values [m]: "a=0.635,d=120mm".
+
+    Raises:
+        OptionError: neither.
+    """
+    if not isinstance(text, str):
+        return dict(text)
+    if "=" not in text:
+        return text.strip()
+    found: dict[str, float] = {}
+    for word in text.replace(";", ",").split(","):
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not (name and equals and value) or name in found:
+            raise OptionError(
+                "this is not a list of lengths", where="lengths", got=repr(word.strip() or text),
+                allowed='each letter once, with its value: "a=0.635,d=120mm"',
+            )  # fmt: skip
+        try:
+            found[name] = quantity(value, "length", where=f"lengths, {name}")
+        except RobotError as error:
+            raise OptionError(**error.parts) from error
+    return found
+
+
+def read_joints(text: str | Iterable[int]) -> tuple[int, ...]:
+    """Numbers of joints in order, also as people write them: "2-7", "1,2,4-7".
+
+    Raises:
+        OptionError: something else.
+    """
+    if not isinstance(text, str):
+        return tuple(sorted(text))
+    found: list[int] = []
+    for word in text.replace("–", "-").replace(",", " ").split():
+        first, _, last = word.partition("-")
+        if not first.isdecimal() or ("-" in word and not last.isdecimal()):
+            raise OptionError("these are no joints", where="basic", got=repr(word),
+                              allowed="numbers and runs, such as 2-7 or 1,2,4-7")  # fmt: skip
+        found += range(int(first), int(last or first) + 1)
+    return tuple(sorted(found))
 
 
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582")

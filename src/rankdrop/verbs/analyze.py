@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
+from typing import Any
 
-from rankdrop.errors import OptionError, RankdropError
+from rankdrop.errors import RankdropError
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.searching import check_numbers, search
+from rankdrop.families.searching import search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families, posed
 from rankdrop.family.record import (
     AGREES,
-    ASKED,
     DIFFERS,
     INTERRUPTED,
     NOT_DERIVED,
@@ -25,6 +25,8 @@ from rankdrop.family.record import (
 )
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
+from rankdrop.options import takes
+from rankdrop.questions import AnalyzeOptions
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
@@ -36,16 +38,6 @@ from rankdrop.version import VERSION
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
-
-
-def check_exact(exact: str) -> None:
-    """Refuse what cannot be asked for.
-
-    Raises:
-        OptionError: neither auto, on nor off.
-    """
-    if exact not in ASKED:
-        raise OptionError("there is no such choice", where="exact", got=repr(exact), allowed=", ".join(ASKED))
 
 
 def derive(
@@ -134,20 +126,16 @@ Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "corank 2: search"."""
 
 
+@takes(AnalyzeOptions)
 def analyze(
     robot: Robot,
     task: str | Task | None = None,
+    options: AnalyzeOptions | None = None,
     *,
-    starts: int = 10_000,
-    seed: int = 0,
-    limits: bool = False,
-    exact: str = "auto",
-    fresh: bool = False,
-    threads: int = 0,
     length_scale: float | None = None,
-    within: float | None = None,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
+    **given: Any,
 ) -> Analysis:
     """Find every family of singular configurations of every corank.
 
@@ -162,18 +150,11 @@ def analyze(
     Args:
         robot: the arm.
         task: name, rows or Task; None is the task the arm is made for.
-        starts: random starts for each corank.
-        seed: of every random choice; same seed, same result, on any number of threads.
-        limits: stay within the joint limits; otherwise the whole torus.
-        exact: "auto", exact conditions where python-flint is installed and 10 s of work are enough; "on", required, 40
-            s of work; "off". By the clock three times as long.
-        fresh: derive them even where the exact conditions of this arm are shipped with rankdrop.
-        threads: of the core; 0 uses every processor.
+        options: starts, seed, limits, exact, fresh, threads and within; or its fields as keywords.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
-        within: share of the joint space (inside the limits with `limits`) at most so far from each family [rad]:
-            `Analysis.near`; None: not asked for.
         progress: called as progress(label, done, total).
         tolerances: thresholds, recorded in the result.
+        given: fields of the options.
 
     Returns:
         Analysis with one summary per corank and all families.
@@ -191,15 +172,14 @@ def analyze(
         [(1, 2)]
     """
     check_robot(robot)
-    check_exact(exact)
-    if within is not None:
-        check_within(within)
-    starts, seed, threads = check_numbers(starts, seed, threads)
+    how = AnalyzeOptions.of(options, given)
+    if how.within is not None:
+        check_within(how.within)
     resolved = resolve_task(task, robot, length_scale=length_scale)
     own, task_here = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
     rank = generic_rank(own, task_here)
     derived, derivation = derive(
-        robot, resolved, exact=exact, seed=seed, fresh=fresh, progress=_prefixed(progress, "exact")
+        robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh, progress=_prefixed(progress, "exact")
     )
     known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived.families]
     tables: list[CorankFamilies] = []
@@ -207,35 +187,36 @@ def analyze(
     for corank in range(1, rank + 1) if unfinished is None else ():
         try:
             cloud = search(
-                own, corank, task=task_here, starts=starts, seed=seed, limits=limits, threads=threads,
+                own, corank, task=task_here, starts=how.starts, seed=how.seed, limits=how.limits, threads=how.threads,
                 progress=_labelled(progress, f"corank {corank}: search"), tolerances=tolerances,
             )  # fmt: skip
             if not cloud.complete:
                 raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
+            derived_here = None if known is None else [one for one in known if one.corank == corank]
             tables.append(
                 families(
-                    cloud, known=None if known is None else [one for one in known if one.corank == corank], seed=seed,
-                    tolerances=tolerances, threads=threads, progress=_labelled(progress, f"corank {corank}: families"),
+                    cloud, known=derived_here, seed=how.seed, tolerances=tolerances, threads=how.threads,
+                    progress=_labelled(progress, f"corank {corank}: families"),
                 )
-            )
+            )  # fmt: skip
         except KeyboardInterrupt:
             unfinished = corank
             break
         if tables[-1].summary.converged == 0 and not any(one.corank > corank for one in known or ()):
             break
     if derivation is not None and derived is not None and unfinished is None:
-        derivation = _tested(derivation, derived, rank, tables, limits=limits)
+        derivation = _tested(derivation, derived, rank, tables, limits=how.limits)
     rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
     rows = tuple(posed(robot, resolved, row, rows) for row in rows)
     near = None
-    if unfinished is None and within is not None:
-        near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
+    if unfinished is None and how.within is not None:
+        near = near_shares(rows, robot, resolved, how.within, limits=how.limits, seed=how.seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
-        settings=Settings(seed, starts, limits, float(resolved.scale(robot)), tolerances, VERSION),
+        settings=Settings(how.seed, how.starts, how.limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in tables),
         families=rows,
         complete=unfinished is None,

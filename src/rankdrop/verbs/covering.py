@@ -20,7 +20,6 @@ from rankdrop.certify.covering import (
     Covering,
     batch_from_bytes,
     batch_to_bytes,
-    check_budget,
     chunk_of,
     chunks_of,
     finished_leaves,
@@ -37,7 +36,9 @@ from rankdrop.family.record import Family
 from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
+from rankdrop.options import takes
 from rankdrop.proof.boxes import Cells, Plan, plan_from_entries
+from rankdrop.questions import CoverOptions
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.covered import Account, Covered
@@ -57,20 +58,17 @@ _QUICK, _QUICK_BY_ENCLOSURES = 1 << 22, 1 << 16  # leaves below which processes 
 Record = dict[str, Any]
 
 
+@takes(CoverOptions)
 def cover(
     robot: Robot,
     task: str | Task | None = None,
+    options: CoverOptions | None = None,
     *,
-    width: float = 0.05,
-    corank: int = 1,
-    limits: bool = False,
-    explain: bool = True,
     analysis: Analysis | None = None,
     out: str | Path | None = None,
-    budget: int = BUDGET,
-    threads: int = 0,
     scheduler: str | None = None,
     report: Report | None = None,
+    **given: Any,
 ) -> Covered:
     """Boxes that hold every singular configuration, and whether known families explain all of them.
 
@@ -80,20 +78,14 @@ def cover(
     Args:
         robot: the arm.
         task: name, rows or Task; None is the task the arm is made for.
-        width: of the boxes, at most [rad; slides divided by the length scale].
-        corank: the boxes hold every configuration of this corank or more; above 1 by enclosures.
-        limits: within the joint limits only.
-        explain: hold the boxes against families.
+        options: width, corank, limits, budget and threads; or its fields as keywords.
         analysis: these families; None: those shipped with the package, else an analysis made here.
         out: file the covering is kept in, with the folder `out`.parts beside it while it is made (`rankdrop.jobs`):
             after an interruption, of any kind, the same call goes on where it was. A file that holds this covering
             already is read.
-        budget: enclosures (about 1.5 µs each), after which no further part is begun; arms of six turning joints need
-            none.
-        threads: local processes, and threads where boxes are explained; 0 for all cores. The result does not depend on
-            it.
         scheduler: address of a Dask scheduler, whose workers make the parts.
         report: report(label, done, total) of progress.
+        given: fields of the options.
 
     Raises:
         OptionError: a corank, width or budget outside what is allowed, an arm or task that cannot be covered,
@@ -108,21 +100,21 @@ def cover(
         (2, True)
     """
     check_robot(robot)
-    check_budget(budget)
-    engine = Engine(threads, scheduler)
+    how = CoverOptions.of(options, given)
+    engine = Engine(how.threads, scheduler)
     check_engine(engine)
     resolved = resolve_task(task, robot)
     families, source = known_families(robot, resolved, analysis, DEFAULT)
     tell = report if report is not None else _silent
-    plan = plan_of(robot, width, resolved, corank=corank, limits=limits)
-    found = _made(robot, resolved, plan, None if out is None else Path(out), int(budget), engine, tell)
-    if not found.complete or not explain:
+    plan = plan_of(robot, how.width, resolved, corank=how.corank, limits=how.limits)
+    found = _made(robot, resolved, plan, None if out is None else Path(out), how.budget, engine, tell)
+    if not found.complete or not how.explain:
         return Covered(robot, resolved, found, None)
     if source == "on the spot":
-        made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=threads)
+        made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=how.threads)
         families, source = made.families, "made here"
     families = tuple(one for one in families if one.corank >= found.plan.corank)
-    return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, threads, tell))
+    return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, how.threads, tell))
 
 
 def how_far(out: str | Path) -> str:

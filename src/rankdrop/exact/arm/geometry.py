@@ -134,18 +134,17 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
     roundings: list[Deviation] = []
     found = []
     for i, joint in enumerate(robot.joints):
-        before, after = normals[i], normals[i + 1]
-        z = lines[i].direction
-        angle = atan2(float(np.cross(before.direction, after.direction) @ z), float(before.direction @ after.direction))
+        (before, _, start), (after, near, far), z = normals[i], normals[i + 1], lines[i][0]
+        angle = atan2(float(np.cross(before, after) @ z), float(before @ after))
         phase, twist = turn(angle), turn(0.0)
         shift = 0.0
         if joint.kind is JointKind.REVOLUTE and phase.quarters is None:
             phase, shift = turn(0.0), angle
-        lengths = {"d": float((after.near - before.far) @ z), "a": 0.0}
+        lengths = {"d": float((near - start) @ z), "a": 0.0}
         if i + 1 < len(robot.joints):
-            next_z = lines[i + 1].direction
-            twist = turn(atan2(float(np.cross(z, next_z) @ after.direction), float(z @ next_z)))
-            lengths["a"] = float((after.far - after.near) @ after.direction)
+            next_z = lines[i + 1][0]
+            twist = turn(atan2(float(np.cross(z, next_z) @ after), float(z @ next_z)))
+            lengths["a"] = float((far - near) @ after)
         exact = {which: _length(value) for which, value in lengths.items()}
         errors = {
             "angle": (angle, phase.error), "twist": (float(twist), twist.error),
@@ -229,8 +228,8 @@ def first_and_last(robot: Robot) -> tuple[Array, Array]:
     lines, normals = _lines_and_normals(robot)
     first, last = normals[0], normals[-1]
     return (
-        frame_at(first.direction, lines[0].direction, first.far),
-        frame_at(last.direction, lines[-1].direction, last.near),
+        frame_at(first[0], lines[0][0], first[2]),
+        frame_at(last[0], lines[-1][0], last[1]),
     )
 
 

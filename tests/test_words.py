@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from sources import FILES, ROOT, SOURCE, nodes, parsed
 
-FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "codec"}
-"""Rooms in which sentences are made; the schema's are the meanings of entries, options' their help."""
+FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "questions", "codec"}
+"""Rooms in which sentences are made; the schema's are the meanings of entries, options' and questions' their help."""
 FEWEST = 4  # words of a sentence
 _REFUSALS = re.compile(r"Error$|^(refuse|refused|damaged|error|fail|wrong|warn|Unproven)$")
 
@@ -56,7 +56,7 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 SENTENCES = {
     "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 92,
-    "motion": 138, "proof": 37, "questions": 22, "results": 221, "robot": 59, "units": 2, "verbs": 44,
+    "motion": 138, "proof": 37, "results": 221, "robot": 59, "units": 2, "verbs": 44,
 }  # fmt: skip
 """Room -> sentences in it today."""
 

@@ -14,7 +14,7 @@ from inspect import cleandoc
 from math import degrees, pi, radians
 from pathlib import Path
 from types import NoneType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter, Token
 
@@ -222,8 +222,6 @@ Q = Annotated[str, Parameter(
     help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
     allow_leading_hyphen=True,
 )]  # fmt: skip
-FRAME = Literal["base", "tool", "link"] | None
-TCP = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
 
 def open_arm(name: str, options: ArmOptions, tcp: str | None = None, *, deg: bool = False) -> tuple[Robot, Task]:
@@ -398,9 +396,6 @@ def whole(_type: Any, tokens: Sequence[Token]) -> int:
     if not _WHOLE.fullmatch(text) or len(text) > _LONGEST_NUMBER:
         raise ValueError(f"this is not a whole number; got {text[:40]!r}; allowed: digits, such as 10000 or 10_000.")
     return int(text)
-
-
-Whole = Annotated[int, Parameter(converter=whole)]
 
 
 def command(function: Command) -> Command:

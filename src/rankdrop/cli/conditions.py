@@ -37,7 +37,7 @@ from rankdrop.cli.terminal import (
     write_text,
 )
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.options import Options, option
+from rankdrop.options import option
 from rankdrop.questions import ConditionsOptions
 from rankdrop.sections import Section
 
@@ -50,10 +50,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Question(Options):
-    """What is asked of the conditions."""
+class Question(Output):
+    """What is asked of the conditions, and where they go."""
 
-    TITLE = "Your own"
+    TITLE = "Questions and output"
     test: Annotated[str | None, option("A condition: is it exactly the singular set, too small, or too large?")] = None
     flags: Annotated[
         str | None, option("A configuration: signs of the determinant's factors there (arms without redundancy)")
@@ -63,6 +63,12 @@ class Question(Options):
     ] = None
     end: Annotated[str | None, option("The other configuration", name="--to")] = None
     deg: Annotated[bool, option("Angles of configurations without a unit are in degrees")] = False
+    steps_out: Annotated[
+        str | None, option("Write the steps to this file, with all that is folded on the screen written out")
+    ] = None
+    latex: Annotated[str | None, option("Write the families as a LaTeX table to this file; - for stdout")] = None
+    python: Annotated[str | None, option("Write the families as a Python module on NumPy")] = None
+    c: Annotated[str | None, option("Write the families as a C header")] = None
 
     def __bool__(self) -> bool:
         return any(one is not None for one in (self.test, self.flags, self.start, self.end))
@@ -119,27 +125,14 @@ class Question(Options):
         return Section(title, f"q = ({values}) [{'°' if self.deg else 'rad'}, m]", flags.sentences())
 
 
-@dataclass(frozen=True)
-class Files(Output):
-    """Where conditions go."""
-
-    steps_out: Annotated[
-        str | None, option("Write the steps to this file, with all that is folded on the screen written out")
-    ] = None
-    latex: Annotated[str | None, option("Write the families as a LaTeX table to this file; - for stdout")] = None
-    python: Annotated[str | None, option("Write the families as a Python module on NumPy")] = None
-    c: Annotated[str | None, option("Write the families as a C header")] = None
-
-
 @command
 def conditions(
     robot: ROBOT,
     /,
     *,
     options: ConditionsOptions = ConditionsOptions(),
-    question: Question = Question(),
     arm: IdealOptions = NO_IDEAL,
-    output: Files = Files(),
+    output: Question = Question(),
 ) -> int:
     """Derive the singularity conditions of an arm exactly.
 
@@ -167,12 +160,12 @@ def conditions(
     check_targets({"--steps-out": output.steps_out, "--latex": output.latex, "--python": output.python,
                    "--c": output.c, "--json": output.json})  # fmt: skip
     model, task, made = open_ideal(robot, arm, arm.ideal)
-    if question:
-        question.check(model, exact_chain(model, task, lengths=read_lengths(options.lengths)))
-    steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if question else None)
+    if output:
+        output.check(model, exact_chain(model, task, lengths=read_lengths(options.lengths)))
+    steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if output else None)
     with reporter(quiet=output.quiet) as report:
         found = run(model, task, replace(options, steps=steps, coranks=coranks), progress=report)
-    answers, answered, verdict = question.answer(found)
+    answers, answered, verdict = output.answer(found)
     verdict = of_ideal(verdict, made)
     there, moved, beside = ideal_sections(made, task, found.families, options.seed)
 

@@ -21,7 +21,7 @@ from rankdrop.cli.arm import (
 )
 from rankdrop.cli.certificates import in_words, model_tolerance, of_place, save_certificate
 from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, results, show, write_json
-from rankdrop.options import Options, option
+from rankdrop.options import option
 from rankdrop.questions import ExplainOptions
 from rankdrop.sections import Section
 from rankdrop.tolerances import EVALUATIONS
@@ -33,8 +33,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Parts(Output):
-    """Which parts of an explanation are printed or written."""
+    """What is known, and which parts of an explanation are printed or written."""
 
+    analysis: Annotated[
+        str | None,
+        option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found on the spot"),
+    ] = None
+    tolerance: Annotated[float, option("Singular values at or below it count as zero; else 1e-9")] | None = None
     only: Annotated[
         Literal["escape", "nearest"] | None, option("One part: the joints that lead out, or distances and their proof")
     ] = None
@@ -50,17 +55,6 @@ class Parts(Output):
     ] = None
 
 
-@dataclass(frozen=True)
-class Known(Options):
-    """Where families come from."""
-
-    analysis: Annotated[
-        str | None,
-        option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found on the spot"),
-    ] = None
-    tolerance: Annotated[float, option("Singular values at or below it count as zero; else 1e-9")] | None = None
-
-
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
 BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
 
@@ -74,7 +68,6 @@ def explain(
     tool: ToolOptions = NO_TOOL,
     options: ExplainOptions = ExplainOptions(),
     arm: IdealOptions = NO_IDEAL,
-    known: Known = Known(),
     output: Parts = Parts(),
 ) -> int:
     """Explain a configuration: what is lost, how to get out.
@@ -104,8 +97,8 @@ def explain(
     coranks = 6 if output.only == "nearest" else options.coranks
     found = run(
         model, parse_configuration(q, model, deg=tool.deg), task, replace(options, evaluations=budget, coranks=coranks),
-        analysis=None if known.analysis is None else Analysis.load(known.analysis),
-        tolerances=DEFAULT if known.tolerance is None else replace(DEFAULT, singular=known.tolerance),
+        analysis=None if output.analysis is None else Analysis.load(output.analysis),
+        tolerances=DEFAULT if output.tolerance is None else replace(DEFAULT, singular=output.tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
     proven = None if output.certificate is None and near is None else of_place(found, near, budget)

@@ -23,7 +23,6 @@ with contextlib.suppress(ValueError):  # not the main thread
         signal.signal(signal.SIGINT, _leave_at_once)
 try:
     import errno
-    import io
     import traceback
     from collections.abc import Sequence
     from threading import current_thread, main_thread
@@ -277,22 +276,15 @@ def _close_stdout() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-class _Closed(io.TextIOBase):
-    """A stream that was closed before the program began: whoever writes to it is told."""
-
-    def write(self, text: str, /) -> int:
-        raise OSError(errno.EBADF, os.strerror(errno.EBADF))
-
-
 def _fill_streams() -> None:
     """Stand-ins for streams that are closed (`>&-`), and no file of ours under their numbers."""
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free, which is this one
+            os.open(os.devnull, os.O_RDONLY)  # takes the lowest number that is free, which is this one
     if sys.stdout is None:
-        sys.stdout = _Closed()
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115  # what is written to it fails
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the process ends
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Output, command, open_arm, parse_configuration
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Output, ToolOptions, command, open_arm, parse_configuration
 from rankdrop.cli.certificates import model_tolerance, save_certificate
 from rankdrop.cli.terminal import (
     STDOUT,
@@ -32,12 +32,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Input(Options):
+class Input(ToolOptions):
     """How files are read."""
 
     TITLE = "Input"
 
-    deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
     topic: Annotated[
         str | None, option("Of a bag in which several have joint values (JointState, JointTrajectory)")
     ] = None  # fmt: skip
@@ -123,7 +122,6 @@ def path(
     /,
     *files: str,
     arm: ArmOptions = NO_OPTIONS,
-    tcp: TCP = None,
     source: Input = PLAIN_INPUT,
     check: PathOptions = PLAIN_CHECK,
     mend: Remedies = NO_REMEDIES,
@@ -159,7 +157,6 @@ def path(
             JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
             the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
             with poses.
-        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
     """
     from rankdrop.jobs import progress_of
     from rankdrop.motion import FORMATS, WRITTEN, FileReading, check_files, check_format, many_section, paths_to_dict
@@ -180,7 +177,7 @@ def path(
     several = len(found) > 1 or many.out is not None or many.scheduler is not None
     if several:
         _check_several(output, mend)
-    model, task = open_arm(name, arm, tcp, deg=source.deg)
+    model, task = open_arm(name, arm, source.tcp, deg=source.deg)
     start = (
         None
         if source.start is None

@@ -12,14 +12,14 @@ from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Output, command, open_arm, parse_configuration
 from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, write_json
 from rankdrop.errors import OptionError
-from rankdrop.options import Options, option
+from rankdrop.options import option
 
 
 @dataclass(frozen=True)
-class AboutOptions(Options):
-    """What the certificate must be about."""
+class VerifyOptions(Output):
+    """What the certificate must be about, and how it is checked."""
 
-    TITLE = "The claim must be about"
+    TITLE = "The claim and its check"
     robot: Annotated[
         str | None, option("This arm: name or file, with --task, --length-scale and so on; else the arm of the file")
     ] = None
@@ -31,13 +31,6 @@ class AboutOptions(Options):
     limits: Annotated[
         bool | None, option("The joint limits (--limits) or the whole joint space (--no-limits), of a covering")
     ] = None
-
-
-@dataclass(frozen=True)
-class CheckOptions(Output):
-    """How much is checked."""
-
-    TITLE = "Check"
     enclosures: Annotated[int, option("Enclosures that the check may make, about a millisecond each")] = 500_000
     sample: (
         Annotated[
@@ -61,9 +54,8 @@ def verify(
     file: Annotated[str, Parameter(help="A certificate.")],
     /,
     *,
-    about: AboutOptions = AboutOptions(),
     arm: ArmOptions = NO_OPTIONS,
-    output: CheckOptions = CheckOptions(),
+    output: VerifyOptions = VerifyOptions(),
 ) -> int:
     """Check a certificate: prove its claim again.
 
@@ -87,7 +79,7 @@ def verify(
     from rankdrop.certify import verify as check
 
     check_targets({"--json": output.json})
-    asked = _asked(about, arm)
+    asked = _asked(output, arm)
     with reporter(quiet=output.quiet) as report:
         found = check(
             file, asked, enclosures=output.enclosures, sample=output.sample, every=output.everything,
@@ -103,7 +95,7 @@ def verify(
     return exits.FINE if found.holds else exits.UNEXPLAINED
 
 
-def _asked(about: AboutOptions, arm: ArmOptions) -> Any:
+def _asked(about: VerifyOptions, arm: ArmOptions) -> Any:
     """What the claim is compared with, as `rankdrop.certify.asked_about` gives it."""
 
     from rankdrop.certify import asked_about

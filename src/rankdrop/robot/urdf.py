@@ -146,7 +146,7 @@ def from_urdf(
     """A robot from a URDF file or its text.
 
     Only the kinematics of the chain from `base` to `tip` is read: joint types, origins, axes, limits and mimic. Meshes,
-    masses and joints outside the chain are not looked at. Missing limits are ±inf, with a note. Angles that are rounded
+    masses and joints outside the chain are ignored. Missing limits are ±inf, with a note. Angles that are rounded
     decimals of multiples of 15°, and structure that holds but for noise, are exact, with a note (see `as_intended`).
 
     Args:

@@ -126,7 +126,7 @@ def test_analyze_takes_a_length_scale() -> None:
 
 
 def test_analyze_refuses_numbers_that_are_not_whole() -> None:
-    with pytest.raises(OptionError, match=r"starts: this value is not allowed; got 2\.5; allowed: a whole number, 1 … 10000000"):
+    with pytest.raises(OptionError, match=r"starts: this value is not allowed; got 2\.5; allowed: a whole number, 1"):
         rankdrop.analyze(open_robot("scara"), starts=2.5)  # type: ignore[arg-type]
 
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from rankdrop.families.genuine import descents, not_singular, task_jacobian_exactly
+from rankdrop.families.row import row_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem
+from rankdrop.results.known import shipped_conditions
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -94,3 +96,14 @@ def test_a_position_task_within_limits_is_not_contradicted() -> None:
     assert found.exact is not None
     assert found.exact.agrees
     assert found.verified
+
+
+def test_a_pin_of_almost_flat_conditions_is_known_to_thirteen_digits(rng) -> None:
+    """xArm 7, k1.f1: the conditions have slope 2e-6 in θ4, which leaves 1e-10 of it open; the arm itself does not."""
+    robot = open_robot("xarm7")
+    family = shipped_conditions("xarm7").families[0]
+    at = problem(robot)
+    row = row_of(at, family.in_units(robot).as_family(at.robot))
+    assert row.sets[0] == pytest.approx([-3.0554984495581], abs=1e-13)
+    q = row.linear.place(rng.uniform(-3, 3, (20, 7)), np.array([row.combinations[0]] * 20), rng)
+    assert at.sigma(q)[:, at.rank].max() < 1e-13

@@ -20,11 +20,12 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.families.linear import Linear, Values
+from rankdrop.families.genuine import ROUNDING, descents
+from rankdrop.families.linear import Linear, Values, canonical
 from rankdrop.families.signature import HIGHER, Signature
 from rankdrop.family.equation import Equation, Mask, System, normalised
 from rankdrop.family.record import Check, Family
-from rankdrop.problem import Problem, into_limits, wrapped
+from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
@@ -245,10 +246,23 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
     for joint in row.signature.coupled:
         values = Linear.of(problem.robot, [_unit(joint, problem.n)]).combinations(points, slope, SAME_VALUE)
         if len(values) <= min(MOST_VALUES, len(points) // 4):
-            pins[joint] = tuple(sorted(value for (value,) in values))
+            pins[joint] = tuple(
+                sorted(_sharpened(problem, joint, value, points[met[0]]) for (value,), met in values.items())
+            )
     pinned = _row(problem, family, pins)
     taken = pinned.linear.combinations(points, slope, SAME_VALUE)
     return pinned if len(taken) == len(pinned.combinations) else row
+
+
+def _sharpened(problem: Problem, joint: int, value: float, q: Array) -> float:
+    """The value of a joint at a configuration (n,) of a family, from the arm itself with 50 digits.
+
+    Where the conditions are all but flat, 1e-16 in their coefficients moves their solutions by 1e-10.
+    """
+    end, sigma = min(descents(problem, q), key=lambda one: one[1])
+    sharp = canonical(end[joint]) if problem.robot.periodic[joint] else float(end[joint])
+    off = abs(float(wrap(np.array(sharp - value)))) if problem.robot.periodic[joint] else abs(sharp - value)
+    return sharp if sigma <= ROUNDING and off <= SAME_VALUE else value
 
 
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:

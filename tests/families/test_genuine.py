@@ -98,6 +98,7 @@ def test_a_position_task_within_limits_is_not_contradicted() -> None:
     assert found.verified
 
 
+@pytest.mark.shipped
 def test_a_pin_of_almost_flat_conditions_is_known_to_thirteen_digits(rng) -> None:
     """xArm 7, k1.f1: the conditions have slope 2e-6 in θ4, which leaves 1e-10 of it open; the arm itself does not."""
     robot = open_robot("xarm7")

@@ -46,7 +46,6 @@ from rankdrop.local.block import generic_rank, joint_scale, sample, singular_val
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import FREE
-from rankdrop.motion.text import why_ended
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.codec import restored
 from rankdrop.results.conditions import Conditions
@@ -310,7 +309,7 @@ def _path(analysis: Analysis, name: str, given: Mapping[str, Any], limits: bool)
         "sigma": float(least.closest.sigma) if whole else None,
         "distance": finite(near) if whole else None,
         "q": least.closest.q.tolist(),
-        "why": "" if whole or judged.tool is None else why_ended(judged.tool, judged.robot),
+        "why": "" if whole else judged.why_ended,
     }
 
 

@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
@@ -29,7 +30,6 @@ from rankdrop.motion.text import joint_cells, joint_heads
 from rankdrop.motion.trajectory import csv_text
 from rankdrop.options import takes
 from rankdrop.robot.model import Array, Robot
-from rankdrop.schema import Result
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres

@@ -72,20 +72,6 @@ class Ranking:
     found: list[Other]
     ended: dict[str, int]
 
-    def sentence(self, what: str) -> str:
-        """What came of it."""
-        if not self.tried:
-            return f"there is no {what}"
-        reasons = {"singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
-                   "start": "do not reach the first pose",
-                   "plan": "found no way when planned over all self-motions"}  # fmt: skip
-        if list(self.ended.values()) == [self.tried] and self.tried > 1 and not self.found:
-            return f"all {self.tried} that were tried {reasons[next(iter(self.ended))]}"
-        parts = [f"{count} {reasons[reason]}" for reason, count in sorted(self.ended.items())]
-        if self.found:
-            parts.append(f"{len(self.found)} run it as far as a first look tells, and none of them was proven free")
-        return f"{self.tried} tried: {', '.join(parts)}"
-
 
 def ranked(candidates: Iterable[Candidate], count: int, report: Progress) -> Ranking:
     """Each candidate followed on some places of its path.

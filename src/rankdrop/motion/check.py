@@ -173,9 +173,9 @@ def check_path(
     path = curve(rows, times, rates, accelerations_, how.interpolate)
     remarks: tuple[tuple[Remark, Any], ...] = ()
     if (hint := unit_hint(path.control.reshape(-1, robot.n), robot)) is not None:
-        remarks += ((Remark.LOOKS_LIKE_DEGREES, hint),)
+        remarks += (("degrees", hint),)
     if rates is not None and how.interpolate == "linear":
-        remarks += ((Remark.VELOCITIES_UNUSED, None),)
+        remarks += (("velocities", None),)
     check = check_curve(robot, path, resolve_task(task, robot), how, analysis, tolerances, progress)
     return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
 
@@ -211,7 +211,7 @@ def check_curve(
         if kept == "not proven" and proof.complete and not proof.slivers:
             row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
             spent, kept = spent + more, "kept" if row < 0 else kept
-            remarks += ((Remark.DISTANCE_OPEN, row + 1),) if row >= 0 else ()
+            remarks += (("distance open", row + 1),) if row >= 0 else ()
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
     if arm is not robot:
         stretches = tuple(_out_of_metres(one, robot) for one in stretches)

@@ -171,9 +171,8 @@ class _Judge:
         samples = self._at(wide)
         for condition, function in self.functions.items():
             for low, high in self._brackets(wide, function(samples), function):
-                evidence = Evidence.CONDITION if condition else Evidence.DETERMINANT
-                crossing = self._part(CROSSING, low, high, (low + high) / 2, evidence)
-                parts.append(replace(crossing, condition=condition))
+                evidence: Evidence = "condition" if condition else "determinant"
+                parts.append(replace(self._part(CROSSING, low, high, (low + high) / 2, evidence), condition=condition))
         parts = self._distinct(parts)
         if not self.sliver.finished:
             return self._between(parts, places, q)
@@ -198,7 +197,7 @@ class _Judge:
             inside = (places >= low) & (places <= high)
             if high > low:
                 at = self._least(places[inside], self._sigma(q[inside]))[0] if inside.any() else (low + high) / 2
-                out.append(self._part(UNDECIDED, low, high, at, Evidence.UNFINISHED))
+                out.append(self._part(UNDECIDED, low, high, at, "unfinished"))
         return sorted(out, key=lambda one: (one.start, one.end))
 
     def _count(self, place: tuple[int, float]) -> float:
@@ -262,7 +261,7 @@ class _Judge:
         ends = self._place(low), self._place(high)
         return Crossing(
             kind, ends[0], ends[1], ends, self._place(at), q, sigma, 0 if kind == UNDECIDED else corank,
-            evidence is Evidence.SINGULAR_THROUGHOUT, evidence,
+            evidence == "singular throughout", evidence,
         )  # fmt: skip
 
     def _distinct(self, parts: list[Crossing]) -> list[Crossing]:
@@ -281,11 +280,11 @@ class _Judge:
         length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
         limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
         if length > _LYING and bool((sigma <= limit).all()):
-            return self._part(TOUCHING, low, high, (low + high) / 2, Evidence.SINGULAR_THROUGHOUT)
+            return self._part(TOUCHING, low, high, (low + high) / 2, "singular throughout")
         at, least = self._least(places, sigma)
         if least <= limit:
-            return self._part(TOUCHING, low, high, at, Evidence.SMALL_SIGMA)
-        return self._part(UNDECIDED, low, high, at, Evidence.NO_ENCLOSURE)
+            return self._part(TOUCHING, low, high, at, "small sigma")
+        return self._part(UNDECIDED, low, high, at, "no enclosure")
 
     def _sigma(self, q: Array) -> Array:
         """(N,) σ_r."""

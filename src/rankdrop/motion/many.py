@@ -8,6 +8,7 @@ from functools import lru_cache
 from hashlib import file_digest, sha256
 from pathlib import Path
 
+from rankdrop.codec import record_of
 from rankdrop.errors import ConfigurationError, OptionError, RankdropError, ResultFileError, TaskError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
@@ -25,9 +26,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
-from rankdrop.units import heading
 
-SCHEMA = "rankdrop/paths/1"
 _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
 
@@ -252,11 +251,4 @@ def many_section(many: Sequence[Record]) -> Section:
 
 def paths_to_dict(robot: Robot, many: Sequence[Record]) -> Record:
     """For a file: each path in short."""
-    keys = ("file", "verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
-    return {
-        **heading(SCHEMA),
-        "robot": robot.name,
-        "paths": [
-            {**{key: one[key] for key in keys}, "complete": one["verdict"] != _BAD} for one in many
-        ],
-    }
+    return record_of("paths", (robot.name, many))

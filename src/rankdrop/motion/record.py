@@ -1,29 +1,25 @@
 """A checked path as data: what was asked, the verdict, every stretch, the limits it breaks, and its profile.
 
-Facts alone; their sentences are made in `motion.text`. As plain data the record has the names of docs/json.md;
-rows and joints are numbered from 1.
+Facts alone; their sentences are made in `motion.text`, their file by `schema.motion`. Rows and joints are numbered
+from 1.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from rankdrop.local.block import generic_rank
+from rankdrop.codec import Result
 from rankdrop.motion import text
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.options import PathOptions
-from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html
-from rankdrop.sections import text as plain_text
+from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
-from rankdrop.units import heading
-from rankdrop.version import VERSION
 
 LEADS = 1e-6
 """A free stretch that comes nearer than this leads to a crossing at one of its ends [rad]."""
@@ -45,27 +41,11 @@ class Verdict(StrEnum):
 CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE = VERDICTS = tuple(Verdict)
 
 
-class Evidence(StrEnum):
-    """How the verdict of a stretch is known."""
-
-    COVERED = "covered"
-    DETERMINANT = "determinant"
-    CONDITION = "condition"
-    SINGULAR_THROUGHOUT = "singular throughout"
-    SMALL_SIGMA = "small sigma"
-    NO_ENCLOSURE = "no enclosure"
-    UNFINISHED = "unfinished"
-
-
-class Remark(StrEnum):
-    """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
-
-    LOOKS_LIKE_DEGREES = "degrees"
-    VELOCITIES_UNUSED = "velocities"
-    LOST_OF_SOME = "lost"
-    DISTANCE_OF_SOME = "distances"
-    NO_DISTANCE = "no distance"
-    DISTANCE_OPEN = "distance open"
+Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
+                   "unfinished"]
+"""How the verdict of a stretch is known."""
+Remark = Literal["degrees", "velocities", "lost", "distances", "no distance", "distance open"]
+"""What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,13 +214,18 @@ class ToolMotion:
     off: float
     turned: float
 
+    @property
+    def chosen(self) -> str:
+        """Which branch of the inverse kinematics the path takes, in words."""
+        return text.branch_chosen(self)
+
     def pose_at(self, place: Place) -> float:
         """Number of the pose at a place of the path, with the share of the way to the next."""
         return float(np.interp(place.position - 1, np.arange(len(self.place)), self.place))
 
 
 @dataclass(frozen=True, eq=False)
-class PathCheck:
+class PathCheck(Result):
     """A checked path.
 
     Attributes:
@@ -285,6 +270,7 @@ class PathCheck:
     complete: bool
     profile: Profile
     tool: ToolMotion | None = None
+    FILE: ClassVar[str] = "path"
 
     @property
     def holds(self) -> bool:
@@ -318,75 +304,20 @@ class PathCheck:
         """The remarks, and joints outside their limits, in words."""
         return text.notes(self)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The record that `rankdrop path --json` writes."""
-        return path_to_dict(self)
+    @property
+    def summary(self) -> tuple[str, ...]:
+        """The lines that are printed first."""
+        return text.summary(self)
+
+    @property
+    def why_ended(self) -> str:
+        """Why the tool path could not be followed to its end; "" where it was, or joints were given."""
+        return "" if self.tool is None else text.why_ended(self.tool, self.robot)
+
+    def how(self, stretch: Stretch) -> str:
+        """How the verdict of a stretch is known, in words."""
+        return text.evidence_words(stretch, self)
 
     def sections(self, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
         """As sections of text; `full`: every crossing and every free stretch."""
         return text.path_sections(self, deg=deg, full=full)
-
-    def __str__(self) -> str:
-        return plain_text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
-
-
-SCHEMA = "rankdrop/path/1"
-
-
-def path_to_dict(check: PathCheck) -> Record:
-    """Everything but the samples."""
-    return {
-        **heading(SCHEMA),
-        "robot": robot_to_dict(check.robot, check.task, generic_rank(check.robot, check.task)),
-        "settings": plain(check.options) | {
-            "length_scale": check.length_scale, "tolerances": plain(check.tolerances), "version": VERSION},
-        "rows": check.rows, "verdict": check.verdict.value, "sentence": check.sentence,
-        "summary": list(text.summary(check)), "free_share": check.free_share,
-        "undecided": {
-            "time": check.undecided_time, "share": check.undecided_share, "length": check.undecided_length
-        },
-        "min_distance": check.margin,
-        "violations": [{**plain(one), "place": one.place.position, "time": one.place.time} for one in check.violations],
-        "crossings": [
-            {**_span(one, *one.bracket), "corank": one.corank, "q": one.closest.q.tolist(),
-             "touching": one.verdict == TOUCHING, "lies": one.lies, "how": text.evidence_words(one, check)}
-            for one in check.crossings
-        ],
-        "stretches": [_stretch(one, check) for one in check.stretches],
-        "profile": plain(check.profile),
-        "evaluations": check.evaluations, "source": check.source, "notes": list(check.notes),
-        "complete": check.complete, "tool": None if check.tool is None else _tool(check.tool, check.robot),
-    }  # fmt: skip
-
-
-def _tool(tool: ToolMotion, robot: Robot) -> Record:
-    return {
-        "poses": tool.poses, "complete": tool.complete, "reached": tool.reached, "reason": tool.reason,
-        "words": text.why_ended(tool, robot), "start": list(tool.start), "chosen": text.branch_chosen(tool),
-        "off": tool.off, "turned": tool.turned,
-    }  # fmt: skip
-
-
-def _span(stretch: Stretch, start: Place, end: Place) -> Record:
-    timed = start.time is not None and end.time is not None
-    return {"rows": [start.position, end.position], "time": [start.time, end.time] if timed else None,
-            "family": stretch.family, "name": stretch.name}  # fmt: skip
-
-
-def _stretch(stretch: Stretch, check: PathCheck) -> Record:
-    closest = stretch.closest
-    return {
-        **_span(stretch, stretch.start, stretch.end),
-        "verdict": stretch.verdict.value, "corank": stretch.corank, "how": text.evidence_words(stretch, check),
-        "closest": {
-            "row": closest.place.position, "time": closest.place.time, "q": closest.q.tolist(),
-            "distance_rad": plain(closest.distance), "singular_q": closest.foot.tolist() or None,
-            "sigma": closest.sigma, "weak_share": plain(closest.weak),
-        },
-        "lost": list(stretch.lost), "null_share": plain(stretch.null_share),
-        "rates": stretch.rates.tolist() or None, "speed_factor": plain(stretch.speed_factor),
-        "slowest": stretch.slowest or None,
-    }  # fmt: skip

@@ -10,16 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import degrees, isfinite, isnan
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.codec import Result
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
+from rankdrop.motion import text
 from rankdrop.motion.candidates import Parameter, Ranking, branches, null_spaces, shifts, tilts
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
@@ -31,11 +32,8 @@ from rankdrop.motion.tool_path import ToolPath, joints_at, tool_path
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.options import takes
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import number_or_null, plain
-from rankdrop.results.explanation.words import fixed, short
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html, text
-from rankdrop.units import counted_length
+from rankdrop.sections import Section
 
 _CORNER = np.cos(np.radians(3.0))  # directions that differ by less are one
 _POINTS = 33  # of a parabola
@@ -46,11 +44,6 @@ KINDS = (NULL, FLIP, BLEND, TILT, SHIFT, RETIME)
 """Those that leave the tool's path come first; retime changes the time only."""
 
 
-GAINS = {"distance": ("distance to the nearest singularity known", "rad"), "speed": ("speed that keeps the limits", ""),
-         "duration": ("duration", "s")}  # fmt: skip
-"""What is compared before and after: in words, and its unit. The distance of a path that reaches a singularity is 0."""
-
-
 @dataclass(frozen=True, eq=False)
 class Remedy:
     """A path that was mended and checked again.
@@ -59,7 +52,8 @@ class Remedy:
         kind: one of `KINDS`.
         words: what is done, as a sentence.
         parameters: what with.
-        gains: of `GAINS`, the number before and after; inf or nan where not known.
+        gains: distance, speed, duration -> the number before and after; inf or nan where not known. The distance is 0
+            where the path reaches a singularity.
         trajectory: the new path; in time where the old one is.
         interpolate: between its rows.
         check: the new judgement: free, proven, with the distance asked for kept. Of retime, which keeps the path, it
@@ -84,7 +78,7 @@ class Remedy:
 
 
 @dataclass(frozen=True, eq=False)
-class Mending:
+class Mending(Result):
     """What was tried of a path.
 
     Attributes:
@@ -100,6 +94,7 @@ class Mending:
     notes: tuple[str, ...]
     needed: bool
     complete: bool
+    FILE: ClassVar[str] = "remedies"
 
     @property
     def best(self) -> Remedy | None:
@@ -108,38 +103,12 @@ class Mending:
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text."""
-        return (Section(self.sentence, lines=tuple(line for one in self.remedies for line in _lines(one, deg=deg))),
-                *([Section("Remedies that were not found", lines=self.notes)] if self.notes else []))  # fmt: skip
+        return text.remedy_sections(self, deg=deg)
 
     @property
     def sentence(self) -> str:
         """One line for people."""
-        if not self.needed:
-            return "Remedies: none is needed."
-        stopped = "" if self.complete else ", interrupted: not all kinds were tried"
-        if not self.remedies:
-            return f"Remedies: none was found{stopped}; that is no proof that there is none."
-        free = [one.kind for one in self.remedies if one.check.clear]
-        kept = [one.kind for one in self.remedies if not one.check.clear]
-        parts = [f"{', '.join(free)} (checked again: free, proven)"] if free else []
-        parts += [f"{', '.join(kept)} (limits kept; it still meets a singularity)"] if kept else []
-        return f"Remedies: {'; '.join(parts)}{stopped}."
-
-    def to_dict(self) -> dict[str, Any]:
-        """The entry `remedies` of the record that `rankdrop path --json` writes."""
-        return {
-            "needed": self.needed,
-            "sentence": self.sentence,
-            "found": [_record(one) for one in self.remedies],
-            "notes": list(self.notes),
-            "complete": self.complete,
-        }
-
-    def __str__(self) -> str:
-        return text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
+        return text.remedies_sentence(self)
 
 
 Proposal = tuple[str, tuple[Parameter, ...], Trajectory, tuple[float, float]]
@@ -333,7 +302,7 @@ class _Mender:
             if kind not in unwanted:
                 ranking = rank(partial(self._report, kind))
                 if not self._first(kind, self._proposals(ranking)):
-                    self.notes.append(f"{kind}: {ranking.sentence(what)}")
+                    self.notes.append(f"{kind}: {text.not_found(ranking, what)}")
 
     def _report(self, kind: str, done: int, count: int) -> None:
         if self.progress is not None:
@@ -429,67 +398,3 @@ def _distance(check: PathCheck) -> float:
 def _duration(check: PathCheck) -> float:
     times = check.curve.times
     return np.nan if times is None else float(times[-1] - times[0])
-
-
-def _lines(remedy: Remedy, *, deg: bool) -> list[str]:
-    lines = [f"{remedy.kind}: {remedy.words}"]
-    robot = remedy.check.robot
-    lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
-    for what, values in remedy.gains.items():
-        name, unit = GAINS[what]
-        before, after = (short(value) if isfinite(value) else "not known" for value in values)
-        if not np.isnan(values).all():
-            lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
-    lines.append(f"    checked again: {remedy.check.sentence}")
-    if remedy.usage is not None:
-        retimed = "new time law; " if remedy.retimed and remedy.kind != RETIME else ""
-        used = [f"{_percent(share)} of the {what} limits" for share, what in
-                ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
-        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
-    if remedy.off[0] > 0.0:
-        turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
-        where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
-        off = 1000 * remedy.off[0] / counted_length(robot)
-        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
-    return lines
-
-
-def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
-    _, value, unit = parameter
-    if unit == "rad, m" and isinstance(value, tuple):
-        return ", ".join(
-            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
-            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
-        )  # fmt: skip
-    values = value if isinstance(value, tuple) else (value,)
-    if unit == "rad" and deg:
-        return f"{', '.join(short(degrees(number)) for number in values)}°"
-    inside = ", ".join(short(number + 0.0) for number in values)
-    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
-
-
-def _percent(share: float) -> str:
-    return f"{short(100 * share)} %"
-
-
-def _small(value: float) -> str:
-    """A deviation; what is below 1e-9 is rounding."""
-    return short(value, 2) if value >= 1e-9 else "0"
-
-
-def _record(remedy: Remedy) -> dict[str, Any]:
-    made = remedy.trajectory
-    return {
-        "kind": remedy.kind, "words": remedy.words,
-        "parameters": [dict(zip(("name", "value", "unit"), plain(one), strict=True)) for one in remedy.parameters],
-        "gains": [{"what": what, "before": plain(before), "after": plain(after), "unit": GAINS[what][1]}
-                  for what, (before, after) in remedy.gains.items()],
-        "verdict": remedy.check.verdict.value, "sentence": remedy.check.sentence,
-        "limits": plain(remedy.usage),
-        "tool_off": {"m": remedy.off[0], "rad": number_or_null(remedy.off[1])},
-        "retimed": remedy.retimed,
-        "trajectory": {
-            "interpolate": remedy.interpolate, "t": made.times.tolist() if made.timed else None, "q": made.q.tolist(),
-            "velocities": plain(made.velocities), "accelerations": plain(made.accelerations),
-        },
-    }  # fmt: skip

@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rankdrop.codec import plain, record_of
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.families.batch_distance import QUICK, Ruler
 from rankdrop.family.record import family_in_metres
@@ -20,7 +21,7 @@ from rankdrop.motion.record import VERDICTS
 from rankdrop.motion.survey import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
-from rankdrop.units import heading, in_metres, into_metres, task_in_metres
+from rankdrop.units import in_metres, into_metres, task_in_metres
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -38,23 +39,21 @@ class PathRows:
     Attributes:
         columns: name -> (T,) numbers or words; every name ends in its unit, where it has one.
         about: name -> meaning.
-        robot, verdict, version: of the path.
+        robot, verdict: of the path.
     """
 
     columns: dict[str, Any]
     about: dict[str, str]
     robot: str
     verdict: str
-    version: str
+
+    def lines(self) -> Iterator[tuple[Any, ...]]:
+        """The rows, None where there is no number."""
+        return zip(*(plain(list(values)) for values in self.columns.values()), strict=True)
 
     def to_dict(self) -> dict[str, Any]:
         """The record of a JSON file: docs/json.md."""
-        lists = [_plain(values) for values in self.columns.values()]
-        return {
-            **heading(SCHEMA), "robot": self.robot, "verdict": self.verdict, "version": self.version,
-            "columns": [{"name": name, "meaning": self.about[name]} for name in self.columns],
-            "rows": [list(row) for row in zip(*lists, strict=True)],
-        }  # fmt: skip
+        return record_of("path-rows", self)
 
 
 def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
@@ -99,7 +98,7 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     if times is not None:
         parts.append(("speed_factor", factor, "largest, at most 1, that keeps the velocity limits on its stretch"))
     return PathRows({name: values for name, values, _ in parts}, {name: words for name, _, words in parts},
-                    robot.name, check.verdict, VERSION)  # fmt: skip
+                    robot.name, check.verdict)  # fmt: skip
 
 
 def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:
@@ -150,12 +149,12 @@ def _writer(ending: str) -> Callable[[PathRows], bytes]:
         raise MissingExtraError("pyarrow", "parquet", "a Parquet file") from error
 
     def write(rows: PathRows) -> bytes:
-        arrays = [pyarrow.array(_plain(values)) for values in rows.columns.values()]
+        arrays = [pyarrow.array(plain(list(values))) for values in rows.columns.values()]
         fields = [
-            pyarrow.field(name, array.type, metadata={"meaning": rows.about[name]})
-            for name, array in zip(rows.columns, arrays, strict=True)
+            pyarrow.field(name, array.type, metadata={"meaning": meaning})
+            for (name, meaning), array in zip(rows.about.items(), arrays, strict=True)
         ]
-        about = {"schema": SCHEMA, "robot": rows.robot, "verdict": rows.verdict, "version": rows.version}
+        about = {"schema": SCHEMA, "robot": rows.robot, "verdict": rows.verdict, "version": VERSION}
         out = io.BytesIO()
         parquet.write_table(pyarrow.table(arrays, schema=pyarrow.schema(fields, metadata=about)), out)
         return out.getvalue()
@@ -167,11 +166,5 @@ def _csv(rows: PathRows) -> bytes:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(rows.columns)
-    writer.writerows(zip(*(_plain(values) for values in rows.columns.values()), strict=True))
+    writer.writerows(rows.lines())
     return out.getvalue().encode()
-
-
-def _plain(values: Any) -> list[Any]:
-    """A list; None where there is no number."""
-    listed = values.tolist() if isinstance(values, np.ndarray) else values
-    return [None if isinstance(one, float) and not np.isfinite(one) else one for one in listed]

@@ -29,7 +29,6 @@ from rankdrop.motion.record import (
     UNDECIDED,
     VERDICTS,
     Closest,
-    Evidence,
     Place,
     Profile,
     Remark,
@@ -146,7 +145,7 @@ class Survey:
         """All parts of the path, worst first: by verdict, then by distance."""
         parts = [self._singular(one, with_lost=k < _LOST) for k, one in enumerate(crossings)]
         if len(crossings) > _LOST:
-            self.remarks = (*self.remarks, (Remark.LOST_OF_SOME, (_LOST, len(crossings))))
+            self.remarks = (*self.remarks, ("lost", (_LOST, len(crossings))))
         last = len(self.path.control) - 1
         ends = [(0, 0.0), *(end for one in crossings for end in (one.start, one.end)), (last, 1.0)]
         gaps = [(ends[i], ends[i + 1]) for i in range(0, len(ends), 2)]
@@ -228,7 +227,7 @@ class Survey:
         without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
         searched = {k for _, k in without[:_SPOTS]}
         if len(without) > _SPOTS:
-            self.remarks = (*self.remarks, (Remark.DISTANCE_OF_SOME, (_SPOTS, len(without))))
+            self.remarks = (*self.remarks, ("distances", (_SPOTS, len(without))))
         for k, (start, end, family, row) in enumerate(parts):
             place = self._place(best[k])
             q = self.path.at(np.array([place[0]]), np.array([place[1]]))[0]
@@ -240,7 +239,7 @@ class Survey:
             elif k in searched:
                 number, name, foot, distance = self._searched(q)
             closest = Closest(self._place_of(place), q, distance, foot, self._sigma(q), self._weak(place, q))
-            part = Crossing(FREE, start, end, (start, end), place, q, np.zeros(0), 0, False, Evidence.COVERED)
+            part = Crossing(FREE, start, end, (start, end), place, q, np.zeros(0), 0, False, "covered")
             found.append(self._stretch(part, number, name, closest))
         return found
 
@@ -273,7 +272,7 @@ class Survey:
                 self.robot, q, self.task, limits=self.options.limits, tolerances=self.tolerances
             )
         except RankdropError as error:
-            self.remarks = (*self.remarks, (Remark.NO_DISTANCE, error.what))
+            self.remarks = (*self.remarks, ("no distance", error.what))
             return "", "", np.zeros(0), np.inf
         if nearest is None:
             return "", "", np.zeros(0), np.inf

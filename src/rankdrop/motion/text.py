@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rankdrop.local.block import generic_rank
-from rankdrop.results.explanation.words import angle, minus, motion, short
+from rankdrop.results.explanation.words import angle, fixed, minus, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
+    from rankdrop.motion.candidates import Parameter, Ranking
     from rankdrop.motion.record import PathCheck, Place, Stretch, ToolMotion, Violation
+    from rankdrop.motion.remedies import Mending, Remedy
 
 DESCRIBED, LISTED = 2, 12
 """Crossings that are described in some lines each; if there are more, so many get one line each."""
@@ -346,3 +348,89 @@ def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
     """Joint values (n,) as cells of a table."""
     for joint, value in zip(robot.variables, q.tolist(), strict=True):
         yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")
+
+
+_GAINS = {"distance": "distance to the nearest singularity known", "speed": "speed that keeps the limits",
+          "duration": "duration"}  # fmt: skip
+_ENDED = {
+    "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
+    "start": "do not reach the first pose", "plan": "found no way when planned over all self-motions",
+}  # fmt: skip
+
+
+def not_found(ranking: Ranking, what: str) -> str:
+    """What came of the candidates of a kind of remedy, none of which is one."""
+    if not ranking.tried:
+        return f"there is no {what}"
+    if list(ranking.ended.values()) == [ranking.tried] and ranking.tried > 1 and not ranking.found:
+        return f"all {ranking.tried} that were tried {_ENDED[next(iter(ranking.ended))]}"
+    parts = [f"{count} {_ENDED[reason]}" for reason, count in sorted(ranking.ended.items())]
+    if ranking.found:
+        parts.append(f"{len(ranking.found)} run it as far as a first look tells, and none of them was proven free")
+    return f"{ranking.tried} tried: {', '.join(parts)}"
+
+
+def remedies_sentence(mending: Mending) -> str:
+    """Which remedies were found."""
+    if not mending.needed:
+        return "Remedies: none is needed."
+    stopped = "" if mending.complete else ", interrupted: not all kinds were tried"
+    if not mending.remedies:
+        return f"Remedies: none was found{stopped}; that is no proof that there is none."
+    parts = [
+        f"{', '.join(kinds)} ({what})" for clear, what in ((True, "checked again: free, proven"),
+                                                          (False, "limits kept; it still meets a singularity"))
+        if (kinds := [one.kind for one in mending.remedies if one.check.clear == clear])
+    ]  # fmt: skip
+    return f"Remedies: {'; '.join(parts)}{stopped}."
+
+
+def remedy_sections(mending: Mending, *, deg: bool) -> tuple[Section, ...]:
+    """The remedies, and the kinds of which none was found."""
+    lines = tuple(line for one in mending.remedies for line in _remedy_lines(one, deg=deg))
+    others = [Section("Remedies that were not found", lines=mending.notes)] if mending.notes else []
+    return Section(mending.sentence, lines=lines), *others
+
+
+def _remedy_lines(remedy: Remedy, *, deg: bool) -> list[str]:
+    from rankdrop.schema.motion import GAIN_UNITS
+
+    lines = [f"{remedy.kind}: {remedy.words}"]
+    robot = remedy.check.robot
+    lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
+    for what, values in remedy.gains.items():
+        name, unit = _GAINS[what], GAIN_UNITS[what]
+        before, after = (short(value) if isfinite(value) else "not known" for value in values)
+        if not np.isnan(values).all():
+            lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
+    lines.append(f"    checked again: {remedy.check.sentence}")
+    if remedy.usage is not None:
+        retimed = "new time law; " if remedy.retimed and remedy.kind != "retime" else ""
+        used = [f"{short(100 * share)} % of the {what} limits" for share, what in
+                ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
+        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
+    if remedy.off[0] > 0.0:
+        turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
+        where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
+        off = 1000 * remedy.off[0] / counted_length(robot)
+        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
+    return lines
+
+
+def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
+    _, value, unit = parameter
+    if unit == "rad, m" and isinstance(value, tuple):
+        return ", ".join(
+            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
+            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
+        )  # fmt: skip
+    values = value if isinstance(value, tuple) else (value,)
+    if unit == "rad" and deg:
+        return f"{', '.join(short(degrees(number)) for number in values)}°"
+    inside = ", ".join(short(number + 0.0) for number in values)
+    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
+
+
+def _small(value: float) -> str:
+    """A deviation; what is below 1e-9 is rounding."""
+    return short(value, 2) if value >= 1e-9 else "0"

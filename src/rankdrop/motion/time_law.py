@@ -33,6 +33,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
@@ -42,7 +43,6 @@ from rankdrop.motion.trajectory import csv_text
 from rankdrop.problem import Mask
 from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
-from rankdrop.schema import Result
 from rankdrop.sections import Section
 from rankdrop.solve import newton
 from rankdrop.task import ROWS, Task, resolve_task

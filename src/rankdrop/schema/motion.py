@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Literal
+
+from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
 from rankdrop.exact.posture_changes import Decision
@@ -79,16 +81,16 @@ ASPECTS_FILE = file(
     notes=many(str),
     complete=(bool, "false: interrupted"),
 )
-COLUMNS = table("columns", name=str, meaning=str)
+COLUMNS = table("columns", name=(str, "", itemgetter(0)), meaning=(str, "", itemgetter(1)))
 PATH_ROWS_FILE = file(
     "path-rows",
     "Written by `rankdrop path --rows OUT.json`: a judged path row by row. The names of the columns end in their "
     "unit; null where there is no number.",
     robot=str,
     verdict=VERDICT,
-    version=str,
-    columns=some(COLUMNS),
-    rows=some(many(num("column") | str | None)),
+    version=_VERSION,
+    columns=(some(COLUMNS), "", lambda rows: list(rows.about.items())),
+    rows=(some(many(num("column") | str | None)), "", lambda rows: list(map(list, rows.lines()))),
 )
 PATH_SETTINGS = table(
     "path_settings",
@@ -107,15 +109,21 @@ VIOLATIONS = table(
     "violations",
     what=Literal["rate", "range"],
     joint=Positive,
-    place=(num("row", ge=1), "where the rate is largest, or the first row outside the range"),
-    time=num("s") | None,
+    place=(num("row", ge=1), "where the rate is largest, or the first row outside the range",
+        attrgetter("place.position")),
+    time=(num("s") | None, "", attrgetter("place.time")),
     amount=(num("1", ge=0), "of a rate, a multiple of its limit; of a range, the largest excess [rad, m]"),
     rows=(Count, "rows outside the range"),
     proven=(bool, "the limit is exceeded; false: only a bound exceeds it"),
     name=(str, "of the nearest family"),
     distance=num("distance", ge=0) | None,
 )
-UNDECIDED = table("undecided", time=num("s", ge=0) | None, share=num("1", ge=0, le=1), length=num("distance", ge=0))
+UNDECIDED = table(
+    "undecided",
+    time=(num("s", ge=0) | None, "", attrgetter("undecided_time")),
+    share=(num("1", ge=0, le=1), "", attrgetter("undecided_share")),
+    length=(num("distance", ge=0), "", attrgetter("undecided_length")),
+)
 PATH_CROSSINGS = table(
     "path_crossings",
     rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
@@ -130,15 +138,16 @@ PATH_CROSSINGS = table(
 )
 CLOSEST = table(
     "closest",
-    row=num("row", ge=1),
-    time=num("s") | None,
+    row=(num("row", ge=1), "", attrgetter("place.position")),
+    time=(num("s") | None, "", attrgetter("place.time")),
     q=some(num("joint")),
-    distance_rad=(num("distance", ge=0) | None, "to the nearest singular configuration known; null where none is"),
-    singular_q=many(num("joint")) | None,
+    distance_rad=(num("distance", ge=0) | None, "to the nearest singular configuration known; null where none is",
+        attrgetter("distance")),
+    singular_q=(many(num("joint")) | None, "", lambda closest: closest.foot.tolist() or None),
     sigma=num("1", ge=0),
     weak_share=(num("1", ge=0, le=1.000001) | None,
         "share of the tool's travel along the direction of the smallest singular value; null where it stands "
-        "still"),
+        "still", attrgetter("weak")),
 )
 STRETCHES = table(
     "stretches",
@@ -169,10 +178,12 @@ PROFILE = table(
 )
 PARAMETERS = table(
     "parameters",
-    name=str,
-    value=num("entry") | many(num("entry")),
-    unit=(str, "\"rad, m\": joint values"),
+    name=(str, "", itemgetter(0)),
+    value=(num("entry") | many(num("entry")), "", itemgetter(1)),
+    unit=(str, "\"rad, m\": joint values", itemgetter(2)),
 )
+GAIN_UNITS = {"distance": "rad", "speed": "", "duration": "s"}
+"""What is compared before and after a remedy, and its unit."""
 GAINS = table(
     "gains",
     what=(Literal["distance", "speed", "duration"],
@@ -183,11 +194,11 @@ GAINS = table(
     unit=str,
 )
 LIMITS = table("limits", rate=num("1"), acceleration=num("1"), how=str)
-TOOL_OFF = table("tool_off", m=num("m"), rad=num("rad") | None)
+TOOL_OFF = table("tool_off", m=(num("m"), "", itemgetter(0)), rad=(num("rad") | None, "", itemgetter(1)))
 TRAJECTORY = table(
     "trajectory",
     interpolate=Literal["linear", "cubic", "quintic"],
-    t=many(num("s")) | None,
+    t=(many(num("s")) | None, "", lambda one: one["times"] if one["timed"] else None),
     q=many(many(num("joint"))),
     velocities=many(many(num("joint/s"))) | None,
     accelerations=many(many(num("joint/s²"))) | None,
@@ -197,22 +208,25 @@ FOUND = table(
     kind=Literal["null-space", "flip", "blend", "tool tilt", "base shift", "retime"],
     words=str,
     parameters=many(PARAMETERS),
-    gains=many(GAINS),
+    gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": GAIN_UNITS[what]}
+                                         for what, gain in one.gains.items()]),
     verdict=(VERDICT,
-        "of the mended path: free, but of retime, which keeps the path and is judged by its limits"),
-    sentence=str,
-    limits=(LIMITS | None, "shares of the limits that it nowhere exceeds; null without times or limits"),
+        "of the mended path: free, but of retime, which keeps the path and is judged by its limits",
+        attrgetter("check.verdict")),
+    sentence=(str, "", attrgetter("check.sentence")),
+    limits=(LIMITS | None, "shares of the limits that it nowhere exceeds; null without times or limits",
+        attrgetter("usage")),
     tool_off=(TOOL_OFF,
         "how far the tool is from its path between rows, measured in their middles; of a blend from the old "
-        "path"),
+        "path", attrgetter("off")),
     retimed=(bool, "it has a new time law"),
-    trajectory=TRAJECTORY,
+    trajectory=(TRAJECTORY, "", lambda one: {**vars(one.trajectory), "interpolate": one.interpolate}),
 )
 REMEDIES = table(
     "remedies",
     needed=(bool, "the path is not proven free and far enough, or breaks limits"),
     sentence=str,
-    found=many(FOUND),
+    found=(many(FOUND), "", attrgetter("remedies")),
     notes=(many(str), "kinds without a remedy: what was tried and what came of it"),
     complete=(bool, "false where it was interrupted"),
 )
@@ -222,35 +236,48 @@ TOOL = table(
     complete=bool,
     reached=num("row", ge=1),
     reason=Literal["", "start", "singular", "limit", "stuck"],
-    words=str,
+    words=(str, "why it ended"),
     start=many(num("joint")),
     chosen=str,
     off=(num("m", ge=0), "the tip is proven to stay within this distance of its curve"),
     turned=(optional(num("rad", ge=0)), "and within this angle"),
 )
+def _part(one: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
+    """A stretch between two places of it as entries."""
+    return {
+        **vars(one), "rows": [place.position for place in ends],
+        "time": None if ends[0].time is None else [place.time for place in ends], "how": check.how(one),
+        "q": one.closest.q, "touching": one.verdict == "touching", "rates": one.rates.tolist() or None,
+        "slowest": one.slowest or None,
+    }  # fmt: skip
+
+
 PATH_FILE = file(
     "path",
     "Written by `rankdrop path --json`: a path judged at every one of its points. Rows and joints are numbered "
     "from 1; angles in rad, lengths in m; stretches worst first, crossings along the path.",
-    robot=ROBOT,
-    settings=PATH_SETTINGS,
+    robot=_ARM,
+    settings=(PATH_SETTINGS, "", _settings),
     rows=Positive,
     verdict=VERDICT,
     sentence=text(min_length=1),
     summary=(optional(many(str)), "the lines that the command prints first"),
     free_share=(num("1", ge=0, le=1), "of the length in joint space, proven free"),
-    undecided=UNDECIDED,
-    min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for"),
+    undecided=(UNDECIDED, "", lambda check: check),
+    min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for",
+        attrgetter("margin")),
     violations=(optional(many(VIOLATIONS)), "joint limits that the path breaks, or may break"),
-    crossings=many(PATH_CROSSINGS),
-    stretches=many(STRETCHES),
+    crossings=(many(PATH_CROSSINGS), "", lambda check: [_part(one, one.bracket, check) for one in check.crossings]),
+    stretches=(many(STRETCHES), "", lambda check: [_part(one, (one.start, one.end), check) for one in check.stretches]),
     profile=(PROFILE, "numbers along the path, for drawings; family: index into ids"),
     evaluations=Count,
     source=Literal["catalogue", "analysis", "on the spot"],
     notes=many(str),
     complete=bool,
-    remedies=(optional(REMEDIES), "only where remedies were asked for: what mends the path, each judged again"),
-    tool=(TOOL | None, "Where poses of the tip were given: how joint values were found; else null."),
+    remedies=(optional(REMEDIES), "only where remedies were asked for: what mends the path, each judged again",
+        lambda _: UNSET),
+    tool=(TOOL | None, "Where poses of the tip were given: how joint values were found; else null.",
+        lambda check: check.tool and {**vars(check.tool), "words": check.why_ended, "chosen": check.tool.chosen}),
 )
 PATHS = table(
     "paths",
@@ -261,11 +288,11 @@ PATHS = table(
     free_share=num("1", ge=0, le=1.000001) | None,
     met=(Count | None, "crossings and touches"),
     nearest_rad=num("distance", ge=0) | None,
-    complete=bool,
+    complete=(bool, "", lambda one: one["verdict"] != "bad input"),
 )
 PATHS_FILE = file(
     "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
-    robot=str, paths=many(PATHS),
+    robot=(str, "", itemgetter(0)), paths=(many(PATHS), "", itemgetter(1)),
 )  # fmt: skip
 MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=(many(many(num("joint"))), "", attrgetter("joints")))
 THROUGH_FILE = file(

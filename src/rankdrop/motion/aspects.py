@@ -105,7 +105,7 @@ class Postures(Result):
         if self.decision.impossible:
             words = f"{self.decision.words[:1].upper()}{self.decision.words[1:]}"
             return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
-        where = " within the joint limits" if self.options.limits else ""
+        where = f" {self._where}" if self.options.limits else ""
         poses = f"{len(self.solved)} pose{'' if len(self.solved) == 1 else 's'}"
         return f"No change of posture without a singularity was found in {poses}{where}; that is no proof of absence."
 
@@ -131,12 +131,15 @@ class Postures(Result):
         names = [joint.name for joint in self.robot.variables]
         return "" if self.change is None else csv_text(names, self.change.q)
 
+    @property
+    def _where(self) -> str:
+        return "within the joint limits" if self.options.limits else "joint limits ignored"
+
     def _about(self) -> Iterator[str]:
         if not self.decision.impossible:  # else the verdict says it
             yield f"without a search: {self.decision.words}"
-        where = "within the joint limits" if self.options.limits else "joint limits ignored"
         yield (f"solutions of the inverse: Newton's method from {self.options.starts:,} starts for each pose, seed "
-               f"{self.options.seed}, {where}; more may exist")  # fmt: skip
+               f"{self.options.seed}, {self._where}; more may exist")  # fmt: skip
 
     def _solutions(self, solved: Solved, *, deg: bool) -> Section:
         order = sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))

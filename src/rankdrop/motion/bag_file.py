@@ -12,6 +12,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,7 @@ _SECONDS = 1.0  # of the processor for each MB of a bag, besides those that ever
 _MEANT = {
     OverflowError: "a record that is longer than any file",
     AssertionError: "records that contradict each other",
-    KeyError: "a record about one that is not there",
-    IndexError: "a record about one that is not there",
+    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
     UnicodeDecodeError: "a name that is no text",
 }
 """What the errors of Python mean that a damaged file raises; readers say the others themselves."""
@@ -259,8 +259,10 @@ class _Rows:
             return None
         twice = sorted({one for one in self.wanted if names.count(one) > 1})
         if missing or twice:
-            what = f"the message lacks joints: {', '.join(missing)}" if missing else "a joint is named twice"
-            raise TrajectoryError(what, where=at, got=", ".join(names), allowed=", ".join(self.wanted))
+            raise TrajectoryError(
+                f"the message lacks joints: {', '.join(missing)}" if missing else "a joint is named twice", where=at,
+                got=", ".join(names), allowed=", ".join(self.wanted),
+            )  # fmt: skip
         return [names.index(one) for one in self.wanted]
 
     def _values(self, values: Any, places: list[int], width: int, at: str, what: str) -> Array:
@@ -289,7 +291,7 @@ class _Rows:
         kept = self._in_force(starts, when) if self.plans > 1 else list(range(len(when)))
         if self.plans > 1:
             notes.append(f"{self.plans} plans follow each other; {len(when) - len(kept)} points were replaced")
-        again = [k for i, k in enumerate(kept) if i and self._same(kept[i - 1], k, when)]
+        again = [k for i, k in pairwise(kept) if when[i] == when[k] and (self.q[i] == self.q[k]).all()]
         if again:
             notes.append(f"{len(again)} rows are repeated word for word and count once")
             kept = [k for k in kept if k not in set(again)]
@@ -313,8 +315,6 @@ class _Rows:
             kept.append(k)
         return kept
 
-    def _same(self, one: int, other: int, when: list[int]) -> bool:
-        return when[one] == when[other] and bool((self.q[one] == self.q[other]).all())
 
 
 def _nanoseconds(time: Any) -> int:

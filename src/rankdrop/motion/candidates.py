@@ -23,6 +23,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.task import Task
 
+_SAME_START = "from the same start"
 _STARTS, _SEED = 600, 20241  # of Newton's method, for the branches at the first pose
 _SAME = 1e-5  # configurations nearer to each other are one [rad; slides divided by the length scale]
 _APART = 0.1  # … and of redundant arms, points nearer than this to a self-motion are on it
@@ -114,7 +115,7 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Pro
     if not len(plan):
         ranking.ended["plan"] = ranking.ended.get("plan", 0) + 1
         return False
-    words = "from another start" if around else "from the same start"
+    words = "from another start" if around else _SAME_START
     ranking.found.append(
         Other(tool, along(place, plan), f"the same tool path {words}, planned over the self-motions of every pose",
               (("start", tuple(plan[0].tolist()), "rad, m"),), free, not around)
@@ -233,7 +234,7 @@ def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
     if traced is not None:
         starts = [tool.q[0], *traced[np.unique(np.linspace(0, len(traced) - 1, _ALONG).astype(int))[1:]]]
 
-    moved = ("from the same start", *["begun elsewhere on its self-motion"] * (len(starts) - 1))
+    moved = (_SAME_START, *["begun elsewhere on its self-motion"] * (len(starts) - 1))
     ranking = ranked(
         ((tool, start, _pull(robot, task, strength), f"the same tool path {words}, by null-space motion",
           (("start", tuple(np.asarray(start).tolist()), "rad, m"), ("pull to larger σ", strength, "")))

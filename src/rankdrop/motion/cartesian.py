@@ -149,9 +149,11 @@ def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tu
                                      allowed=f"{robot.n} finite numbers")  # fmt: skip
         reached = follow(robot, goal[None], given, task)
         if not reached.complete:
-            why = f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
-            raise ConfigurationError(f"pose 1 is not reached from this start: {why}", where="start",
-                                     mend="a start nearer to it, or none")  # fmt: skip
+            raise ConfigurationError(
+                "pose 1 is not reached from this start: " + (
+                    f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
+                ), where="start", mend="a start nearer to it, or none",
+            )  # fmt: skip
         return reached.q[0], 0
     solutions = within_limits(robot, goal, task)
     if not len(solutions):

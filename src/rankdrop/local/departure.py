@@ -220,19 +220,16 @@ def _summed(place: Configuration, directions: Array) -> NDArray[np.intp]:
 
 def _slope(place: Configuration, direction: Array) -> int:
     """The order as a finite motion shows it, where the series cannot tell."""
-    steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
-    near, far = place.last(place.q + steps[:, None] * direction * place.scale).reshape(2, 2).mean(axis=1)
+    near, far = _near_and_far(place, direction)
     return int(np.clip(round(np.log2(max(far, 1e-300) / max(near, 1e-300))), 1, HIGHEST))
 
 
 def _toeplitz(series: Array, p: int) -> Array:
     """(d, (p + 1) m, (p + 1) n) T_p of each direction."""
     _, count, m, n = series.shape
-    matrix = np.zeros((count, (p + 1) * m, (p + 1) * n))
-    for row in range(p + 1):
-        for column in range(row + 1):
-            matrix[:, row * m : (row + 1) * m, column * n : (column + 1) * n] = series[row - column]
-    return matrix
+    powers = np.subtract.outer(np.arange(p + 1), np.arange(p + 1))
+    blocks = np.where((powers >= 0)[..., None, None, None], series[powers], 0.0)  # (p + 1, p + 1, d, m, n)
+    return blocks.transpose(2, 0, 3, 1, 4).reshape(count, (p + 1) * m, (p + 1) * n)
 
 
 def _second(first: Array, schur: Array, rank: int, corank: int) -> float:
@@ -244,10 +241,14 @@ def _second(first: Array, schur: Array, rank: int, corank: int) -> float:
 
 def _finite(place: Configuration, direction: Array, order: int) -> float:
     """σ_r/|t|^order as t → 0, from ±h and ±2h: the mean is even in t, so one step of Richardson takes t² off."""
-    steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
-    sigma = place.last(place.q + steps[:, None] * direction * place.scale) / np.abs(steps) ** order
-    near, far = sigma[:2].mean(), sigma[2:].mean()
+    near, far = _near_and_far(place, direction) / np.array([_NEAR, 2 * _NEAR]) ** order
     return float((4 * near - far) / 3)
+
+
+def _near_and_far(place: Configuration, direction: Array) -> Array:
+    """(2,) means of σ_r after motions by ±h and ±2h."""
+    steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
+    return np.asarray(place.last(place.q + steps[:, None] * direction * place.scale).reshape(2, 2).mean(axis=1))
 
 
 _Indices = NDArray[np.intp]

@@ -53,7 +53,6 @@ class Screw:
         linear = np.cross(self.point, direction) + self.pitch * direction
         return self.magnitude * np.concatenate([linear, direction])
 
-
     def in_lengths(self, length: float) -> Screw:
         """The same screw where `length` [m] was its unit of length: point and pitch in metres."""
         x, y, z = self.point
@@ -132,31 +131,24 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
         >>> constraint([0, 0, 0.05, 0.6, -0.8, 0])
         '−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz = 0'
     """
-    v, w = _parts(direction)
-    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    v, w, slide, turn = _parts(direction)
     moves = slide >= turn
     first, second = (v / slide, w / slide) if moves else (w / turn, v / turn)
     names, others, unit = ("v", "ω", "m") if moves else ("ω", "v", "rad/m")
     per = length if moves else 1.0 / length
     sign = 1.0 if first[int(np.argmax(np.abs(first) >= np.abs(first).max() - _AXIS))] > 0.0 else -1.0
-    small = float(np.linalg.norm(second)) <= _ZERO
+    kept = 1.0 if float(np.linalg.norm(second)) > _ZERO else 0.0
     terms = [(sign * float(x), f"{names}{axis}") for x, axis in zip(first, "xyz", strict=True) if abs(x) > _AXIS]
-    if not small:
-        terms += [
-            (sign * float(x) * per, f"{unit}·{others}{axis}")
-            for x, axis in zip(second, "xyz", strict=True) if abs(x) > _AXIS
-        ]  # fmt: skip
-    return f"{_sum(terms)} = 0"
-
-
-def _sum(terms: list[tuple[float, str]]) -> str:
-    """Terms with their signs: "−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz"; a factor of 1 without a unit is left out."""
+    terms += [
+        (sign * float(x) * per, f"{unit}·{others}{axis}")
+        for x, axis in zip(kept * second, "xyz", strict=True) if abs(x) > _AXIS
+    ]  # fmt: skip
     text = ""
     for value, name in terms:
         number = _number(abs(value))
-        sign = ("−" if value < 0 else "") if not text else (" − " if value < 0 else " + ")
-        text += sign + (name if number == "1" and "·" not in name else f"{number} {name}")
-    return text
+        joint = ("−" if value < 0 else "") if not text else (" − " if value < 0 else " + ")
+        text += joint + (name if number == "1" and "·" not in name else f"{number} {name}")
+    return f"{text} = 0"
 
 
 def in_short(direction: ArrayLike) -> str:
@@ -168,8 +160,7 @@ def in_short(direction: ArrayLike) -> str:
         >>> in_short([0, 0.6, 0.8, 0, 0, 0]), in_short([0, 0, 0.05, 1, 0, 0]), in_short([0, 0.7, 0, 0, 0.7, 0])
         ('no motion along (0, 0.6, 0.8)', 'nearly no turning about X', '')
     """
-    v, w = _parts(direction)
-    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    v, w, slide, turn = _parts(direction)
     share = min(slide, turn) / np.hypot(slide, turn)
     if share > _NEARLY:
         return ""
@@ -198,8 +189,7 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
         >>> words([0, -0.91, 0, 0, 0, -0.1], "the tool")
         'can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion along Y'
     """
-    v, w = _parts(direction)
-    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    v, w, slide, turn = _parts(direction)
     if turn <= _ZERO * slide:
         return f"cannot translate along {_axis(v)[0]} of {frame_name}"
     if slide <= _ZERO * turn:
@@ -221,8 +211,7 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
         >>> blocked_words([0, 0.91, 0, 0, 0, 0.41])
         'the point (0.451, 0, 0) m from the reference point cannot move along Y of the base'
     """
-    f, m = _parts(direction)
-    force, moment = float(np.linalg.norm(f)), float(np.linalg.norm(m))
+    f, m, force, moment = _parts(direction)
     if force <= _ZERO * moment:
         return f"cannot rotate about {_axis(m)[0]} of {frame_name}"
     line = screw_of(np.concatenate([m, f]))
@@ -259,10 +248,8 @@ def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
         >>> arrow.round(3).tolist(), ring.round(3).tolist(), turns
         ([0.0, 0.87, 0.0], [0.0, 0.0, 0.22], False)
     """
-    v, w = _parts(direction)
-    whole = float(np.linalg.norm(np.concatenate([v, w])))
-    v, w = v / whole, w / whole
-    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    values = np.asarray(direction, dtype=np.float64)
+    v, w, slide, turn = _parts(values / max(float(np.linalg.norm(values)), 1e-300))
     if turn < _NOTHING:
         return v / slide, np.zeros(3), False
     if slide < _NOTHING:
@@ -289,11 +276,12 @@ def ring_about(axis: Array) -> Array:
     return np.vstack([round_about, back + 0.2 * end, end, back - 0.2 * end])
 
 
-def _parts(direction: ArrayLike) -> tuple[Array, Array]:
+def _parts(direction: ArrayLike) -> tuple[Array, Array, float, float]:
+    """Translation and rotation, and the lengths of both."""
     values = np.asarray(direction, dtype=np.float64)
     if values.shape != (6,) or not np.isfinite(values).all() or not values.any():
         raise OptionError("a direction is six finite numbers, not all zero", got=np.asarray(direction).tolist())
-    return values[:3], values[3:]
+    return values[:3], values[3:], float(np.linalg.norm(values[:3])), float(np.linalg.norm(values[3:]))
 
 
 def _axis(vector: Array) -> tuple[str, bool]:
@@ -308,11 +296,7 @@ def _axis(vector: Array) -> tuple[str, bool]:
 
 
 def _triple(vector: Array, length: float = 1.0) -> str:
-    return f"({', '.join(_component(float(x), length) for x in vector)})"
-
-
-def _component(value: float, length: float) -> str:
-    return "0" if abs(value) <= _AXIS else _number(value * length)
+    return f"({', '.join('0' if abs(x) <= _AXIS else _number(x * length) for x in vector.tolist())})"
 
 
 def _number(value: float) -> str:
@@ -442,14 +426,24 @@ def lost_in_sparsest_frame(
     Args, Raises: as `lost_directions`; and
         without: a joint (from 0) that stands still: what the others cannot make; k counts from the whole arm's rank.
     """
-    configuration = one_configuration(robot, q)
-    blocked, always = _blocked(robot, configuration, task, corank, without)
     frames = _candidates(task.frame, len(robot.joints))
-    links, length = link_poses(robot, configuration), counted(robot)
-    both = seen_in_frames(np.concatenate([blocked, always]), links, task.frame, frames, length)
-    found = _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
-    best = _sparsest(found)
-    return FramedDirections(found[best], frames[best], frame_name(frames[best], given_exponent(robot)))
+    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, frames, without), frames)
+
+
+def _lost_in_frames(
+    robot: Robot, q: Array, task: Task, corank: int, frames: Sequence[Frame], without: int | None = None
+) -> Array:
+    """(F, k, 6) what is lost at q, in a readable basis of each frame."""
+    blocked, always = _blocked(robot, q, task, corank, without)
+    every = np.concatenate([blocked, always])
+    both = seen_in_frames(every, link_poses(robot, q), task.frame, frames, counted(robot))
+    return _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
+
+
+def _framed(robot: Robot, directions: Array, frames: Sequence[Frame]) -> FramedDirections:
+    """Of directions (F, k, 6) in some frames those with the fewest entries that are not zero, the first of equals."""
+    best = int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
+    return FramedDirections(directions[best], frames[best], frame_name(frames[best], given_exponent(robot)))
 
 
 def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Frame) -> FramedDirections:
@@ -466,11 +460,7 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
         >>> lost_in_frame(arm, [0.3, 0.0], resolve_task(None, arm), 1, BODY).directions.round(9).tolist()  # stretched
         [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     """
-    configuration = one_configuration(robot, q)
-    links, length = link_poses(robot, configuration), counted(robot)
-    pair = _blocked(robot, configuration, task, corank)
-    seen, never = (seen_in_frames(some, links, task.frame, [frame], length) for some in pair)
-    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, given_exponent(robot)))
+    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, [frame]), [frame])
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -506,10 +496,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     still = np.flatnonzero(np.abs(projectors - projectors[0]).max(axis=(0, 2, 3)) <= _STILL)
     if not len(still):
         return None
-    found = readable_bases(bases[0][still]).swapaxes(1, 2)
-    best = _sparsest(found)
-    frame = frames[still[best]]
-    return FramedDirections(found[best], frame, frame_name(frame, given_exponent(robot)))
+    return _framed(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still])
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -532,14 +519,12 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
     Returns:
         (F, k, 6).
     """
-    joints = len(links) - 2
-    axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
-    old = links[link_index(own.axes, joints, "axes"), :3, :3]
-    carriers = links[[link_index(frame.origin, joints, "point") for frame in frames]]
-    there = (carriers[:, :3, :3] @ np.array([frame.point for frame in frames])[..., None])[..., 0] + carriers[:, :3, 3]
-    points = there - _point(links, own, joints)
-    turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
-    offsets = points @ old / length  # (F, 3) the new points seen from the old one
+    joints, every = len(links) - 2, [own, *frames]
+    axes = links[[link_index(frame.axes, joints, "axes") for frame in every], :3, :3]
+    carriers = links[[link_index(frame.origin, joints, "point") for frame in every]]
+    points = (carriers[:, :3, :3] @ np.array([frame.point for frame in every])[..., None])[..., 0] + carriers[:, :3, 3]
+    turns = axes[0].T @ axes[1:]  # (F, 3, 3) columns are the new axes in the old ones
+    offsets = (points[1:] - points[0]) @ axes[0] / length  # (F, 3) the new points seen from the old one
     return rewrite_wrench(wrenches, turns, offsets[:, None])
 
 
@@ -564,7 +549,10 @@ def _blocked(
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    u = decompose(robot, q, task).u if without is None else _without(robot, q, task, without)
+    u = decompose(robot, q, task).u
+    if without is not None:
+        others = np.delete(task_jacobian(robot, q, task), without, axis=1)
+        u = svd(others)[0] if others.size else np.eye(task.m)
     blocked = _wrenches(u[:, generic - corank :], robot, task)
     if generic == task.m:
         return blocked, np.zeros((0, 6))
@@ -572,12 +560,6 @@ def _blocked(
     steps *= [reach(robot) if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables]
     around = decompose(robot, q + steps, task).u[..., generic:]
     return blocked, np.concatenate([_wrenches(u, robot, task) for u in around])
-
-
-def _without(robot: Robot, q: Array, task: Task, joint: int) -> Array:
-    """(m, m) left singular vectors of the task Jacobian without one column."""
-    left = np.delete(task_jacobian(robot, q, task), joint, axis=1)
-    return svd(left)[0] if left.shape[1] else np.eye(task.m)
 
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
@@ -611,18 +593,8 @@ def _orthonormal(rows: Array) -> Array:
     return np.asarray(np.linalg.qr(rows.swapaxes(-1, -2))[0])
 
 
-def _sparsest(directions: Array) -> int:
-    """Number of the frame with the fewest non-zero entries, the first of equals."""
-    return int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
-
-
 @lru_cache(maxsize=64)
 def _candidates(own: Frame, joints: int) -> tuple[Frame, ...]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
     there = (Frame(axes, origin) for origin in links for axes in (BASE, TIP))
     return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *there, *(Frame(i, i) for i in links))
-
-
-def _point(links: Array, frame: Frame, joints: int) -> Array:
-    carrier = links[link_index(frame.origin, joints, "point")]
-    return np.asarray(carrier[:3, :3] @ np.array(frame.point) + carrier[:3, 3])

@@ -195,11 +195,10 @@ class OrderedScrewSet:
 
     def msos(self, first: int, last: int) -> OrderedSubset:
         """GR's test of a run: its dimension and loss. `minimal` is about runs inside, `generic` is not known here."""
-        dimension = self.dimension(first, last)
-        loss = last - first + 1 - dimension
+        loss = last - first + 1 - self.dimension(first, last)
         inside = [(first, last - 1), (first + 1, last)] if last > first else []
         minimal = loss > 0 and all(self.dimension(i, j) == j - i + 1 for i, j in inside)
-        return OrderedSubset(first, last, dimension, loss, loss == 1, minimal)
+        return OrderedSubset(first, last, last - first + 1 - loss, loss, loss == 1, minimal)
 
     def subsets(self) -> tuple[OrderedSubset, ...]:
         """Every run with a loss, short ones first: the search that GR leave to the user's intuition."""
@@ -217,8 +216,8 @@ class OrderedScrewSet:
         with_product = np.array([[*run, self._sized(self.lie(u, v))] for u, v in pairs])
         grown = _ranks(self._rows(with_product.reshape(-1, len(run) + 1, 6)), self.tolerance)
         entries = tuple((u, v, bool(rank == dimension)) for (u, v), rank in zip(pairs, grown, strict=True))
-        outside = {u: [not inside for a, _, inside in entries if a == u] for u in range(first, last)}
-        return Products(first, last, entries, tuple(u for u, told in outside.items() if all(told)))
+        stopped = {u for u, _, inside in entries if inside}
+        return Products(first, last, entries, tuple(u for u in range(first, last) if u not in stopped))
 
     def newscrews(self, actuator: int, last: int) -> OrderedScrewSet:
         """GR's update: S_k + [S_actuator, S_k] for k = actuator + 1 … last; the screws behind `last` are left there."""
@@ -293,22 +292,16 @@ def _elsewhere(robot: Robot, task: Task) -> Array:
 
 def _runs(here: OrderedScrewSet, elsewhere: Array | None = None) -> tuple[OrderedSubset, ...]:
     """Runs with a loss; generic where the rows of other sets (s, n, 6), if any are given, all have the same loss."""
-    n, found, losing = len(here), [], set()
-    rows = here._rows(here.screws)
-    for size in range(1, n + 1):
-        firsts = range(n - size + 1)
-        ranks = _ranks(np.stack([rows[i : i + size] for i in firsts]), here.tolerance)
-        for i in firsts:
-            dimension = int(ranks[i])
-            if dimension < size:
-                inside = (i, size - 1) in losing or (i + 1, size - 1) in losing
-                losing.add((i, size))
-                generic = elsewhere is not None and bool(
-                    (_ranks(elsewhere[:, i : i + size], here.tolerance) == dimension).all()
-                )
-                loss = size - dimension
-                found.append(OrderedSubset(i + 1, i + size, dimension, loss, loss == 1, not inside, generic))
-    return tuple(found)
+    found: dict[tuple[int, int], OrderedSubset] = {}
+    rows, zero = here._rows(here.screws), here.tolerance
+    for size in range(1, len(here) + 1):
+        ranks = _ranks(np.stack([rows[i : i + size] for i in range(len(here) - size + 1)]), zero)
+        for i in np.flatnonzero(ranks < size).tolist():
+            dimension, minimal = int(ranks[i]), not {(i, size - 1), (i + 1, size - 1)} & found.keys()
+            generic = elsewhere is not None and bool((_ranks(elsewhere[:, i : i + size], zero) == dimension).all())
+            loss = size - dimension
+            found[i, size] = OrderedSubset(i + 1, i + size, dimension, loss, loss == 1, minimal, generic)
+    return tuple(found.values())
 
 
 def _ranks(rows: Array, tolerance: float) -> Array:
@@ -551,11 +544,9 @@ def _verdict(
     screws: OrderedScrewSet, number: int, printed: bool, generic: int, trials: Sequence[Trial],
     watched: Sequence[tuple[int, int]],
 ) -> JointVerdict:  # fmt: skip
-    n = len(screws)
+    n, carried = len(screws), screws.propagated(number)
     dimension = screws.dimension(1, n)
-    everything = screws.subspace(1, n)
-    outside = tuple(v for u, v, inside in everything.entries if u == number and not inside)
-    carried = screws.propagated(number)
+    outside = tuple(v for u, v, inside in screws.subspace(1, n).entries if u == number and not inside)
     after = max(screws.moved(number, amount).dimension(1, n) for amount in _AMOUNTS)
     weighted, rate = _first_order(screws, number, dimension, generic)
     escapes = dimension < after == generic
@@ -580,18 +571,15 @@ def _list(numbers: Sequence[int]) -> str:
 
 def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: int) -> tuple[float, float]:
     """Size of the weighted sums Σ_{i>j} λ_i [S_j, S_i], and the rate at which σ_generic leaves zero."""
-    n = len(screws)
     u, _, vt = np.linalg.svd(screws.screws.T)
-    dependencies = vt[dimension:].T
-    products = np.zeros((6, n))
-    for i in range(number, n):
+    products = np.zeros((6, len(screws)))
+    for i in range(number, len(screws)):
         products[:, i] = lie_product(screws.screws[number - 1], screws.screws[i])
-    sums = products @ dependencies
+    sums = products @ vt[dimension:].T
     weighted = float(np.linalg.norm(sums, 2)) if sums.size else 0.0
-    if generic == dimension:
-        return _clean(weighted), 0.0
-    gained = np.linalg.svd(u[:, dimension:].T @ sums, compute_uv=False)
-    return _clean(weighted), _clean(float(gained[generic - dimension - 1]))
+    lost = generic - dimension
+    rate = float(np.linalg.svd(u[:, dimension:].T @ sums, compute_uv=False)[lost - 1]) if lost else 0.0
+    return (0.0 if weighted < 1e-9 else weighted), (0.0 if rate < 1e-9 else rate)
 
 
 def _remark(
@@ -635,10 +623,6 @@ def _moved_anywhere(screws: OrderedScrewSet, seed: int) -> OrderedScrewSet:
     for number in range(len(screws), 0, -1):
         screws = screws.moved(number, float(amounts[number - 1]))
     return screws
-
-
-def _clean(value: float) -> float:
-    return 0.0 if abs(value) < 1e-9 else value
 
 
 def render(report: OrderedReport) -> str:

@@ -41,7 +41,6 @@ _LEGEND = (
 )
 _ALIKE = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
-_FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
 
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
@@ -160,22 +159,19 @@ def rounded_share(share: Check) -> str:
     return f"{round(100 * share.agree / share.tested, 1):g} %" if share.tested else NOTHING
 
 
-def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:
-    """The conditions that tie the coupled joints together, for reading; `folded`: long ones are only counted."""
+def coupled_conditions(family: Family) -> list[str]:
+    """The conditions that tie the coupled joints together, for reading."""
     if not family.named:
         return [f"no condition found; points of a set of dimension {family.dimension} at most, the witness is one"]
     coupled = set(family.coupled)
-    own = [equation for equation in family.equations if coupled & set(equation.joints)]
-    return [_counted(one) if folded and len(one.terms) > _FOLDED else condition_text(one) for one in own]
-
-
-def _counted(equation: Equation) -> str:
-    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
+    return [condition_text(one) for one in family.equations if coupled & set(one.joints)]
 
 
 def condition_text(equation: Equation) -> str:
     """One condition for reading; a very long one is only counted."""
-    return f"{equation.pretty()} = 0" if len(equation.terms) <= _MOST_TERMS else _counted(equation)
+    if len(equation.terms) <= _MOST_TERMS:
+        return f"{equation.pretty()} = 0"
+    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -357,22 +353,17 @@ def conditions_of(
             pins = [text for (joint, _), text in zip(one.pins, one.texts, strict=False) if joint not in held]
             return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(one.pins) :])]
     exactly = exact_conditions(row, derivation)
-    if exactly:
-        return [(EXACTLY, text) for text in exactly]
-    return [(COUPLED, text) for text in coupled_conditions(row, folded=False)]
+    return [(EXACTLY, exactly)] if exactly else [(COUPLED, text) for text in coupled_conditions(row)]
 
 
-def exact_conditions(row: Family, derivation: Derivation | None) -> tuple[str, ...]:
-    """The exact conditions of a row in one line; none where the table says it all: joints at simple values."""
+def exact_conditions(row: Family, derivation: Derivation | None) -> str:
+    """The exact conditions of a row in one line; empty where the table says it all: joints at simple values."""
     family = None if derivation is None else derivation.of_row(row.id)
     if family is None:
-        return ()
-    same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
-    pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
-    others = [readable(text) for text in family.conditions[len(same) :]]
-    if not pins and not others:
-        return ()
-    return (" and ".join((*pins, *others)) + (f"; {family.reality}" if family.reality else ""),)
+        return ""
+    pins = [text for text, pin in zip(family.conditions, family.pinned, strict=False) if not _in_table(row, pin)]
+    shown = [*pins, *map(readable, family.conditions[len(family.pinned) :])]
+    return " and ".join(shown) + (f"; {family.reality}" if shown and family.reality else "")
 
 
 def readable(text: str) -> str:
@@ -381,12 +372,11 @@ def readable(text: str) -> str:
     return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
 
 
-def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
-    for pinned in row.pinned:
-        if pinned.number == number:
-            off = np.abs(np.subtract.outer(pinned.values, values))
-            return bool((off.min(axis=1, initial=np.inf) <= _SAME).all())
-    return False
+def _in_table(row: Family, pin: Pin) -> bool:
+    own = next((pinned.values for pinned in row.pinned if pinned.number == pin.number), None)
+    if own is None:
+        return False
+    return bool((np.abs(np.subtract.outer(own, pin.values)).min(axis=1, initial=np.inf) <= _SAME).all())
 
 
 def agreement(

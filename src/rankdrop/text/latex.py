@@ -105,7 +105,6 @@ def _table(
 
 
 def _letters_in(notes: Sequence[str], exact: Derivation | None) -> Iterator[tuple[str, float]]:
-    """The lengths that stand as letters in the conditions printed."""
     for name, value in ((exact.letters or {}) if exact is not None else {}).items():
         if any(_symbol(name) in note for note in notes):
             yield name, value
@@ -138,7 +137,8 @@ def _symbol(name: str) -> str:
 
 def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
-    exact = [] if derivation is None else _exact(family, derivation)
+    row = None if derivation is None else derivation.of_row(family.id)
+    exact = [] if row is None else _beyond_columns(family, row)
     bound = set(family.coupled)
     own = [equation for equation in family.equations if bound & set(equation.joints)]
     fitted = [f"${equation.latex()} = 0$" for equation in own]
@@ -151,17 +151,11 @@ def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
         yield "no condition found"
 
 
-def _exact(family: Family, derivation: Derivation) -> list[str]:
-    """LaTeX of the exact conditions of the row, less those of joints in its columns."""
-    row = derivation.of_row(family.id)
-    return [] if row is None else _beyond_columns(family, row)
-
-
 def _beyond_columns(family: Family, row: ExactRow) -> list[str]:
+    """LaTeX of the exact conditions of the row, less those of joints in its columns."""
     known = {one.number for one in family.pinned}
-    pins = len(row.pinned)
     kept = [text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known]
-    return [*kept, *row.latex[pins:]]
+    return [*kept, *row.latex[len(row.pinned) :]]
 
 
 def as_text(text: str) -> str:

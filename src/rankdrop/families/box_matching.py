@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, islice, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,6 +146,7 @@ Progress = Callable[[int, int], None]
 _WIDER = 1e-9  # half a diagonal is taken this much longer: neighbours of a pinned value lie exactly so far [rad]
 _SIDES = 1e-12  # a value of an equation counts as of one sign beyond this, per sum of its coefficients
 _STEPS = 12  # of Newton's method
+_SUBSETS = 20  # of a family's equations that are walked by
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,6 +250,9 @@ class _Sight:
         self.bound = [int(np.flatnonzero(maker.place == j)[0]) for j in sorted(joints) if j not in self._pinned()]
         names = {int(maker.place[at]) + 1 for at in self.pins}
         self.others = tuple(equation for equation in family.equations if not names.issuperset(equation.joints))
+        conditions = maker.n - family.dimension - len(self.pins)
+        some = combinations(self.others, conditions) if 0 < conditions < len(self.others) else ()
+        self.fewer = tuple(islice(some, _SUBSETS))
 
     def _pinned(self) -> set[int]:
         return {int(self.maker.place[at]) for at in self.pins}
@@ -308,16 +312,15 @@ class _Sight:
     def _walked(self, q: Array, radius: Array, scale: Array) -> Flags:
         """A zero at the end of Newton's walk, near enough.
 
-        Where equations are more than conditions, one that has double zeros leads astray: what the others lead to, each
-        left out once, is a zero as well if it is one of all.
+        Where equations are more than conditions, they pull apart off the family, or one that has double zeros leads
+        astray: what as many of them as there are conditions lead to is a zero as well if it is one of all.
         """
         whole = System(self.others)
         moves = np.flatnonzero(scale)
         along = np.zeros((len(scale), len(moves)))
         along[moves, np.arange(len(moves))] = 1.0
         near = np.zeros(len(q), dtype=np.bool_)
-        fewer = [tuple(one for one in self.others if one is not out) for out in self.others]
-        for system in (whole, *(System(some) for some in fewer if some)):
+        for system in (whole, *map(System, self.fewer)):
             open_ = np.flatnonzero(~near)
             if not len(open_):
                 break

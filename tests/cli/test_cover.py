@@ -11,8 +11,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
+from rankdrop.families.batch_distance import distances
 from rankdrop.families.box_matching import FOUND, PROVEN, Explainer, grouped
 from rankdrop.families.searching import refine
+from rankdrop.families.walk import members
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
@@ -98,8 +100,6 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
                 assert (far.min(axis=1) <= 1.1 * explainer.radius).mean() > 0.9
                 continue
             # distance from the family by walking, independent of the change of sign
-            from rankdrop.families.batch_distance import distances
-
             far = distances([family], UR5, near[:400], TASK).distance[:, 0]
             assert (far <= explainer.radius * (1 + 1e-6)).mean() > 0.999
             other = distances([family], UR5, q[by < 0][:400], TASK).distance[:, 0]
@@ -132,10 +132,22 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     Draft202012Validator(load_schema("cover")).validate(record)
     assert record["settings"]["corank"] == 2
     assert {one["id"][:2] for one in record["explained"]["families"]} == {"k2", "k3"}
-    without("k2.f1", "k2.f4", "k3.f1").save(tmp_path / "part.json")
-    code, text, _ = run("ur5", "--width", 0.8, "--corank", 2, "--analysis", tmp_path / "part.json")
+    part, gone = without("k2.f1", "k2.f4", "k3.f1"), ("k2.f1", "k2.f4", "k3.f1")
+    part.save(tmp_path / "part.json")
+    code, text, _ = run("ur5", "--width", 0.4, "--corank", 2, "--analysis", tmp_path / "part.json", "--json", file)
     assert code == 3
     assert "singular, found" in text
+    explained = json.loads(file.read_text())["explained"]
+    assert {one["id"] for one in explained["families"]} == {"k2.f2", "k2.f3", "k2.f5"}  # those of the file alone
+    # the families left out come within 1.53 rad of others: farther than a diagonal of these boxes, 0.79 rad, and
+    # nearer than one of boxes twice as wide, which the others therefore explain
+    higher = [one for one in part.families if one.corank == 2]
+    for family in known_analysis(UR5, TASK).families:
+        if family.id in gone:
+            far = distances(higher, UR5, members(UR5, TASK, family, 200, 0), TASK).distance.min(axis=1)
+            assert far.max() < 1.53
+            assert (far.max() > 1.0) == (family.corank == 2)
+    assert run("ur5", "--width", 0.8, "--corank", 2, "--analysis", tmp_path / "part.json")[0] == 0
     code, text, _ = run("planar3r", "--corank", 2)
     assert code == 0
     assert text.strip().startswith("There is no configuration of corank 2 or more: all of the joint space is proven")

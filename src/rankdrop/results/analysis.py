@@ -60,44 +60,22 @@ class Settings:
 
 
 @dataclass(frozen=True, slots=True)
-class FamilyResidual:
-    """One family's witness, evaluated again.
+class Residual:
+    """A witness, or the worst of several, evaluated again.
 
     Attributes:
-        id: of the family.
         equation: largest |equation| at the witness (0 where the family has none).
         sigma: largest of the singular values that have to vanish.
         kept: smallest of those that must not.
     """
 
-    id: str
     equation: float
     sigma: float
     kept: float
 
-
-@dataclass(frozen=True, slots=True)
-class Residual:
-    """An analysis evaluated again at its witnesses: one entry per family."""
-
-    families: tuple[FamilyResidual, ...]
-
-    @property
-    def equation(self) -> float:
-        """Largest |equation| at any witness."""
-        return max((family.equation for family in self.families), default=0.0)
-
-    @property
-    def sigma(self) -> float:
-        """Largest singular value that has to vanish at any witness."""
-        return max((family.sigma for family in self.families), default=0.0)
-
     def holds(self, tolerances: Tolerances) -> bool:
-        """Whether every witness satisfies its equations and has exactly the corank of its family."""
-        return all(
-            family.equation <= tolerances.explained and family.sigma <= tolerances.singular < family.kept
-            for family in self.families
-        )
+        """Whether the witness satisfies its equations and has exactly the corank of its family."""
+        return self.equation <= tolerances.explained and self.sigma <= tolerances.singular < self.kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,21 +131,19 @@ class Analysis(Result):
         return tuple(family for family in self.families if family.corank == corank)
 
     def residual(self) -> Residual:
-        """Evaluate all equations and singular values again at the witnesses."""
-        return Residual(tuple(self.residual_of(family) for family in self.families))
+        """Evaluate all equations and singular values again at the witnesses: the worst of each."""
+        each = [self.residual_of(family) for family in self.families]
+        return Residual(
+            max((one.equation for one in each), default=0.0), max((one.sigma for one in each), default=0.0),
+            min((one.kept for one in each), default=float("inf")),
+        )  # fmt: skip
 
-    def residual_of(self, family: Family) -> FamilyResidual:
+    def residual_of(self, family: Family) -> Residual:
         """Evaluate the equations and singular values of one family again at its witness."""
         q = np.array(family.witness)
-        sigma = singular_values(self.robot, q, self.task)
-        kept = self.generic_rank - family.corank
+        sigma, kept = singular_values(self.robot, q, self.task), self.generic_rank - family.corank
         values = [abs(float(equation(q))) for equation in family.equations]
-        return FamilyResidual(
-            id=family.id,
-            equation=max(values, default=0.0),
-            sigma=float(sigma[kept]),
-            kept=float(sigma[kept - 1]) if kept else float("inf"),
-        )
+        return Residual(max(values, default=0.0), float(sigma[kept]), float(sigma[kept - 1]) if kept else float("inf"))
 
     def __eq__(self, other: object) -> bool:
         return self.to_dict() == other.to_dict() if isinstance(other, Analysis) else NotImplemented

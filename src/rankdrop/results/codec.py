@@ -8,14 +8,9 @@ Infinities (limits that the source does not give) are written as null; joints ar
 
 from __future__ import annotations
 
-from dataclasses import MISSING, fields, is_dataclass
-from enum import Enum
-from functools import cache
-from itertools import repeat
 from math import isfinite
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_type_hints
 
 import msgspec
 import numpy as np
@@ -27,7 +22,7 @@ from rankdrop.codec import plain as plain
 from rankdrop.codec import save_record as save_record
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Check, CorankSummary, Family, Sampled
+from rankdrop.family.record import CorankSummary, Family, Sampled
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -63,43 +58,19 @@ def restored(kind: Any, data: Any) -> Any:
     """What `plain` made data of, by the types of the fields: `restored(type(x), plain(x))` is equal to x.
 
     Entries that a record does not have are a later version's and left out; those that are missing were not known to an
-    earlier one and have their defaults. Null stands for the default where the field is no "or None": an infinity.
+    earlier one and have their defaults.
 
     Args:
         kind: a dataclass, or what a field is annotated with.
         data: plain data.
 
     Raises:
-        KeyError, TypeError, ValueError: an entry without a default is missing, or is something else.
+        ValueError: an entry without a default is missing, or is something else.
     """
-    if kind is Equation:
-        return Equation.from_dict({"terms": data})
-    if isinstance(kind, type) and is_dataclass(kind):
-        types, given = _types(kind), {}
-        for field in fields(kind):
-            kept = field.default is not MISSING or field.default_factory is not MISSING
-            if kept and (field.name not in data or (data[field.name] is None and types[field.name] is float)):
-                continue
-            given[field.name] = restored(types[field.name], data[field.name])
-        return kind(**given)
-    inner = get_args(kind)
-    if isinstance(kind, UnionType):
-        others = [one for one in inner if one is not NoneType]
-        return data if data is None or len(others) > 1 else restored(others[0], data)
-    origin = get_origin(kind)
-    if origin is tuple:
-        kinds = repeat(inner[0]) if inner[-1] is Ellipsis else inner
-        return tuple(restored(one, part) for one, part in zip(kinds, data, strict=inner[-1] is not Ellipsis))
-    if origin is np.ndarray:
-        return np.array(data)
-    if isinstance(kind, type) and issubclass(kind, Enum):
-        return kind(data)
-    return dict(data) if isinstance(data, dict) else data
-
-
-@cache
-def _types(kind: type[Any]) -> dict[str, Any]:
-    return get_type_hints(kind)
+    try:
+        return msgspec.convert(data, kind, dec_hook=lambda _, numbers: np.array(numbers))
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from error
 
 
 def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
@@ -109,10 +80,9 @@ def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
 
 def robot_from_dict(record: Record) -> Robot:
     """The robot of a record made by `robot_to_dict`."""
-    lengths = record.get("lengths", {}).items()
-    robot: Robot = restored(
-        Robot, record | {"joints": record["chain"], "task": record["made_for"], "lengths": lengths}
-    )
+    lengths = list(record.get("lengths", {}).items())
+    chain = [{key: value for key, value in joint.items() if value is not None} for joint in record["chain"]]
+    robot: Robot = restored(Robot, record | {"joints": chain, "task": record["made_for"], "lengths": lengths})
     return robot
 
 
@@ -122,13 +92,13 @@ def task_from_dict(record: Record, length_scale: float) -> Task:
     return task
 
 
-def _check(record: Record, agree: str) -> Check:
-    return Check(record["tested"], record[agree])
+def _check(record: Record, agree: str) -> Record:
+    return {"tested": record["tested"], "agree": record[agree]}
 
 
 def corank_from_dict(record: Record) -> CorankSummary:
     """The summary of a record made by `SUMMARY`."""
-    completeness = plain(_check(record["completeness"], "explained"))
+    completeness = _check(record["completeness"], "explained")
     summary: CorankSummary = restored(CorankSummary, record | {"completeness": completeness})
     return summary
 
@@ -139,10 +109,12 @@ def family_from_dict(record: Record) -> Family:
     Raises:
         ResultFileError: an equation whose text and terms say different things.
     """
-    evidence = Sampled(
-        record["evidence"], _check(record["soundness"], "singular"), _check(record["explained"], "explained")
-    )
-    family: Family = restored(Family, record | {"equations": record["terms"], "evidence": evidence})
+    evidence = {"how": record["evidence"], "soundness": _check(record["soundness"], "singular"),
+                "explained": _check(record["explained"], "explained")}  # fmt: skip
+    kinds, own = get_type_hints(Family), record.keys() - {"evidence", "equations"}
+    given = {name: restored(kind, record[name]) for name, kind in kinds.items() if name in own}
+    equations = tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"])
+    family = Family(**given, equations=equations, evidence=restored(Sampled, evidence))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family

@@ -21,7 +21,6 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
-from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -35,7 +34,7 @@ from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import Step
 from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Check, Family, Pin, family_from_metres
+from rankdrop.family.record import Check, Family, family_from_metres
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions import SCHEMA, Conditions, ConditionSettings
@@ -107,7 +106,9 @@ def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
         mine = geometry(robot, tip=tip)
         for name in candidates(robot, tip=tip):
             found = shipped(name)
-            if np.abs(geometry(found.robot, tip=tip) - mine).max() <= _SAME and _same_task(found.task, task):
+            if np.abs(geometry(found.robot, tip=tip) - mine).max() <= _SAME and (
+                found.task.rows == task.rows and (task.m == 6 or found.task.frame == task.frame)
+            ):
                 return name
     return None
 
@@ -156,12 +157,8 @@ def shipped(name: str) -> Analysis:
 
 def shipped_record(name: str) -> Record:
     """The file of one arm of the catalogue as it is; its `answers` tell which code made it."""
-    record: Record = json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8"))
+    record: Record = _file("atlases", f"{name}.json")
     return record
-
-
-def _same_task(shipped_task: Task, task: Task) -> bool:
-    return shipped_task.rows == task.rows and (task.m == 6 or shipped_task.frame == task.frame)
 
 
 def _named_after(analysis: Analysis, robot: Robot) -> Analysis:
@@ -169,7 +166,10 @@ def _named_after(analysis: Analysis, robot: Robot) -> Analysis:
     names = [joint.name for joint in robot.variables]
     families = analysis.families
     if names != [joint.name for joint in analysis.robot.variables]:
-        families = tuple(_renamed(family, names) for family in families)
+        families = tuple(
+            replace(family, pinned=tuple(replace(one, joint=names[one.number - 1]) for one in family.pinned))
+            for family in families
+        )  # fmt: skip
     pairs = zip(robot.joints, analysis.robot.joints, strict=True)
     moved = np.abs(robot.home - analysis.robot.home).max() > _SAME
     if moved or any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
@@ -184,19 +184,16 @@ def _retold(family: Family, robot: Robot, task: Task) -> Family:
     return replace(family, lost_words=told, lost_directions=lost_directions(robot, family.witness, task, family.corank))
 
 
-def _renamed(family: Family, names: Sequence[str]) -> Family:
-    pinned = tuple(Pin(names[one.number - 1], one.number, one.values) for one in family.pinned)
-    return replace(family, pinned=pinned)
-
-
 @cache
 def _index() -> dict[str, list[str]]:
-    record: dict[str, list[str]] = json.loads((_folder() / INDEX).read_text(encoding="utf-8"))
+    record: dict[str, list[str]] = _file("atlases", INDEX)
     return record
 
 
-def _folder() -> Traversable:
-    return resources.files("rankdrop") / "atlases"
+def _file(folder: str, name: str) -> Any:
+    """The data of a shipped file; None where there is none."""
+    path = resources.files("rankdrop") / folder / name
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
 
 
 _AGAIN = ("robot", "equations", "determinants")
@@ -416,20 +413,12 @@ def shipped_conditions(name: str) -> Conditions:
 
 def conditions_names() -> tuple[str, ...]:
     """Names of the arms whose conditions are shipped, sorted."""
-    if not _derivations().is_dir():
-        return ()
-    files = (item.name for item in _derivations().iterdir())
-    return tuple(sorted(name.removesuffix(".json") for name in files if name.endswith(".json")))
+    folder = resources.files("rankdrop") / "derivations"
+    names = [item.name for item in folder.iterdir()] if folder.is_dir() else []
+    return tuple(sorted(name.removesuffix(".json") for name in names if name.endswith(".json")))
 
 
 @cache
 def _record(name: str) -> Record | None:
-    path = _derivations() / f"{name}.json"
-    if not path.is_file():
-        return None
-    record: Record = json.loads(path.read_text(encoding="utf-8"))
+    record: Record | None = _file("derivations", f"{name}.json")
     return record
-
-
-def _derivations() -> Traversable:
-    return resources.files("rankdrop") / "derivations"

@@ -6,7 +6,7 @@ exactly, or both. Where one fails it says which, with counts, and nothing is cal
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -63,7 +63,9 @@ def of_analysis(analysis: Analysis, derived: Conditions | None = None) -> Verdic
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
         return Verdict(INTERRUPTED, claims, text)
-    wrong = [*_wrong(analysis), *((CONTRADICTED, text) for text in _disagreements(derived))]
+    wrong = list(_wrong(analysis))
+    if derived is not None and derived.complete:  # of an unfinished one it says nothing that a point is on no family
+        wrong += [(CONTRADICTED, text) for text in derived.disagreements]
     sentence = f"Verified, {' and '.join(claims)}: {_all(analysis, derived)}."
     return _failed(wrong, claims) or Verdict(VERIFIED, claims, sentence)
 
@@ -87,7 +89,9 @@ def of_conditions(derived: Conditions, tested: str = "exact") -> Verdict:
         wrong.append((CONTRADICTED, f"{left:,} configurations found numerically lie on no family"))
     wrong += [(INCOMPLETE, f"no rank was tried on {row.id}") for row in derived.families if not row.rank_check.tested]
     if not derived.complete:
-        wrong.append((INCOMPLETE, _left(derived)))
+        things = derived.left
+        told = things[0] if len(things) == 1 else f"{len(things)} things were left unfinished, told at the end"
+        wrong.append((INCOMPLETE, told))
     if tested != "exact":
         how = f"is {_BOTH if tested == 'both' else tested}"
         wrong.append((INEXACT, f"the condition asked about {how}"))
@@ -174,18 +178,8 @@ def _all(analysis: Analysis, derived: Conditions | None) -> str:
     return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points; {exactly}"
 
 
-def _disagreements(derived: Conditions | None) -> Sequence[str]:
-    """Of an unfinished derivation it says nothing that a point lies on none of its families."""
-    return () if derived is None or not derived.complete else derived.disagreements
-
-
 def _met(derived: Conditions) -> bool:
     return derived.explained.tested == derived.explained.agree
-
-
-def _left(derived: Conditions) -> str:
-    left = derived.left
-    return left[0] if len(left) == 1 else f"{len(left)} things were left unfinished, told at the end"
 
 
 def _families(count: int) -> str:

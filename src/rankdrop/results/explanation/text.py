@@ -16,7 +16,6 @@ import numpy as np
 from rankdrop.configuration import Cause
 from rankdrop.family.record import Family
 from rankdrop.local.directions import FramedDirections, constraint, in_short
-from rankdrop.local.ordered import Hunt
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.codec import Record
@@ -48,6 +47,7 @@ from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import BASE, TIP, Task
+from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
@@ -262,13 +262,10 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
         lines.append("joints " + ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1)))
     rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, explanation.q))]
     if any(joint.unit == "rad" for joint in joints):
-        rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(explanation.q, joints, strict=True))))
+        turned = zip(np.degrees(explanation.q) + 0.0, joints, strict=True)
+        rows.append(("deg", *("" if joint.unit == "m" else minus(f"{value:.2f}") for value, joint in turned)))
     columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
     yield Section("Numbers", "", tuple(lines), columns, tuple(rows), notes=robot.notes)
-
-
-def _deg(value: float, unit: str) -> str:
-    return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
 
 
 def _idle(explanation: Explanation) -> str:
@@ -422,20 +419,14 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
                       columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
 
     if full and blame.hunt is not None:
-        yield _hunt(blame.hunt)
-
-
-def _hunt(hunt: Hunt) -> Section:
-    rows = tuple(
-        (str(one.number), short(round(one.share, 4)), "yes" if one.named else "no", "yes" if one.actuator else "no",
-         short(round(abs(one.rate), 4)) if one.tells else "no", "yes" if one.escapes else "no")
-        for one in hunt.joints
-    )  # fmt: skip
-    return Section(
-        "Hunt's cofactors beside GR's rules", "", (hunt.words,),
-        columns=("joint", "column", "named", "GR's actuator", "leads out, rate", "by finite motion") if rows else (),
-        rows=rows,
-    )  # fmt: skip
+        found = tuple(
+            (str(one.number), short(round(one.share, 4)), "yes" if one.named else "no",
+             "yes" if one.actuator else "no", short(round(abs(one.rate), 4)) if one.tells else "no",
+             "yes" if one.escapes else "no")
+            for one in blame.hunt.joints
+        )  # fmt: skip
+        columns = ("joint", "column", "named", "GR's actuator", "leads out, rate", "by finite motion")
+        yield Section("Hunt's cofactors beside GR's rules", "", (blame.hunt.words,), columns if found else (), found)
 
 
 def _dependencies(explanation: Explanation) -> str:
@@ -612,7 +603,9 @@ def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
     held = "held back by" if len(unlimited) < n else "fastest"
     columns = ("unit speed", *(("lost",) if losing else ()), *(("joint rates",) if full or not losing else ()), held,
                "at most")  # fmt: skip
-    notes = [_limits_in_words(unlimited, explanation)]
+    none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+    notes = [f"at most: the largest speed within the velocity limits{none}" if len(unlimited) < n
+             else "no velocity limits are known"]  # fmt: skip
     if "joint rates" in columns:
         notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
     if losing:
@@ -627,14 +620,10 @@ def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
                      f"{short(rates.length_scale)} m/s")  # fmt: skip
     per_joint = tuple(f"{number}" for number in range(1, n + 1)) if full else ()
     texts = (0, columns.index(held), columns.index("at most"))
-    yield Section("What motion costs", _axes_of(explanation), (), (*columns, *per_joint), tuple(rows), texts,
-                  notes=tuple(notes))  # fmt: skip
-
-
-def _axes_of(explanation: Explanation) -> str:
-    """Along whose axes."""
     axes = turned_task(explanation.task, explanation.asked.options.frame, explanation.lost).frame.axes
-    return {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
+    whose = {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
+    yield Section("What motion costs", whose, (), (*columns, *per_joint), tuple(rows), texts,
+                  notes=tuple(notes))  # fmt: skip
 
 
 def _percent(share: float) -> str:
@@ -652,13 +641,6 @@ def _costs(rates: DirectionRates, unit: str, full: bool, *, brief: bool) -> tupl
     return (held, most) if brief and not full else (short(rates.norm), held, most, *each)
 
 
-def _limits_in_words(unlimited: list[int], explanation: Explanation) -> str:
-    if len(unlimited) == explanation.robot.n:
-        return "no velocity limits are known"
-    none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
-    return f"at most: the largest speed within the velocity limits{none}"
-
-
 def _largest(rates: DirectionRates) -> str:
     """The largest speed with its unit; of a direction that mixes both, its two parts."""
     if isinf(rates.speed):
@@ -668,21 +650,6 @@ def _largest(rates: DirectionRates) -> str:
     parts = [(float(np.linalg.norm(part)) * rates.speed, unit)
              for part, unit in ((rates.direction[:3], "m/s"), (rates.direction[3:], "rad/s"))]  # fmt: skip
     return ", ".join(f"{short(value, 3)} {unit}" for value, unit in parts if value > 1e-9)
-
-
-def _failures(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """What each joint's failure leaves."""
-    yield failures_table(explanation.failures, "If one joint fails")
-
-
-def _closing(explanation: Explanation, full: bool) -> Iterator[Section]:
-    if explanation.disagreements:
-        yield Section("Disagreement", "two methods differ; please report it", explanation.disagreements)
-
-
-def _more(explanation: Explanation, full: bool) -> Iterator[Section]:
-    if not full:
-        yield Section("", "", notes=("more with --full: joint rates, failures, σ and angles, circuits, redundancy, …",))
 
 
 def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -739,6 +706,7 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
+_MORE = "more with --full: joint rates, failures, σ and angles, circuits, redundancy, …"
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "summary": _summary,
     "which": _which,
@@ -748,13 +716,16 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "blame": _blame,
     "proofs": _proofs,
     "rates": _rates,
-    "failures": _failures,
+    "failures": lambda explanation, _: iter((failures_table(explanation.failures, "If one joint fails"),)),
     "ellipsoids": _ellipsoids,
     "redundancy": _redundancy,
     "representation": _representation,
     "numbers": _numbers,
-    "closing": _closing,
-    "more": _more,
+    "closing": lambda explanation, _: iter(
+        (Section("Disagreement", "two methods differ; please report it", explanation.disagreements),)
+        if explanation.disagreements else ()
+    ),
+    "more": lambda _, full: iter(() if full else (Section("", "", notes=(_MORE,)),)),
 }
 """Every part by its name, in order."""
 DETAILS = frozenset(
@@ -796,8 +767,9 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
         task: its rows.
         family: of the catalogue, of an analysis, or found on the spot.
     """
+    symbols = joint_symbols(robot)
     pins = [
-        f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in family.pinned
+        f"{symbols[one.number - 1]} = {values_in_degrees(robot, one.number, one.values)}" for one in family.pinned
     ]
     fixed = {one.number for one in family.pinned}
     written = _written(robot, task, family)
@@ -822,10 +794,6 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
         values = ", ".join(f"{name} = {letters[name]:.6g} m".replace("-", "−") for name in there)
         told[-1 - bool(long)] += f", {values}"
     return tuple(told)
-
-
-def _symbol(robot: Robot, number: int) -> str:
-    return f"{'θ' if robot.variables[number - 1].unit == 'rad' else 'q'}{number}"
 
 
 def _joints(texts: Sequence[str]) -> list[int]:

@@ -19,8 +19,7 @@ cut before signs, so that lines can break.
 from __future__ import annotations
 
 import re
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -311,76 +310,6 @@ DIGITS = 6
 EXACT = 2**53  # whole numbers up to this are exact as floats
 
 
-class Notation(ABC):
-    """How numbers, symbols, waves, powers and brackets are written; sums and products follow from these."""
-
-    times = " "
-    minus = "-"
-    exact = False  # whether numbers are written to the last digit
-
-    @abstractmethod
-    def number(self, value: Fraction) -> str:
-        """A positive number."""
-
-    @abstractmethod
-    def symbol(self, symbol: Symbol) -> str:
-        """A length, a root, or the variable of a slide."""
-
-    @abstractmethod
-    def wave(self, wave: Wave) -> str:
-        """sin or cos of a combination of angles."""
-
-    @abstractmethod
-    def power(self, text: str, factor: Factor, power: int) -> str:
-        """A factor to a power from 2 up."""
-
-    def bracket(self, text: str) -> str:
-        """A sum inside a product."""
-        return f"({text})"
-
-    def zero(self, form: Product) -> str:
-        """What vanishes with the form: the form less its number, a power, and a bracket round all of it."""
-        return self.sum(self.parts(form))
-
-    def parts(self, form: Product) -> tuple[Product, ...]:
-        """What vanishes with the form, as products to be added."""
-        return bare(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)), self.exact)
-
-    def value(self, form: Product) -> str:
-        """The form itself, with its number and its powers."""
-        form = self.readable(form)
-        if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
-            return self.sum([replace(part, number=form.number * part.number) for part in form.factors[0][0].parts])
-        return self.sum([form])
-
-    def readable(self, form: Product) -> Product:
-        """The form, equal to it, with sums of long numbers divided by the largest one."""
-        return _rescaled(form, self.exact, not self.exact and _long(form))
-
-    def sum(self, parts: Sequence[Product]) -> str:
-        """Products joined by signs."""
-        text = ""
-        for place, part in enumerate(parts):
-            sign = self.minus if part.number < 0 else "+"
-            text += f" {sign} " if place else (sign if sign != "+" else "")
-            text += self.product(part)
-        return text
-
-    def product(self, part: Product) -> str:
-        """One product without its sign."""
-        number = abs(part.number)
-        factors = [self.number(number)] if number != 1 or not part.factors else []
-        return self.times.join(factors + [self.factor(factor, power) for factor, power in part.factors])
-
-    def factor(self, factor: Factor, power: int) -> str:
-        """A factor to its power."""
-        if isinstance(factor, Sum):
-            text = self.bracket(self.sum(factor.parts))
-        else:
-            text = self.symbol(factor) if isinstance(factor, Symbol) else self.wave(factor)
-        return text if power == 1 else self.power(text, factor, power)
-
-
 def bare(form: Product, exact: bool) -> tuple[Product, ...]:
     """The parts of a form without its number; sums with long numbers are divided by the largest one.
 
@@ -450,21 +379,31 @@ def _joined(turns: Sequence[tuple[int, int]]) -> bool:
     return all(m == 2 and j < 10 for j, m in turns)
 
 
-class Text(Notation):
-    """Unicode: a2 c2 + a3 c23 − d4 s23."""
+class Text:
+    """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves, powers and signs their own way.
 
+    Args:
+        most: sums of more characters are told by what they hold; None for none.
+    """
+
+    times = " "
     minus = "−"
+    exact = False  # whether numbers are written to the last digit
+    most: int | None = None
+
+    def __init__(self, most: int | None = None) -> None:
+        self.most = most
 
     def number(self, value: Fraction) -> str:
-        """Whole, or six digits."""
+        """A positive number: whole, or six digits."""
         return _readable(value)
 
     def symbol(self, symbol: Symbol) -> str:
-        """Its name; √2 for a root."""
+        """A length, the variable of a slide, or a root: its name; √2."""
         return WRITTEN.get(symbol.name, symbol.name)
 
     def wave(self, wave: Wave) -> str:
-        """c23, s(θ1 − θ2), cos(θ4/2)."""
+        """sin or cos of a combination of angles: c23, s(θ1 − θ2), cos(θ4/2)."""
         if _joined(wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
         name = wave.kind if wave.halved else wave.kind[0]
@@ -472,15 +411,81 @@ class Text(Notation):
         return f"{name}({text})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
-        """A raised number, before an angle in brackets."""
+        """A factor to a power from 2 up: a raised number, before an angle in brackets."""
         if isinstance(factor, Wave) and text[-1] == ")":
             name, rest = text.split("(", 1)
             return f"{name}{str(power).translate(SUPERSCRIPT)}({rest}"
         return text + str(power).translate(SUPERSCRIPT)
 
+    def zero(self, form: Product) -> str:
+        """What vanishes with the form: the form less its number, a power, and a bracket round all of it."""
+        return self.sum(self.parts(form))
 
-class Latex(Notation):
+    def parts(self, form: Product) -> tuple[Product, ...]:
+        """What vanishes with the form, as products to be added."""
+        return bare(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)), self.exact)
+
+    def value(self, form: Product) -> str:
+        """The form itself, with its number and its powers."""
+        form = self.readable(form)
+        if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
+            whole = form.factors[0][0]
+            text = self.sum([replace(part, number=form.number * part.number) for part in whole.parts])
+            return text if self.most is None or len(text) <= self.most else f"[{held(whole)}]"
+        return self.sum([form])
+
+    def readable(self, form: Product) -> Product:
+        """The form, equal to it, with sums of long numbers divided by the largest one."""
+        return _rescaled(form, self.exact, not self.exact and _long(form))
+
+    def sum(self, parts: Sequence[Product]) -> str:
+        """Products joined by signs."""
+        text = ""
+        for place, part in enumerate(parts):
+            sign = self.minus if part.number < 0 else "+"
+            text += f" {sign} " if place else (sign if sign != "+" else "")
+            text += self.product(part)
+        return text
+
+    def product(self, part: Product) -> str:
+        """One product without its sign."""
+        number = abs(part.number)
+        factors = [self.number(number)] if number != 1 or not part.factors else []
+        return self.times.join(factors + [self.factor(factor, power) for factor, power in part.factors])
+
+    def factor(self, factor: Factor, power: int) -> str:
+        """A factor to its power; a long sum as "[120 sines and cosines of θ2, θ3, θ5]"."""
+        if isinstance(factor, Sum):
+            text = f"({self.sum(factor.parts)})"
+            if self.most is not None and len(text if power == 1 else self.power(text, factor, power)) > self.most:
+                text = f"[{held(factor)}]"
+        else:
+            text = self.symbol(factor) if isinstance(factor, Symbol) else self.wave(factor)
+        return text if power == 1 else self.power(text, factor, power)
+
+
+def held(factor: Factor) -> str:
+    """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
+    inside = [*_leaves(factor)]
+    waves = [one for one in inside if isinstance(one, Wave)]
+    joints = {f"θ{j}" for one in waves for j, _ in one.turns}
+    joints |= {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
+    return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
+
+
+def _leaves(factor: Factor) -> Iterator[Wave | Symbol]:
+    if isinstance(factor, Sum):
+        for part in factor.parts:
+            for inner, _ in part.factors:
+                yield from _leaves(inner)
+    else:
+        yield factor
+
+
+class Latex(Text):
     r"""LaTeX: a_2 c_2 + a_3 c_{23}; names in full where the angles are no plain sum: \cos(\theta_3 - \theta_5)."""
+
+    minus = "-"
 
     def number(self, value: Fraction) -> str:
         """As in text, powers of ten spelled out."""
@@ -542,7 +547,7 @@ def latex_angle(value: float) -> str:
 
 
 @dataclass(frozen=True)
-class Python(Notation):
+class Python(Text):
     """Python: a2*cos(q2) + a3*cos(q2 + q3), in the joint variables q = θ − shift.
 
     Attributes:
@@ -557,7 +562,7 @@ class Python(Notation):
     variable: str = "q{0}"
     names: Mapping[str, str] = field(default_factory=dict)
 
-    times = "*"
+    times, minus = "*", "-"
     exact = True
 
     def number(self, value: Fraction) -> str:

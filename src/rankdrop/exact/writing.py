@@ -30,7 +30,6 @@ from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.exact.notation import (
     Factor,
     Latex,
-    Notation,
     Product,
     Python,
     Sum,
@@ -565,7 +564,7 @@ class Condition:
             return None
         return kept, 2 * atan2(-cosine, sine) if sine else pi
 
-    def _slide(self, name: str, notation: Notation, unit: str) -> str:
+    def _slide(self, name: str, notation: Text, unit: str) -> str:
         """q_j = number, where the condition says just that; else ""."""
         if len(self.joints) != 1 or self.joints[0] not in self.ring.prismatic or len(self.polynomial) > 2:
             return ""
@@ -606,7 +605,7 @@ def _related(
     return f"{text} = {words(value)}"
 
 
-def _sides(form: Product, notation: Notation) -> str:
+def _sides(form: Product, notation: Text) -> str:
     """… = 0, or A = B where half angles make two terms of opposite sign."""
     parts = notation.parts(form)
     if len(parts) == 2 and parts[0].number > 0 > parts[1].number:
@@ -718,7 +717,7 @@ class Value:
         Args:
             most: factors of more characters than that are told by their size; None for none.
         """
-        return (Text() if most is None else Folded(most)).value(self.form)
+        return Text(most).value(self.form)
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -738,45 +737,6 @@ class Value:
 
 def _opened(factor: Factor) -> tuple[Product, ...]:
     return factor.parts if isinstance(factor, Sum) else (Product(Fraction(1), ((factor, 1),)),)
-
-
-class Folded(Text):
-    """Text in which long sums in brackets are told by what they hold."""
-
-    def __init__(self, most: int) -> None:
-        self.most = most
-
-    def value(self, form: Product) -> str:
-        """As `Notation.value`; a long sum that is all of it is told in the same way."""
-        text = super().value(form)
-        alone = len(form.factors) == 1 and isinstance(form.factors[0][0], Sum)
-        return f"[{_held(form.factors[0][0])}]" if alone and len(text) > self.most else text
-
-    def factor(self, factor: Factor, power: int) -> str:
-        """As `Notation.factor`, or "[120 terms in θ2, θ3, θ5]"."""
-        text = super().factor(factor, power)
-        if isinstance(factor, Sum) and len(text) > self.most:
-            text = f"[{_held(factor)}]"
-            return text if power == 1 else self.power(text, factor, power)
-        return text
-
-
-def _held(factor: Factor) -> str:
-    """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
-    inside = [*_leaves(factor)]
-    waves = [one for one in inside if isinstance(one, Wave)]
-    joints = {f"θ{j}" for one in waves for j, _ in one.turns}
-    joints |= {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
-    return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
-
-
-def _leaves(factor: Factor) -> Iterator[Wave | Symbol]:
-    if isinstance(factor, Sum):
-        for part in factor.parts:
-            for inner, _ in part.factors:
-                yield from _leaves(inner)
-    else:
-        yield factor
 
 
 WHOLE = 12
@@ -834,8 +794,7 @@ class Quotient:
             most: sums of more characters are told by their size; None for none.
         """
         above, below = self.forms
-        notation = Text() if most is None else Folded(most)
-        return _joined(notation, above, below, " / ")
+        return _joined(Text(most), above, below, " / ")
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -873,7 +832,7 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
     return found
 
 
-def _joined(notation: Notation, above: Product, below: Product, line: str) -> str:
+def _joined(notation: Text, above: Product, below: Product, line: str) -> str:
     if below == Product(Fraction(1)):
         return notation.value(above)
     upper, lower = _above(notation, above), notation.product(notation.readable(below))
@@ -881,7 +840,7 @@ def _joined(notation: Notation, above: Product, below: Product, line: str) -> st
     return f"{upper}{line}({lower})" if bracketed else f"{upper}{line}{lower}"
 
 
-def _above(notation: Notation, above: Product) -> str:
+def _above(notation: Text, above: Product) -> str:
     return notation.sum([notation.readable(above)])
 
 

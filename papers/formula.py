@@ -37,8 +37,8 @@ def value(text: str, theta: Array, letters: Mapping[str, float]) -> Array:
         >>> float(value("a s12 + 2 c1", np.array([0.0, np.pi / 2]), {"a": 3.0}))
         5.0
     """
-    (statement,) = read(text, frozenset(letters))
-    return np.broadcast_to(_value(statement.left, np.asarray(theta, dtype=np.float64), letters), np.shape(theta)[:-1])
+    left = read(text, frozenset(letters))[0].parts[0]
+    return np.broadcast_to(_value(left, np.asarray(theta, dtype=np.float64), letters), np.shape(theta)[:-1])
 
 
 def matrix(rows: str | Sequence[Sequence[str]], theta: Array, letters: Mapping[str, float]) -> Array:

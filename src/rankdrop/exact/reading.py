@@ -53,29 +53,16 @@ _KNOWN = re.compile(r"[qθsct]\d+|pi|π")
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
-    """A piece of text.
-
-    Attributes:
-        kind: "number", "name", "raised", "sign", or "end".
-        text: the piece, signs in ASCII.
-        place: where it starts, from 0.
-    """
-
-    kind: str
-    text: str
-    place: int
-
-
-@dataclass(frozen=True, slots=True)
 class Node:
-    """A piece of the tree.
+    """A piece of the tree; before there is one, a piece of the text.
 
     Attributes:
-        kind: "number", "name", "sin", "cos", "+", "-" (two parts or one), "*", "/", "**", "±".
+        kind: "number", "name", "sin", "cos", "+", "-" (two parts or one), "*", "/", "**", "±"; "=" of a condition,
+            whose parts are its left side and the right ones (none: the left one is zero); of text also "raised", "sign"
+            and "end".
         place: where it starts in the text, from 0.
         parts: what it is made of.
-        name: of a name.
+        name: of a name; of a condition or of text as it is written, signs of text in ASCII.
         number: of a number, or the whole power of "**".
     """
 
@@ -84,20 +71,6 @@ class Node:
     parts: tuple[Node, ...] = ()
     name: str = ""
     number: Fraction = Fraction(0)
-
-
-@dataclass(frozen=True, slots=True)
-class Statement:
-    """One condition: left = right or right …; no right means that left is zero.
-
-    Attributes:
-        left, rights: trees.
-        text: as written.
-    """
-
-    left: Node
-    rights: tuple[Node, ...]
-    text: str
 
 
 def mistake(
@@ -110,7 +83,7 @@ def mistake(
     return OptionError(what, where=f"condition, column {place + 1}", got=repr(shown), allowed=allowed, mend=mend)
 
 
-def read(text: str, letters: frozenset[str] = frozenset()) -> tuple[Statement, ...]:
+def read(text: str, letters: frozenset[str] = frozenset()) -> tuple[Node, ...]:
     """The conditions of a text.
 
     Args:
@@ -125,7 +98,7 @@ def read(text: str, letters: frozenset[str] = frozenset()) -> tuple[Statement, .
     return _Reader(text, letters).statements()
 
 
-def _tokens(text: str) -> list[Token]:
+def _tokens(text: str) -> list[Node]:
     found = []
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
@@ -133,8 +106,8 @@ def _tokens(text: str) -> list[Token]:
             what = "a character that means nothing in a condition"
             raise mistake(text, match.start(), what, allowed="+ − * / ** ( ) = ; ,")
         if kind != "space":
-            found.append(Token(kind, _SIGNS.get(match.group(), match.group()), match.start()))
-    return [*found, Token("end", "", len(text))]
+            found.append(Node(kind, match.start(), name=_SIGNS.get(match.group(), match.group())))
+    return [*found, Node("end", len(text))]
 
 
 class _Reader:
@@ -144,34 +117,33 @@ class _Reader:
         self.at, self.depth = 0, 0
 
     @property
-    def token(self) -> Token:
+    def token(self) -> Node:
         return self.tokens[self.at]
 
-    def take(self, *texts: str) -> Token | None:
+    def take(self, *texts: str) -> Node | None:
         """The token where it is one of these signs or words; then the next one is looked at."""
         token = self.token
-        if token.text in texts and token.kind in ("sign", "name"):
+        if token.name in texts and token.kind in ("sign", "name"):
             self.at += 1
             return token
         return None
 
-    def statements(self) -> tuple[Statement, ...]:
-        """Statement { (; | , | and) Statement }, to the end; a Statement is a Sum [= Sum { or Sum }]."""
+    def statements(self) -> tuple[Node, ...]:
+        """Condition { (; | , | and) Condition }, to the end; a Condition is a Sum [= Sum { or Sum }]."""
         found = []
         while True:
             start = self.token.place
-            left = self.sum()
-            rights = []
+            sides = [self.sum()]
             if self.take("="):
-                rights.append(self.sum())
+                sides.append(self.sum())
                 while self.take("or"):
-                    rights.append(self.sum())
-            found.append(Statement(left, tuple(rights), self.text[start : self.token.place].strip()))
+                    sides.append(self.sum())
+            found.append(Node("=", start, tuple(sides), self.text[start : self.token.place].strip()))
             if self.token.kind == "end":
                 return tuple(found)
             if self.take(";", ",", "and") is None:
                 raise self.wrong("an operator or the end")
-            if self.token.kind == "end" and self.tokens[self.at - 1].text == ";":
+            if self.token.kind == "end" and self.tokens[self.at - 1].name == ";":
                 return tuple(found)
 
     def wrong(self, allowed: str) -> OptionError:
@@ -182,12 +154,12 @@ class _Reader:
         """[±] Product { (+ | −) Product }."""
         first = self.take("-", "+")
         node = self.product()
-        if first is not None and first.text == "-":
+        if first is not None and first.name == "-":
             node = Node("-", first.place, (node,))
         parts = [node]
         while (sign := self.take("+", "-")) is not None:
             part = self.product()
-            parts.append(Node("-", sign.place, (part,)) if sign.text == "-" else part)
+            parts.append(Node("-", sign.place, (part,)) if sign.name == "-" else part)
         return parts[0] if len(parts) == 1 else Node("+", parts[0].place, tuple(parts))
 
     def product(self) -> Node:
@@ -197,15 +169,15 @@ class _Reader:
             sign = self.take("*", "/")
             if sign is None and not self.starts_primary():
                 return parts[0] if len(parts) == 1 else Node("*", parts[0].place, tuple(parts))
-            inverted = sign is not None and sign.text == "/"
+            inverted = sign is not None and sign.name == "/"
             part = self.signed() if sign is not None else self.power()
             parts.append(Node("/", part.place, (part,)) if inverted else part)
 
     def starts_primary(self) -> bool:
         token = self.token
         if token.kind == "name":
-            return token.text not in ("and", "or")
-        return token.kind == "number" or token.text == "("
+            return token.name not in ("and", "or")
+        return token.kind == "number" or token.name == "("
 
     def signed(self) -> Node:
         sign = self.take("-")
@@ -214,22 +186,20 @@ class _Reader:
 
     def power(self) -> Node:
         """Primary [** whole number]."""
-        node = self.primary()
-        raised = self.raised()
-        return node if raised is None else Node("**", node.place, (node,), number=Fraction(raised))
+        return _to_power(self.primary(), self.raised())
 
     def raised(self) -> int | None:
         token = self.token
         if token.kind == "raised":
             self.at += 1
-            return self.whole("".join(str(SUPERSCRIPTS.index(letter)) for letter in token.text), token.place)
+            return self.whole("".join(str(SUPERSCRIPTS.index(letter)) for letter in token.name), token.place)
         if self.take("**") is None:
             return None
         token = self.token
-        if token.kind != "number" or not token.text.isdecimal():
+        if token.kind != "number" or not token.name.isdecimal():
             raise mistake(self.text, token.place, "a power must be a whole number", allowed=f"0 … {HIGHEST}")
         self.at += 1
-        return self.whole(token.text, token.place)
+        return self.whole(token.name, token.place)
 
     def whole(self, digits: str, place: int) -> int:
         if len(digits) > 4 or int(digits) > HIGHEST:
@@ -241,31 +211,31 @@ class _Reader:
         if token.kind == "number":
             self.at += 1
             return Node("number", token.place, number=self.value(token))
-        if token.kind == "name" and token.text not in ("and", "or"):
+        if token.kind == "name" and token.name not in ("and", "or"):
             self.at += 1
-            bracket = self.token.text == "(" or self.token.kind == "raised"
-            if token.text in ("sin", "cos") or (token.text in WAVES and bracket and token.text not in self.letters):
+            bracket = self.token.name == "(" or self.token.kind == "raised"
+            if token.name in ("sin", "cos") or (token.name in WAVES and bracket and token.name not in self.letters):
                 return self.wave(token)
-            if self.token.text == "(" and token.text not in self.letters and not _KNOWN.fullmatch(token.text):
-                raise mistake(self.text, token.place, f"there is no function {token.text}", allowed="sin, cos, s, c")
-            return Node("name", token.place, name=token.text)
+            if self.token.name == "(" and token.name not in self.letters and not _KNOWN.fullmatch(token.name):
+                raise mistake(self.text, token.place, f"there is no function {token.name}", allowed="sin, cos, s, c")
+            return token
         if self.take("±"):
             return Node("±", token.place, (self.power(),))
-        if token.text == "(":
+        if token.name == "(":
             return self.bracket()
         raise self.wrong("a number, a name, sin, cos, or a bracket")
 
-    def wave(self, token: Token) -> Node:
+    def wave(self, token: Node) -> Node:
         """What follows sin or cos: an exponent, if there is one, and a bracket or a name."""
         raised = self.raised()
-        if self.token.text == "(":
+        if self.token.name == "(":
             inside = self.bracket()
-        elif self.token.kind == "name" and self.token.text not in (*WAVES, "and", "or"):
-            inside = Node("name", self.token.place, name=self.token.text)
+        elif self.token.kind == "name" and self.token.name not in (*WAVES, "and", "or"):
+            inside = self.token
             self.at += 1
         else:
-            raise mistake(self.text, self.token.place, f"{token.text} needs an angle", allowed=f"{token.text}(q1 + q2)")
-        node = Node(WAVES[token.text], token.place, (inside,))
+            raise mistake(self.text, self.token.place, f"{token.name} needs an angle", allowed=f"{token.name}(q1 + q2)")
+        node = Node(WAVES[token.name], token.place, (inside,))
         return node if raised is None else Node("**", token.place, (node,), number=Fraction(raised))
 
     def bracket(self) -> Node:
@@ -280,12 +250,16 @@ class _Reader:
         self.depth -= 1
         return node
 
-    def value(self, token: Token) -> Fraction:
-        digits, _, power = token.text.lower().partition("e")
+    def value(self, token: Node) -> Fraction:
+        digits, _, power = token.name.lower().partition("e")
         if len(digits) > DIGITS or len(power) > 3:
             allowed = f"{DIGITS} digits, powers of ten up to 99"
             raise mistake(self.text, token.place, "the number is too long", allowed=allowed)
-        return Fraction(token.text)
+        return Fraction(token.name)
+
+
+def _to_power(node: Node, power: int | None) -> Node:
+    return node if power is None else Node("**", node.place, (node,), number=Fraction(power))
 
 
 TURNED = 1e-9
@@ -361,16 +335,16 @@ class Meaning:
         self.text, self.ring = text, ring
         self.shifts = np.zeros(max([*ring.revolute, *ring.prismatic], default=0)) if shifts is None else shifts
 
-    def statement(self, statement: Statement) -> Parsed:
+    def statement(self, statement: Node) -> Parsed:
         """One condition."""
-        if any(map(self.is_angle, (statement.left, *statement.rights))):
-            return self.relation(statement)
-        if len(statement.rights) > 1:
+        left, *rights = statement.parts
+        if any(map(self.is_angle, statement.parts)):
+            return self.relation(left, rights)
+        if len(rights) > 1:
             what = "“or” stands between values of an angle only"
-            raise mistake(self.text, statement.rights[1].place, what, allowed="θ4 = 0 or π")
-        value = self.value(statement.left)
-        rights = [self.negative(self.value(right)) for right in statement.rights]
-        return self.sum([value, *rights], statement.rights[0]) if rights else value
+            raise mistake(self.text, rights[1].place, what, allowed="θ4 = 0 or π")
+        value = self.value(left)
+        return self.sum([value, self.negative(self.value(rights[0]))], rights[0]) if rights else value
 
     # angles
 
@@ -381,21 +355,18 @@ class Meaning:
             return joint is not None and joint in self.ring.revolute
         return node.kind not in ("sin", "cos") and any(self.is_angle(part) for part in node.parts)
 
-    def relation(self, statement: Statement) -> Parsed:
+    def relation(self, left: Node, rights: Sequence[Node]) -> Parsed:
         """Σ m_j θ_j = value, modulo 2π."""
         value = self.number(self.ring.half.constant(1))
-        rights = [signed for right in statement.rights for signed in _both(right)] or [
-            Node("number", statement.left.place)
-        ]
-        for right in rights:
-            angle = _combined(self.angle(statement.left), self.angle(right), Fraction(-1))
+        for right in [signed for one in rights for signed in _both(one)] or [Node("number", left.place)]:
+            angle = _combined(self.angle(left), self.angle(right), Fraction(-1))
             turns = [m for j, m in angle.items() if j > PI]
             if not turns or any(m.denominator != 1 for m in turns):
                 raise mistake(
-                    self.text, statement.left.place, "an equation of angles needs whole multiples of them on it"
+                    self.text, left.place, "an equation of angles needs whole multiples of them on it"
                 )
-            half = self.wave("sin", _combined({}, angle, Fraction(1, 2)), statement.left)
-            value = self.product(value, half, statement.left)
+            half = self.wave("sin", _combined({}, angle, Fraction(1, 2)), left)
+            value = self.product(value, half, left)
         return value
 
     def angle(self, node: Node) -> Angle:
@@ -621,4 +592,4 @@ def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = 
         ['θ3=pi', 'θ3=0']
     """
     meaning = Meaning(text, ring, shifts)
-    return tuple(replace(meaning.statement(one), text=one.text) for one in read(text, frozenset(ring.letters)))
+    return tuple(replace(meaning.statement(one), text=one.name) for one in read(text, frozenset(ring.letters)))

@@ -1,15 +1,15 @@
 """What a method of derivation computes: polynomial conditions, whether they hold at configurations, and their words.
 
-`Conjunction` is one condition, `Derivation` all of them with what they cost, `DerivationBuilder` a derivation in the
-making: minors, factors and conjunctions, all against one clock. A case of a derivation is a set of configurations
+`Conjunction` is one condition, `Derivation` all of them, and what makes them: minors, factors and conjunctions, all
+against one clock. A case of a derivation is a set of configurations
 (`ZeroSet`): what vanishes on it, and what does not. `Words` writes conditions: factors are joined by "or", polynomials
 by "and", exceptions stand at the end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -140,50 +140,6 @@ class Conjunction:
         )
 
 
-@dataclass(frozen=True)
-class Derivation:
-    """A singular set as one method finds it.
-
-    Attributes:
-        chain: the arm and its task.
-        method: one of `METHODS`.
-        conditions: a configuration is singular where one of these holds.
-        generic: whether configurations were left out that `notes` tell of: the conditions are necessary off them only.
-        assumptions: polynomials in lengths, of the half-angle ring, taken not to vanish.
-        notes: what is to be said of the answer, in words.
-        sizes: figures of what was met on the way ("minors", "terms", …).
-        left: what was not finished within the time; empty where everything was.
-        seconds: spent.
-    """
-
-    chain: Chain
-    method: str
-    conditions: tuple[Conjunction, ...]
-    generic: bool
-    assumptions: tuple[Polynomial, ...]
-    notes: tuple[str, ...]
-    sizes: Mapping[str, int] = field(default_factory=dict)
-    left: tuple[str, ...] = ()
-    seconds: float = 0.0
-
-    @property
-    def complete(self) -> bool:
-        """Whether every case was finished."""
-        return not self.left
-
-    def holds(self, q: ArrayLike) -> NDArray[np.bool_]:
-        """Whether one of the conditions holds at configurations q (N, n), within `ZERO`: (N,)."""
-        distances = Distances(self.chain, q)
-        met = np.zeros(len(distances), dtype=np.bool_)
-        for conjunction in self.conditions:
-            met |= conjunction.holds(distances)
-        return met
-
-    def holds_modulo(self, points: Iterable[Point]) -> tuple[bool, ...]:
-        """Whether one of the conditions holds at each of the points modulo P, exactly."""
-        return tuple(any(c.holds_modulo(self.chain.ring, point) for c in self.conditions) for point in points)
-
-
 READABLE = 30
 """Polynomials of more terms are told by their number of terms: nobody reads them."""
 
@@ -265,19 +221,23 @@ Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
 
 
-class DerivationBuilder:
-    """What a method fills in; all that it may spend.
+class Derivation:
+    """A singular set as one method finds it, and while it does: what it may spend, and what it fills in.
 
     Args:
-        chain: the arm.
-        method: its name.
-        seconds: of wall time.
+        chain: the arm and its task.
+        method: one of `METHODS`.
+        seconds: of work.
         frame: link in whose frame the screws of a pose are taken; None for the one where they are shortest.
         basic: numbers of the joints whose screws are taken first, where the method chooses some; None for no wish.
 
     Attributes:
         columns: of the Jacobian.
-        conditions, notes, sizes, left, generic: as of `Derivation`.
+        conditions: a configuration is singular where one of these holds.
+        generic: whether configurations were left out that `notes` tell of: the conditions are necessary off them only.
+        notes: what is to be said of the answer, in words.
+        sizes: figures of what was met on the way ("minors", "terms", …).
+        left: what was not finished within the limit; empty where everything was.
     """
 
     def __init__(
@@ -299,7 +259,7 @@ class DerivationBuilder:
         self.generic = False
         self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
-        self._work, self._seconds = Work(seconds), seconds
+        self._work = Work(seconds)
 
     @property
     def remaining(self) -> float:
@@ -317,17 +277,32 @@ class DerivationBuilder:
         except OutOfTime:
             raise OutOfTime(what) from None
 
-    def finished(self) -> Derivation:
-        """The derivation as it stands."""
-        for factor in self._work.assumed.values():
-            if sign_of(self.chain, factor) == 0:
-                self.left.append(f"the arm with {factor} = 0, which this arm has: its conditions are not these")
+    @property
+    def complete(self) -> bool:
+        """Whether every case was finished."""
+        return not self.left
+
+    @property
+    def assumptions(self) -> tuple[Polynomial, ...]:
+        """Polynomials in lengths, of the half-angle ring, taken not to vanish."""
+        return tuple(self._work.assumed.values())
+
+    def holds(self, q: ArrayLike) -> NDArray[np.bool_]:
+        """Whether one of the conditions holds at configurations q (N, n), within `ZERO`: (N,)."""
+        distances = Distances(self.chain, q)
+        none = np.zeros(len(distances), dtype=np.bool_)
+        return np.asarray(np.logical_or.reduce([none, *(one.holds(distances) for one in self.conditions)]))
+
+    def holds_modulo(self, points: Iterable[Point]) -> tuple[bool, ...]:
+        """Whether one of the conditions holds at each of the points modulo P, exactly."""
+        return tuple(any(c.holds_modulo(self.ring, point) for c in self.conditions) for point in points)
+
+    def finish(self) -> None:
+        """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""
+        zero = [factor for factor in self.assumptions if sign_of(self.chain, factor) == 0]
+        self.left += [f"the arm with {one} = 0, which this arm has: its conditions are not these" for one in zero]
         if self._whole:
             self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
-        return Derivation(
-            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._work.assumed.values()),
-            tuple(self.notes), self.sizes, tuple(self.left), self._seconds - self.remaining,
-        )  # fmt: skip
 
     def full_rank(self) -> int:
         """The rank of almost every configuration, which has to be that of a matrix of full rank.

@@ -64,7 +64,6 @@ from rankdrop.exact.conjunctions import (
     Columns,
     Conjunction,
     Derivation,
-    DerivationBuilder,
     Words,
     columns_on,
     conditions_on,
@@ -81,7 +80,7 @@ LONGEST = 2000
 """Minors of more terms are not squared: that cannot be interrupted, and takes 0.2 s at this length."""
 
 
-def determinant(builder: DerivationBuilder) -> None:
+def determinant(builder: Derivation) -> None:
     """det J = 0, one condition per factor; else det(J Jᵀ) = 0, which is the sum of the squares of all maximal minors.
 
     That sum (Cauchy and Binet) is never negative, so that it vanishes without a change of sign, and over the reals it
@@ -120,7 +119,7 @@ def determinant(builder: DerivationBuilder) -> None:
     _factored(builder, Equality((), total))
 
 
-def _factored(builder: DerivationBuilder, square: Equality) -> None:
+def _factored(builder: Derivation, square: Equality) -> None:
     """Conditions of a sum of squares; the sum as it is where its factors are not found in time."""
     found = builder.atoms(square.whole)
     if found is None:
@@ -139,7 +138,7 @@ def _factored(builder: DerivationBuilder, square: Equality) -> None:
     )  # fmt: skip
 
 
-def cofactors(builder: DerivationBuilder) -> None:
+def cofactors(builder: Derivation) -> None:
     """All maximal minors of J, factored; their common factors, and the conjunction of what is left.
 
     Nothing is wrong with the answer, but what is left is as many equations as there are minors, whose solution is
@@ -168,7 +167,7 @@ def cofactors(builder: DerivationBuilder) -> None:
         )
 
 
-def decomposition(builder: DerivationBuilder) -> None:
+def decomposition(builder: Derivation) -> None:
     """Conditions of the arm, rank J₁₁ < 3, and of the wrist, at each angle where its axes are dependent.
 
     Args:
@@ -241,7 +240,7 @@ def _missing(chain: Chain) -> str:
     return "parallel axes" if 0 in (first.twist.sin, second.twist.sin) else ""
 
 
-def _null_space(builder: DerivationBuilder, arm: Columns) -> list[list[Polynomial]]:
+def _null_space(builder: Derivation, arm: Columns) -> list[list[Polynomial]]:
     """Vectors that span the null space of J₁₁ wherever its rank is 3: cofactors of each four of its columns."""
     found = []
     for four in combinations(range(len(arm)), 4):
@@ -254,7 +253,7 @@ def _null_space(builder: DerivationBuilder, arm: Columns) -> list[list[Polynomia
     return found
 
 
-def _combined(builder: DerivationBuilder, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+def _combined(builder: Derivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
     """Σ w_j column_j, the rotations only."""
     return [
         builder.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), builder.ring.zero))
@@ -262,7 +261,7 @@ def _combined(builder: DerivationBuilder, columns: Columns, weights: list[Polyno
     ]
 
 
-def _zeros(builder: DerivationBuilder, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
+def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
     """Conjunctions of equalities, beside those of a set, where a screw vanishes."""
     known = [found for found in (builder.factors(piece, w) for w in screw if w != 0) if found is not None]
     simple = [atoms for atoms in known if any(atom.pinned for atom in atoms)]
@@ -314,7 +313,7 @@ _Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
 """Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
 
 
-def reciprocity(builder: DerivationBuilder) -> None:
+def reciprocity(builder: Derivation) -> None:
     """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
 
     Args:
@@ -355,7 +354,7 @@ def reciprocity(builder: DerivationBuilder) -> None:
 
 
 def _one_case(
-    builder: DerivationBuilder, case: ZeroSet, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+    builder: Derivation, case: ZeroSet, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
     ring, columns, pins = builder.ring, columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
@@ -394,7 +393,7 @@ def _one_case(
     return []
 
 
-def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
+def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
     """Every choice of joints with its screw, those among the basic ones and short ones first; those that are dependent
     everywhere left out.
     """
@@ -412,7 +411,7 @@ def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
     )
 
 
-def _note(builder: DerivationBuilder, case: ZeroSet, choice: _Choice) -> None:
+def _note(builder: Derivation, case: ZeroSet, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     words, ring = Words(builder.ring), builder.ring
     there = words.conjunction(Conjunction(conditions_on(case))) if case.pins else "in general"
@@ -437,7 +436,7 @@ _Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
 """A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
-def singular_vector(builder: DerivationBuilder) -> None:
+def singular_vector(builder: Derivation) -> None:
     """Conditions case by case: which pivots do not vanish, and what is left of Jᵀ u = 0.
 
     Args:
@@ -463,7 +462,7 @@ def singular_vector(builder: DerivationBuilder) -> None:
     )
 
 
-def _eliminated(builder: DerivationBuilder, step: _Pivots) -> list[_Pivots]:
+def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
     builder.check("elimination")
     case, rows, chosen = step
@@ -493,7 +492,7 @@ def _eliminated(builder: DerivationBuilder, step: _Pivots) -> list[_Pivots]:
 
 
 def _bordering(
-    builder: DerivationBuilder, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
+    builder: Derivation, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
 ) -> list[tuple[int, int, Polynomial]]:
     """(row, column, minor) for each row and column besides the pivots', minors that are not zero."""
     others = [column for column in range(len(columns)) if column not in chosen]
@@ -503,7 +502,7 @@ def _bordering(
 
 
 def _pivot(
-    builder: DerivationBuilder, case: ZeroSet, left: list[tuple[int, int, Polynomial]]
+    builder: Derivation, case: ZeroSet, left: list[tuple[int, int, Polynomial]]
 ) -> tuple[int, int, Atoms] | None:
     """The entry with the fewest and shortest atoms that may vanish; None where all entries vanish in the case."""
     best = None
@@ -523,7 +522,7 @@ def _pivot(
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "derive"]
 
-_METHODS: dict[str, Callable[[DerivationBuilder], None]] = {
+_METHODS: dict[str, Callable[[Derivation], None]] = {
     "determinant": determinant,
     "cofactors": cofactors,
     "decomposition": decomposition,
@@ -564,9 +563,10 @@ def derive(
     if frame is not None and (chain.task.rows != (0, 1, 2, 3, 4, 5) or not 1 <= frame <= chain.n):
         raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n}, for all six rows")
     check_basic(chain, basic)
-    builder = DerivationBuilder(chain, method, seconds, frame=frame, basic=basic)
+    builder = Derivation(chain, method, seconds, frame=frame, basic=basic)
     try:
         _METHODS[method](builder)
     except OutOfTime as error:
         builder.left.append(str(error))
-    return builder.finished()
+    builder.finish()
+    return builder

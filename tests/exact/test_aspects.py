@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from rankdrop.codec import plain
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between, zeros_of
@@ -61,7 +62,7 @@ def test_flags_of_an_elbow_arm_are_named():
     assert [flag.label for flag in flags.flags] == ["elbow +", "wrist −", "shoulder −"]
     assert [flag.factor for flag in flags.flags][:2] == ["s3", "s5"]
     assert flags.sentences()[0] == "elbow +: s3 > 0"
-    assert json.loads(json.dumps(flags.to_dict()))["flags"][1]["sign"] == -1
+    assert json.loads(json.dumps(plain(flags)))["flags"][1]["sign"] == -1
 
 
 @pytest.mark.parametrize("name", ["puma560", "ur5", "z1"])
@@ -120,7 +121,7 @@ def test_every_path_between_opposite_signs_crosses_and_it_is_said():
     assert found.sentences()[0] == "Every path between them crosses wrist: axes 4 and 6 aligned (s5): its sign differs."
     (crossing,) = found.crossings
     assert (crossing.kind, crossing.at) == ("crosses", pytest.approx(0.5))
-    assert json.dumps(found.to_dict())
+    assert json.dumps(plain(found))
 
 
 def test_equal_signs_prove_nothing_and_it_is_said():

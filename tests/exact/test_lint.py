@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop import jacobian, open_robot
+from rankdrop.codec import plain
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import independent
@@ -40,7 +41,7 @@ def checked(text, name, lengths="auto"):
         rank = int((sigma > 1e-8 * sigma[0]).sum())
         assert (rank < generic_rank(chain.robot, chain.task)) == (one in result.missing)
         assert (abs(one.example.value) > 1e-6) == (one in result.missing)
-    json.dumps(result.to_dict())
+    json.dumps(plain(result))
     assert result.sentences()
     return result
 

@@ -92,7 +92,7 @@ class TestEveryArm:
     def test_is_sound_modulo_p(self, name):
         """Every family has rank 5 at random points, for random lengths."""
         for family in derived(name).families:
-            assert family.ranks == (5,), family.number
+            assert family.ranks == (5,), family.family
 
     def test_has_families_that_do_not_meet(self, name):
         families = derived(name).families
@@ -236,7 +236,7 @@ def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
     derivation = _Derivation(chain, chain.frame, "", None, Work(60.0), None)
     regular, elbow = (Stratum.whole(ring).meet(Equality((), ring.s[joint])) for joint in (3, 4))
     for stratum in (regular, elbow.avoid(Equality((), ring.s[2])).meet(Equality((), ring.s[2])), elbow):
-        derivation.family(Case("1", stratum, tuple(range(1, 8))), ())
+        derivation.family(Case("1", stratum, tuple(range(1, 8))))
     assert [family.stratum for family in derivation.families] == [elbow]
     assert [left.split(":")[1].strip() for left in derivation.left] == [
         "all six freedoms are left at points of it",

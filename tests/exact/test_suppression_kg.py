@@ -141,14 +141,14 @@ def test_there_are_five_families_with_the_conditions_of_equations_15_20_21_26_27
     ]
     assert len(found.families) == 5
     for family, (zeros, others) in zip(found.families[1:], printed, strict=True):
-        for conditions, expected in ((family.equalities, zeros), (family.inequalities, others)):
+        for conditions, expected in ((family.equalities, zeros), (family.stratum.open, others)):
             for p in expected:
                 assert any(equal(kg.ring, p, sign * q) for q in conditions for sign in (1, -1))
         assert len(family.equalities) == len(zeros)
     # as printed, equation 20 meets 21 and 26 meets 27 where sin θ2 = 0: s2 ≠ 0 has to be added to one of each pair
-    more = [len(family.inequalities) for family in found.families[1:]]
+    more = [len(family.stratum.open) for family in found.families[1:]]
     assert [n - len(others) for n, (_, others) in zip(more, printed, strict=True)] == [0, 1, 0, 1]
-    assert found.families[0].inequalities == ()
+    assert found.families[0].stratum.open == ()
 
 
 def test_no_two_families_meet(found):
@@ -167,7 +167,7 @@ def test_every_family_loses_one_freedom(found):
 
 def test_there_are_no_denominators(found):
     for family in found.families:
-        for p in family.equalities + family.inequalities:
+        for p in family.equalities + family.stratum.open:
             assert all(int(value.q) == 1 for value in p.coeffs())
     assert found.assumptions == ()
 

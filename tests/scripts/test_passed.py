@@ -33,7 +33,7 @@ WHOLE = {
     "cli": (24, 20),
     "designs": (9, 10),
     "errors": (1, 8),
-    "exact": (32, 83),
+    "exact": (32, 77),
     "families": (26, 45),
     "family": (6, 19),
     "jobs": (4, 5),

@@ -95,6 +95,7 @@ class Question(Output):
 
     def answer(self, conditions: Conditions) -> tuple[list[Section], Record, Verdict]:
         """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
+        from rankdrop.codec import plain
         from rankdrop.results import of_conditions
 
         sections: list[Section] = []
@@ -105,11 +106,11 @@ class Question(Output):
             sections.append(section)
         if self.flags is not None:
             flags = conditions.flags(self._q(robot, self.flags))
-            record["flags"] = flags.to_dict()
+            record["flags"] = plain(flags)
             sections.append(self._flags(robot, "Configuration flags", flags))
         if self.start is not None and self.end is not None:
             between = conditions.between(self._q(robot, self.start), self._q(robot, self.end))
-            record["between"] = between.to_dict()
+            record["between"] = plain(between)
             sections += [self._flags(robot, "From", between.first), self._flags(robot, "To", between.second)]
             sections.append(Section("What parts them", "", between.sentences()))
         verdict = of_conditions(conditions, tested)
@@ -208,8 +209,10 @@ def _print(
 
 
 def _tested(conditions: Conditions, condition: str) -> tuple[Section, Record | None, str]:
+    from rankdrop.codec import plain
+
     try:
         result = conditions.test(condition)
     except RankdropError as error:  # the derivation ended early: what it has is shown all the same
         return Section("Your condition", condition, (f"not tested: {error}",)), None, "not tested"
-    return Section("Your condition", condition, result.sentences()), result.to_dict(), result.verdict
+    return Section("Your condition", condition, result.sentences()), plain(result), result.verdict

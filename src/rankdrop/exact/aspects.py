@@ -17,12 +17,11 @@ and minima of its size that reach zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 from math import ceil, tau
 from operator import xor
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -435,10 +434,6 @@ class Flags:
         """One per flag."""
         return tuple(_flag_words(flag) for flag in self.flags)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For a result file."""
-        return asdict(self)
-
 
 @dataclass(frozen=True, slots=True)
 class Crossing:
@@ -495,10 +490,6 @@ class Between:
         else:
             found.append("The straight way meets no singularity at its sample points, nor between them by a sign.")
         return tuple(found)
-
-    def to_dict(self) -> dict[str, Any]:
-        """For a result file."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)

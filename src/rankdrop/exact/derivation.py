@@ -157,7 +157,7 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree, steps: bool) ->
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
     return CorankOne(
-        "decoupling", decoupling.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree)
+        "decoupling", decoupling.form.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree)
     )
 
 

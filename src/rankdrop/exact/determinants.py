@@ -219,20 +219,13 @@ class Decoupling:
     Attributes:
         chain: the arm.
         structure: what was recognised.
-        kind: "point", "slides", "plane", "plane and slide" or "last axis".
-        reason: why the Jacobian is block triangular.
-        point, axes: where and in which axes it is.
-        columns: all n columns there, one entry per row of the task.
+        form: the block triangular Jacobian, with the reason why it is that.
         blocks: the two; ML and JL's order (arm before wrist) where there is a spherical group.
     """
 
     chain: Chain
     structure: ExactStructure
-    kind: str
-    reason: str
-    point: str
-    axes: str
-    columns: tuple[tuple[Polynomial, ...], ...]
+    form: BlockForm
     blocks: tuple[Block, ...]
 
     @property
@@ -240,31 +233,9 @@ class Decoupling:
         """Of all blocks."""
         return tuple(part for block in self.blocks for part in block.parts)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For a result file: polynomials as text, matrices by rows."""
-        return {
-            "kind": self.kind,
-            "reason": self.reason,
-            "point": self.point,
-            "axes": self.axes,
-            "structure": list(self.structure.sentences()),
-            "blocks": [
-                {
-                    "name": block.name,
-                    "joints": list(block.joints),
-                    "rows": list(block.rows),
-                    "matrix": [[str(x) for x in row] for row in zip(*block.columns, strict=True)],
-                    "determinant": str(block.determinant),
-                    "nonzero_lengths": [str(letter) for letter, _ in block.factors.letters],
-                    "parts": [_part_dict(part) for part in block.parts],
-                }
-                for block in self.blocks
-            ],
-        }
-
     def sentences(self) -> tuple[str, ...]:
         """Reason, point, blocks and parts in words."""
-        found = [f"{self.reason}.", f"Reference point: {self.point}. Axes: {self.axes}."]
+        found = [f"{self.form.reason}.", f"Reference point: {self.form.point}. Axes: {self.form.axes}."]
         for block in self.blocks:
             found.append(f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}.")
             if not block.parts:
@@ -304,16 +275,7 @@ def decouple(chain: Chain, *, names: bool = True) -> Decoupling | None:
     if any(block is None for block in blocks):
         return None
     found = tuple(block for block in blocks if block is not None)
-    return Decoupling(
-        chain=chain,
-        structure=structure,
-        kind=form.kind,
-        reason=form.reason,
-        point=form.point,
-        axes=form.axes,
-        columns=tuple(tuple(column) for column in form.columns),
-        blocks=found[::-1] if form.kind in ("point", "last axis") else found,
-    )
+    return Decoupling(chain, structure, form, found[::-1] if form.kind in ("point", "last axis") else found)
 
 
 def why_not(chain: Chain) -> str:
@@ -332,18 +294,6 @@ def why_not(chain: Chain) -> str:
         return ""
     groups = "no three axes meet in one point, are parallel or slide: " if chain.task.rows == POSE else ""
     return f"{groups}the Jacobian stays in one piece{near}"
-
-
-def _part_dict(part: Part) -> dict[str, Any]:
-    return {
-        "name": part.name,
-        "roles": list(part.roles),
-        "condition": part.text,
-        "multiplicity": part.multiplicity,
-        "witness": None if part.witness is None else list(part.witness),
-        "lost": list(part.lost),
-        "statement": part.statement,
-    }
 
 
 def _block(
@@ -442,6 +392,27 @@ class Minor:
             return self.name.replace(" ", "_")
         return "minor_" + "_".join(word.lstrip("$J") for word in self.name.strip("|").split())
 
+    def to_dict(self, shifts: tuple[float, ...]) -> dict[str, Any]:
+        """For a result file; code is in the joint variables q = θ − shift."""
+        return {
+            "name": self.name,
+            "mark": self.mark,
+            "joints": list(self.joints),
+            "rows": list(self.rows),
+            "about": self.about,
+            "factored": self.factored,
+            "sign": self.value.sign,
+            "number": str(self.value.form.number),
+            "factors": [
+                {"text": text, "latex": latex, "multiplicity": power} for text, latex, power in self.value.powers()
+            ] if self.factored else [],
+            "terms": self.value.terms,
+            "text": self.value.text(),
+            "latex": self.value.latex(),
+            "python": self.value.code(Python(shifts=shifts)),
+            "c": self.value.code(C(shifts=shifts)),
+        }  # fmt: skip
+
     @property
     def factored(self) -> bool:
         """Whether its factors were found."""
@@ -488,7 +459,7 @@ class Determinants:
             "product": self.product,
             "meaning": self.meaning,
             "left": list(self.left),
-            "minors": [_minor_dict(one, shifts) for one in self.minors],
+            "minors": [minor.to_dict(shifts) for minor in self.minors],
         }
 
 
@@ -521,7 +492,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
             work.check()
             found = chain.ring.determinant([[chain.columns[j - 1][i] for j in joints] for i in place])
             found = found * _sign(chain, found, joints) if len(rows) == chain.task.m else found
-            value = _value(chain, found, work)
+            value = _value(chain.ring, found, work)
         except OutOfTime:
             left.append(name)
             continue
@@ -531,10 +502,10 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
     return Determinants("", _meaning(chain), tuple(minors), tuple(left))
 
 
-def _value(chain: Chain, p: Polynomial, work: Work) -> Value:
-    if p == 0 or len(p) > MANY:
-        return Value(chain.ring, p, None)
-    return Value(chain.ring, p, factors_within(chain.ring, p, work.left))
+def _value(ring: Ring, p: Polynomial, work: Work) -> Value:
+    # a longer one takes minutes and gigabytes to factor
+    work.check()
+    return Value(ring, p, None if p == 0 or len(p) > MANY else factors_within(ring, p, work.left))
 
 
 def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
@@ -588,38 +559,17 @@ def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     for name, block in zip(names, split.blocks, strict=True):
         told = f"J{name[-2:]}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
         minors.append(Minor(name, block.joints, block.rows, told, Value(ring, block.determinant, block.factors)))
-    whole = ring.determinant([[split.columns[j][i] for j in range(chain.n)] for i in range(len(rows))])
+    whole = ring.determinant([[split.form.columns[j][i] for j in range(chain.n)] for i in range(len(rows))])
     joints = tuple(range(1, chain.n + 1))
     whole = whole * _sign(chain, whole, joints)
     minors.append(Minor("det J", joints, tuple(ROWS[r] for r in rows), "", Value(ring, whole, ring.factor(whole))))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
     sign = "" if whole == together else "−"
     meaning = (
-        f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {split.point}; the "
+        f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {split.form.point}; the "
         "determinant is the same at the tip"
     )
     return Determinants(f"det J = {sign}det J11 det J22", meaning, tuple(minors))
-
-
-def _minor_dict(minor: Minor, shifts: tuple[float, ...]) -> dict[str, Any]:
-    return {
-        "name": minor.name,
-        "mark": minor.mark,
-        "joints": list(minor.joints),
-        "rows": list(minor.rows),
-        "about": minor.about,
-        "factored": minor.factored,
-        "sign": minor.value.sign,
-        "number": str(minor.value.form.number),
-        "factors": [
-            {"text": text, "latex": latex, "multiplicity": power} for text, latex, power in minor.value.powers()
-        ] if minor.factored else [],
-        "terms": minor.value.terms,
-        "text": minor.value.text(),
-        "latex": minor.value.latex(),
-        "python": minor.value.code(Python(shifts=shifts)),
-        "c": minor.value.code(C(shifts=shifts)),
-    }  # fmt: skip
 
 
 POINTS = 3
@@ -664,16 +614,11 @@ def closed_inverse(ring: Ring, rows: Sequence[Sequence[Polynomial]], work: Work)
     whole = ring.determinant(rows)
     if whole == 0:
         raise OptionError("a Jacobian that is singular everywhere has no inverse", mend="a task that the arm can serve")
-    below = _entry(ring, whole, work)
+    below = _value(ring, whole, work)
     adjugate = [[_cofactor(ring, rows, j, i, work) for j in range(n)] for i in range(n)]
-    entries = tuple(tuple(Quotient(_entry(ring, x, work), below) for x in row) for row in adjugate)
+    entries = tuple(tuple(Quotient(_value(ring, x, work), below) for x in row) for row in adjugate)
     agree = sum(_agrees(ring, rows, adjugate, whole, seed) for seed in range(POINTS))
     return ClosedInverse(below, entries, agree, POINTS)
-
-
-def _entry(ring: Ring, p: Polynomial, work: Work) -> Value:
-    work.check()
-    return Value(ring, p, None if p == 0 else factors_within(ring, p, work.left))
 
 
 def _cofactor(ring: Ring, rows: Sequence[Sequence[Polynomial]], i: int, j: int, work: Work) -> Polynomial:

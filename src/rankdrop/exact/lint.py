@@ -9,7 +9,7 @@ where the set leaves them free.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import degrees, radians
 from typing import Any
 
@@ -88,10 +88,6 @@ class LintResult:
     any_lengths: bool | None
     complete: bool
     remarks: tuple[str, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
 
     def sentences(self) -> tuple[str, ...]:
         """The result in words."""

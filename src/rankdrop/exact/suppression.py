@@ -280,7 +280,8 @@ class Case:
         basic: the six screws whose determinant is taken next; None where there is none to take.
         cases: what it falls into.
         split: whether the cases are there because no screw is dependent everywhere, not for a determinant's factors.
-        family: number (from 1) of the family that the case is; 0 where it is none.
+        family: number (from 1) of the family of singular configurations that the case is; 0 where it is none.
+        ranks: of a family every rank of all screws found at random points of it modulo p, ascending.
     """
 
     number: str
@@ -291,33 +292,12 @@ class Case:
     cases: tuple[Case, ...] = ()
     split: bool = False
     family: int = 0
-
-
-@dataclass(frozen=True)
-class SuppressedFamily:
-    """One family of singular configurations.
-
-    Attributes:
-        number: from 1.
-        stratum: its conditions = 0 and ≠ 0.
-        chain: the cases on the way to it, from the start to itself.
-        ranks: every rank of all screws found at random points of it modulo p, ascending.
-    """
-
-    number: int
-    stratum: Stratum
-    chain: tuple[Case, ...]
-    ranks: tuple[int, ...]
+    ranks: tuple[int, ...] = ()
 
     @property
     def equalities(self) -> tuple[Polynomial, ...]:
         """Trigonometric polynomials that vanish, as they read with pinned joints at their angles."""
         return self.stratum.closed
-
-    @property
-    def inequalities(self) -> tuple[Polynomial, ...]:
-        """Trigonometric polynomials that do not vanish."""
-        return self.stratum.open
 
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -345,7 +325,7 @@ class Suppression:
     frame_reason: str
     columns: list[list[Polynomial]]
     start: Case
-    families: tuple[SuppressedFamily, ...]
+    families: tuple[Case, ...]
     assumptions: tuple[Polynomial, ...]
     left: tuple[str, ...]
 
@@ -476,7 +456,7 @@ def _branches(case: Case) -> Iterator[str]:
 def _families(suppression: Suppression) -> Iterator[str]:
     ring = suppression.chain.ring
     for family in suppression.families:
-        yield f"family {family.number}: {conditions_text(family.stratum)}"
+        yield f"family {family.family}: {conditions_text(family.stratum)}"
     yield from _disjointness(suppression)
     for p in suppression.assumptions:
         yield f"assumed: {text_of(ring, p)} ≠ 0"
@@ -485,14 +465,14 @@ def _families(suppression: Suppression) -> Iterator[str]:
 def _disjointness(suppression: Suppression) -> Iterator[str]:
     """Why no two families meet: conditions that hold on some and not on others, until every pair is told apart."""
     families, ring = suppression.families, suppression.chain.ring
-    apart = ((one.number, two.number, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
+    apart = ((one.family, two.family, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
     waiting = {(one, two): p for one, two, p in apart if p is not None}
     if waiting:
         yield "no two of them meet:"
     while waiting:
         p = next(iter(waiting.values()))
-        zero = [family.number for family in families if p in family.stratum.equalities]
-        other = [family.number for family in families if p in family.stratum.inequalities]
+        zero = [family.family for family in families if p in family.stratum.equalities]
+        other = [family.family for family in families if p in family.stratum.inequalities]
         yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
         told = {*product(zero, other), *product(other, zero)}
         waiting = {pair: q for pair, q in waiting.items() if pair not in told}
@@ -605,7 +585,7 @@ class _Derivation:
         self.columns = chain.screws(frame)
         self.asked = tuple(sorted(basic)) if basic is not None else None
         self.work, self.progress = work, progress
-        self.families: list[SuppressedFamily] = []
+        self.families: list[Case] = []
         self.left: list[str] = []
         self.done, self.known = 0, 1
 
@@ -620,7 +600,7 @@ class _Derivation:
             )
         start = Case("", whole, everything)
         try:
-            start = self.determinant(start, ())
+            start = self.determinant(start)
         except OutOfTime:
             self.left.append("the determinant of the basic screws")
         assumed = tuple(
@@ -631,7 +611,7 @@ class _Derivation:
         found, left = tuple(self.families), tuple(self.left)
         return Suppression(self.chain, self.frame, self.frame_reason, self.columns, start, found, assumed, left)
 
-    def determinant(self, case: Case, above: tuple[Case, ...]) -> Case:
+    def determinant(self, case: Case) -> Case:
         """Step 1 with the screws that are left: a case for each factor of the determinant of six of them."""
         first = not case.number
         options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.work)
@@ -643,14 +623,14 @@ class _Derivation:
             if first:
                 raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
             if all(case.stratum.vanishes(p, self.work.rng) for _, p in options):
-                return self.family(case, above)
-            return self.apart(case, above)
+                return self.family(case)
+            return self.apart(case)
         self.assume(basic.product)
         case = replace(case, basic=basic)
-        return self.branch(case, above, basic.product.factors)
+        return self.branch(case, basic.product.factors)
 
     def branch(
-        self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality], first: tuple[Case, ...] = ()
+        self, case: Case, factors: Sequence[Equality], first: tuple[Case, ...] = ()
     ) -> Case:
         """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, list(first)
@@ -658,33 +638,33 @@ class _Derivation:
         for f in factors:
             here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
             if here.pieces:
-                cases.append(self.finished(Case(_number(case, cases), here, case.joints), (*above, case)))
+                cases.append(self.finished(_inside(case, here, cases)))
             self.done += 1
             if self.progress is not None:
                 self.progress("dependent-screw suppression", self.done, self.known)
         return replace(case, cases=tuple(cases))
 
-    def finished(self, case: Case, above: tuple[Case, ...]) -> Case:
+    def finished(self, case: Case) -> Case:
         """The case followed to its end, or named in `left` where the time is up."""
         try:
             self.work.check()
             if max(len(piece.equations) for piece in case.stratum.pieces) > DEEPEST:
                 raise OutOfTime
-            return self.suppressed(case, above)
+            return self.suppressed(case)
         except OutOfTime:
             self.left.append(f"case {case.number}: {conditions_text(case.stratum, SHORT)}")
             return case
 
-    def suppressed(self, case: Case, above: tuple[Case, ...]) -> Case:
+    def suppressed(self, case: Case) -> Case:
         """Step 2: suppress a dependent screw and go on with the rest."""
         if not case.stratum.regular:
-            return self.apart(case, above)
+            return self.apart(case)
         if len(case.joints) == 6:
-            return self.family(case, above)
+            return self.family(case)
         sampled = Sampled(self.columns, case.stratum, self.work.rng)
         mixed = sampled.mixed(case.joints)
         if mixed is not None:
-            return self.at(case, above, lightest(self.chain, case.stratum, mixed, self.work))
+            return self.at(case, lightest(self.chain, case.stratum, mixed, self.work))
         found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
         if found is not None:
             if found.proof is not None:
@@ -693,18 +673,18 @@ class _Derivation:
                         for f, _ in self.ring.factor(self.ring.at(p, pins)).letters:
                             self.work.assume(f)
             left = tuple(j for j in case.joints if j != found.screw)
-            return self.determinant(replace(case, joints=left, dependence=found), above)
-        return self.at(case, above, obstacle)
+            return self.determinant(replace(case, joints=left, dependence=found))
+        return self.at(case, obstacle)
 
-    def at(self, case: Case, above: tuple[Case, ...], obstacle: Obstacle | None) -> Case:
+    def at(self, case: Case, obstacle: Obstacle | None) -> Case:
         """Split a case at the zeros of a minor."""
         product = taken_apart(case.stratum, obstacle.minor) if obstacle is not None else None
         if product is None or not product.factors:
-            return self.apart(case, above)
+            return self.apart(case)
         self.assume(product)
-        return self.split(case, above, product.factors)
+        return self.split(case, product.factors)
 
-    def apart(self, case: Case, above: tuple[Case, ...]) -> Case:
+    def apart(self, case: Case) -> Case:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
         stratum = case.stratum
         atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
@@ -715,10 +695,10 @@ class _Derivation:
         for condition, factors in (*whole, *single):
             holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
-                return self.split(case, above, factors)
+                return self.split(case, factors)
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
-    def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality]) -> Case:
+    def split(self, case: Case, factors: Sequence[Equality]) -> Case:
         """A case with all factors ≠ 0, and one for each factor = 0 with the earlier ones ≠ 0."""
         case = replace(case, split=True)
         rest = case.stratum
@@ -727,10 +707,10 @@ class _Derivation:
         rest = self.inhabited(rest)
         first: tuple[Case, ...] = ()
         if rest.pieces:  # the larger part, so that it is done before the time is up
-            first = (self.finished(Case(_number(case, ()), rest, case.joints), (*above, case)),)
-        return self.branch(case, above, factors, first)
+            first = (self.finished(_inside(case, rest, ())),)
+        return self.branch(case, factors, first)
 
-    def family(self, case: Case, above: tuple[Case, ...]) -> Case:
+    def family(self, case: Case) -> Case:
         """The case is a family, if the rank is lost at all points of it that are met; else it is told.
 
         Conditions of which only some of the zeros were met may hold where the screws span all six freedoms.
@@ -741,10 +721,8 @@ class _Derivation:
             met = "all six freedoms are left at points of it" if ranks else "no point of it was met"
             self.left.append(f"case {case.number}: {met}: {conditions_text(case.stratum, SHORT)}")
             return case
-        number = len(self.families) + 1
-        case = replace(case, family=number)
-        self.families.append(SuppressedFamily(number, case.stratum, (*above, case), ranks))
-        return case
+        self.families.append(replace(case, family=len(self.families) + 1, ranks=ranks))
+        return self.families[-1]
 
     def inhabited(self, stratum: Stratum) -> Stratum:
         """The stratum without pieces that lie in the excluded set, or on which no point is found, which is told."""
@@ -767,5 +745,7 @@ def _frame_reason(chain: Chain) -> str:
     return f"the screws are shortest there; terms, multiplied out: {terms}"
 
 
-def _number(case: Case, before: Sequence[Case]) -> str:
-    return f"{case.number}." * bool(case.number) + str(len(before) + 1)
+def _inside(case: Case, stratum: Stratum, before: Sequence[Case]) -> Case:
+    """The next case inside one, with the same screws."""
+    number = f"{case.number}." * bool(case.number) + str(len(before) + 1)
+    return Case(number, stratum, case.joints)

@@ -69,9 +69,8 @@ def test_points_are_not_singular_only_where_no_zero_is_near_that_lies_on_no_fami
         at = problem(nearly_srs(error))
         close = np.array([descents(at, one)[0][0] for one in q])
         assert (at.sigma(close)[:, at.rank] <= at.tolerances.singular).all()
-        found, mistaken = not_singular(at, close, lambda x, family=family: np.full(len(x), family))
+        found, _ = not_singular(at, close, lambda x, family=family: np.full(len(x), family))
         assert found.tolist() == [wrong, wrong]
-        assert mistaken.points == 2 * wrong
 
 
 @pytest.mark.parametrize(

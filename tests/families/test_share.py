@@ -13,6 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.distance import family_distances
 from rankdrop.families.share import _near, near_shares
 from rankdrop.local.block import joint_scale, sample
+from rankdrop.problem import Problem
 from rankdrop.report.tables import corank_tables
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
@@ -27,7 +28,7 @@ from rankdrop.verbs.analyze import analyze
 def test_a_pinned_joint_takes_the_share_of_its_range():
     """Elbow of the PA-10: θ4 within δ of 0 or π is 4δ/2π; shoulder and wrist: a disc around each pair of values."""
     found, robot = shipped("pa10"), open_robot("pa10")
-    near = near_shares(found.families, robot, found.task, radians(8), samples=40_000)
+    near = near_shares(found.families, Problem(robot, found.task), radians(8), samples=40_000)
     shares = {family.name: one for family, one in zip(found.families, near.families, strict=True)}
     elbow = next(one for family, one in zip(found.families, near.families, strict=True)
                  if family.corank == 1 and [pin.number for pin in family.pinned] == [4])  # fmt: skip
@@ -61,13 +62,13 @@ def test_limits_count_the_range_alone():
     robot, found = open_robot("puma560"), shipped("puma560")
     wrist = [row for row in found.of_corank(1) if [pin.number for pin in row.pinned] == [5]]
     lower, upper = robot.lower[4], robot.upper[4]
-    (one,) = near_shares(wrist, robot, found.task, radians(5), limits=True, samples=20_000).families
+    (one,) = near_shares(wrist, Problem(robot, found.task, limits=True), radians(5), samples=20_000).families
     assert abs(one.share - 2 * radians(5) / (upper - lower)) < 4 * one.error
 
 
 def test_the_interval_holds_the_share_and_never_leaves_0_to_1():
     robot, found = open_robot("pa10"), shipped("pa10")
-    near = near_shares(found.families, robot, found.task, 0.05, samples=200)
+    near = near_shares(found.families, Problem(robot, found.task), 0.05, samples=200)
     for one in (*near.families, near.any):
         low, high = one.interval
         assert 0.0 <= low <= one.share <= high <= 1.0

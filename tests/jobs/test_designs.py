@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families.share import near_shares
+from rankdrop.problem import Problem
 from rankdrop.robot.drawing import Drawing
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze
@@ -105,5 +106,5 @@ def _ranked(record: dict[str, Any], folder: Path) -> None:
     assert sorted((one.corank, one.dimension) for one in alone.families) == sorted(
         (one["corank"], one["dimension"]) for one in best["families"]
     )
-    share = near_shares(alone.families, arm, task, np.radians(5.0), samples=4000, seed=8).any
+    share = near_shares(alone.families, Problem(arm, task), np.radians(5.0), samples=4000, seed=8).any
     assert share.share == pytest.approx(best["measures"]["near"], abs=5 * (0.2 / 1000) ** 0.5)

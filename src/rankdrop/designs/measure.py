@@ -46,6 +46,7 @@ from rankdrop.local.block import generic_rank, joint_scale, sample, singular_val
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import FREE
+from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.codec import restored
 from rankdrop.results.conditions import Conditions
@@ -159,8 +160,8 @@ def _once(
                    threads=1)  # fmt: skip
     if not cloud.complete:
         raise KeyboardInterrupt  # the core met Ctrl-C
-    found = families(cloud, known=known, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False)
-    unreal = {one.family for one in found.contradictions}
+    found = families(cloud, known=known, seed=effort.seed, threads=1, fresh=effort.fresh, near_misses=False)
+    unreal = {family.id for family, _ in found.contradictions}
     return replace(found, families=tuple(one for one in found.families if one.id not in unreal))
 
 
@@ -248,7 +249,7 @@ def _family(family: Family, robot: Robot) -> Record:
 
 
 def _near(analysis: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
-    near = near_shares(analysis.families, analysis.robot, analysis.task, asked["within"], limits=limits,
+    near = near_shares(analysis.families, Problem(analysis.robot, analysis.task, limits=limits), asked["within"],
                        samples=asked["samples"], seed=seed)  # fmt: skip
     record["near"] = {"any": _share(near.any), "families": [_share(one) for one in near.families],
                       "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip

@@ -96,7 +96,7 @@ class Curve:
 
 def singular_curves(
     robot: Robot, joints: Sequence[int], *, held: ArrayLike | None = None, corank: int = 1,
-    task: Task | str | None = None, starts: int = 200, seed: int = 0, step: float = 0.05,
+    task: Task | str | None = None, starts: int = 200, step: float = 0.05,
 ) -> tuple[Curve, ...]:  # fmt: skip
     """Every curve of singular configurations that random starts meet, longest first.
 
@@ -106,7 +106,7 @@ def singular_curves(
         held: (n,) configuration [rad]; zeros if None.
         corank: task freedoms lost.
         task: name, `Task`, or None for the task the arm is made for.
-        starts, seed: of the search that gives the first points.
+        starts: of the search that gives the first points.
         step: between two points of a curve [rad].
 
     Raises:
@@ -139,7 +139,7 @@ def singular_curves(
         return np.abs(f).max(axis=1) > _ON, f, slope
 
     found: list[Curve] = []
-    starts_found = search(robot, corank, task=resolved, starts=starts, seed=seed).converged[:, moving]
+    starts_found = search(robot, corank, task=resolved, starts=starts).converged[:, moving]
     for x in newton(unsolved, starts_found, iterations=_CORRECTIONS) if len(moving) > 1 else ():
         on = bool(np.abs(linear(x[None])[0]).max() <= _ON)
         if not on or any(_distance(curve.q[:, moving], x) < step for curve in found):

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.searching import refine
-from rankdrop.family.record import Mistaken
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, link_index
@@ -53,8 +52,8 @@ def polished(problem: Problem, q: Array, iterations: int = 8) -> Array:
     return np.where(better[:, None], found.q, q)
 
 
-def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask]) -> tuple[Mask, Mistaken]:
-    """Points on no family that are not singular, and how many these are.
+def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask]) -> tuple[Mask, float]:
+    """Points on no family that are not singular, and how small σ is next to them.
 
     Args:
         problem: the arm, and the corank.
@@ -63,11 +62,12 @@ def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask])
 
     Returns:
         (N,) the points next to which there is no singular configuration, or only one on a family. All of them, where
-        none of `_DECIDED` is singular; else those alone that were followed.
+        none of `_DECIDED` is singular; else those alone that were followed. The smallest minimum of σ that is not zero;
+        inf without one.
     """
     wrong = np.zeros(len(q), dtype=np.bool_)
     if not len(q):
-        return wrong, Mistaken()
+        return wrong, np.inf
     order = np.argsort(problem.sigma(q)[:, problem.rank], kind="stable")
     chosen = order[np.unique(np.linspace(0, len(q) - 1, _DECIDED).round().astype(int))]
     ends = [descents(problem, one) for one in q[chosen]]
@@ -79,7 +79,7 @@ def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask])
     new = near.any(axis=1) & ~known.any(axis=1)
     wrong[chosen[~new] if new.any() else slice(None)] = True
     lowest = sigma.min(axis=1)
-    return wrong, Mistaken(int(wrong.sum()), float(lowest[lowest > ROUNDING].min(initial=np.inf)))
+    return wrong, float(lowest[lowest > ROUNDING].min(initial=np.inf))
 
 
 def descents(problem: Problem, q: Array) -> list[tuple[Array, float]]:

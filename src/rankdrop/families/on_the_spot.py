@@ -219,30 +219,23 @@ def _described(
     if fit and signature.residual:
         rest = _fitted(problem, around, linear, values, members, seed)
     how = f"{len(members)} singular configurations around q with one tangent shape"
-    return _family(problem, q, around.q[members], signature, linear, values, rest, how)
+    row = Row(linear, tuple((value,) for value in values), rest or (), signature, how)
+    return _family(problem, q, around.q[members], row, whole=rest is not None)
 
 
-def _family(
-    problem: Problem,
-    q: Array,
-    points: Array,
-    signature: Signature,
-    linear: Linear,
-    values: Values,
-    rest: tuple[Equation, ...] | None,
-    how: str,
-) -> Family:
+def _family(problem: Problem, q: Array, points: Array, row: Row, *, whole: bool) -> Family:
     """The record of one family through q; `points` are of it, and its name is taken from them.
 
-    `rest` are the equations of its coupled joints, None where they are not known.
+    `whole`: the equations of its coupled joints are known.
     """
-    robot, joints = problem.robot, problem.robot.variables
+    robot, joints, signature = problem.robot, problem.robot.variables, row.signature
+    values = [value for (value,) in row.sets]
     pinned = tuple(Pin(joints[j].name, j + 1, (value,)) for j, value in zip(signature.pinned, values, strict=False))
     coupled = tuple(j + 1 for j in signature.coupled)
     relations = map(Relation, signature.relations, values[len(pinned) :])
-    conditions: tuple[Condition, ...] = (*pinned, *relations, *(rest or ()))
+    conditions: tuple[Condition, ...] = (*pinned, *relations, *row.residual)
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
-    words = condition_words(robot, conditions, coupled if rest is None else ())
+    words = condition_words(robot, conditions, () if whole else coupled)
     name = name_family(robot, problem.task, spread, [one.number for one in pinned], coupled=coupled)
     return Family(
         id="",
@@ -252,11 +245,11 @@ def _family(
         pinned=pinned,
         free=tuple(j + 1 for j in signature.free),
         coupled=coupled,
-        equations=() if rest is None else (*linear.equations([(v,) for v in values]), *rest),
+        equations=row.system.equations if whole else (),
         witness=tuple(q.tolist()),
         lost_directions=NOT_TOLD,
         lost_words=(),
-        evidence=Local(how, conditions, words, len(points)),
+        evidence=Local(row.evidence, conditions, words, len(points)),
     )
 
 
@@ -303,7 +296,7 @@ def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: in
         # neighbours are known badly where σ is of higher order: take the values exactly
         points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
         points = points[inspect(problem, points).exact]
-        found.append(_family(problem, q, points, row.signature, row.linear, values, (), "shared values, verified"))
+        found.append(_family(problem, q, points, replace(row, sets=tuple((value,) for value in values)), whole=True))
     return found
 
 

@@ -27,15 +27,16 @@ and drawn anew.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.search_record import Outcome, Search
 from rankdrop.kinematics import jacobian, task_jacobian
-from rankdrop.local.block import block, generic_rank, sample, sampling_box, singular_values
+from rankdrop.local.block import block, sample, sampling_box, singular_values
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.solve import iterate
@@ -62,46 +63,27 @@ Draw = Callable[[int, np.random.Generator], Array]
 """(count, generator) -> (M, n) candidates, M ≤ count or a few times it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """Singular configurations, and where they are from.
-
-    Attributes:
-        q: (N, n) [rad, m].
-        sigma: (N, min(m, n)) singular values there.
-        stratum: (N,) which of `strata`.
-        strata: what was begun with: "wrenches of joints 4-6", "joint 3 alone", "joints 2, 5 together", "joint 4 at 0".
-        complete: False where it was interrupted: fewer than were asked for.
-    """
-
-    q: Array
-    sigma: Array
-    stratum: NDArray[np.int32]
-    strata: tuple[str, ...]
-    complete: bool
-
-
 def drawn(
-    robot: Robot, task: Task, count: int, seed: int, *, corank: int = 1, limits: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-) -> Drawn:  # fmt: skip
+    problem: Problem, count: int, seed: int, progress: Callable[[int, int], None] | None = None
+) -> Search:
     """Draw exact singular configurations, the same number from every stratum that has any.
 
     Args:
-        robot: the arm, of size one (`in_units`).
-        task: of it.
+        problem: the arm, of size one (`in_units`), and the corank that they have, or more.
         count: how many.
         seed: of every random choice.
-        corank: that they have, or more.
-        limits: within the joint limits only.
         progress: progress(done, count).
+
+    Returns:
+        A search in which every start converged at once, with what each began with as its stratum: "wrenches of joints
+        4-6", "joint 3 alone", "joints 2, 5 together", "joint 4 at 0".
 
     Raises:
         OptionError: no stratum that has a singular configuration.
     """
-    full = generic_rank(robot, task)
+    robot, task, corank, full = problem.robot, problem.task, problem.corank, problem.generic_rank
     rank = full + 1 - corank  # σ of this number vanishes
-    arm = _Chain(robot, task, limits)
+    arm = _Chain(robot, task, problem.limits)
     ways: list[tuple[str, Draw]] = []
     if corank == 1 and _in_closed_form(robot, task, full):
         ways = [*arm.wrenches(), *arm.single_joints(full)]
@@ -134,29 +116,25 @@ def drawn(
                     progress(min(int(have.sum()), count), count)
     except KeyboardInterrupt:
         complete = False
-    return _gathered(parts, ways, count, complete=complete, n=robot.n)
-
-
-def _gathered(
-    parts: list[tuple[Array, Array, int]], ways: list[tuple[str, Draw]], count: int, *, complete: bool, n: int
-) -> Drawn:
-    """One stratum after the other in turn, so that a part of the result has all of them."""
-    if not sum(len(q) for q, _, _ in parts):
-        if not complete:
-            none = np.zeros((0, n))
-            return Drawn(none, none, np.zeros(0, np.int32), (), False)
+    if not have.any() and complete:
         raise OptionError(
             "no reciprocal wrench was found: there may be no singular configuration of this corank, or hardly any",
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
-    q = np.concatenate([one for one, _, _ in parts])
-    sigma = np.concatenate([one for _, one, _ in parts])
-    stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
+    none = np.zeros((0, robot.n))
+    q = np.concatenate([none, *(one for one, _, _ in parts)])
+    sigma = np.concatenate([np.zeros((0, min(task.m, robot.n))), *(one for _, one, _ in parts)])
+    stratum = np.concatenate([none[:, 0], *(np.full(len(one), k) for one, _, k in parts)]).astype(np.int32)
     turn = np.zeros(len(q), dtype=np.int64)
     for k in range(len(ways)):
         turn[stratum == k] = np.arange(int((stratum == k).sum()))
-    order = np.lexsort((stratum, turn))[:count]
-    return Drawn(q[order], sigma[order], stratum[order], tuple(name for name, _ in ways), complete)
+    order = np.lexsort((stratum, turn))[:count]  # one stratum after the other, so that a part has all of them
+    return Search(
+        robot, task, corank, rank - 1, "reciprocal", seed, problem.limits, problem.tolerances,
+        q=q[order], sigma=sigma[order], outcome=np.full(len(order), Outcome.CONVERGED, dtype=np.int8),
+        iterations=np.zeros(len(order), dtype=np.int32), most=0, stratum=stratum[order],
+        strata=tuple(name for name, _ in ways) if len(q) else (), interrupted=not complete,
+    )  # fmt: skip
 
 
 def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:

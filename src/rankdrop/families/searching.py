@@ -119,10 +119,8 @@ def search(
                               allowed="no iterations, step or history")  # fmt: skip
         return _drawn(robot, resolved, corank, how, progress, tolerances)
     q0 = sample(in_units(robot), task_in_units(resolved, robot), how.starts, how.seed, limits=how.limits)
-    found = _refined(
-        in_units(robot), q0, corank, task_in_units(resolved, robot), how, step=step, history=history,
-        progress=progress, tolerances=tolerances, first=0, sparing=True,
-    )  # fmt: skip
+    problem = Problem(in_units(robot), task_in_units(resolved, robot), corank, tolerances, how.limits)
+    found = _refined(problem, q0, how, step=step, history=history, progress=progress, first=None)
     return _out_of_units(found, robot, resolved)
 
 
@@ -156,26 +154,25 @@ def refine(
     resolved = resolve_task(task, robot)
     rows, _ = configurations(robot, q0)
     here = robot.exponent is not None
-    found = _refined(
-        in_units(robot), rows if here else into_units(robot, rows), corank, task_in_units(resolved, robot), how,
-        step=step, history=history, progress=progress, tolerances=tolerances, first=first, sparing=False,
-    )  # fmt: skip
+    problem = Problem(in_units(robot), task_in_units(resolved, robot), corank, tolerances, how.limits)
+    rows = rows if here else into_units(robot, rows)
+    found = _refined(problem, rows, how, step=step, history=history, progress=progress, first=first)
     return found if here else _out_of_units(found, robot, resolved)
 
 
 def _refined(
-    robot: Robot, q0: Array, corank: int, task: Task, how: SearchOptions, *, step: float | None, history: bool,
-    progress: Progress | None, tolerances: Tolerances, first: int, sparing: bool,
+    problem: Problem, q0: Array, how: SearchOptions, *, step: float | None, history: bool, progress: Progress | None,
+    first: int | None,
 ) -> Search:  # fmt: skip
-    """`refine` of an arm in its own unit of length.
+    """`refine` of an arm in its own unit of length; `search`, which is sparing, where no first start has a number.
 
-    With `sparing`, where none of the first starts converges, those after them end at the first local minimum they meet;
-    as soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
+    Sparing: where none of the first starts converges, those after them end at the first local minimum they meet; as
+    soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
     """
-    method = how.method
-    _check(method, corank, generic_rank(robot, task))
+    method, sparing, robot = how.method, first is None, problem.robot
+    _check(method, problem.corank, problem.generic_rank)
     most, step = _check_steps(how, step)
-    problem = Problem(robot, task, corank, tolerances, how.limits)
+    tolerances = problem.tolerances
     box = None if problem.walls is None else np.stack(problem.walls)
     rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
@@ -189,8 +186,8 @@ def _refined(
 
         def one(part: Array, done: int) -> _Part:
             return _core.search(
-                chain_of(robot), task_view(robot, task), part, settings, first=first + begin + done, history=history,
-                threads=how.threads,
+                chain_of(robot), task_view(robot, problem.task), part, settings, first=(first or 0) + begin + done,
+                history=history, threads=how.threads,
             )  # fmt: skip
 
         report = None if progress is None else lambda done, total: progress(begin + done, len(rows))
@@ -232,20 +229,11 @@ def _drawn(
 ) -> Search:
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
     there, there_task = in_units(robot), task_in_units(task, robot)
-    full = generic_rank(there, there_task)
-    corank = whole_number("corank", corank, 1, max(full, 1))
-    rank = full - corank
-    found = drawn(
-        there, there_task, how.starts, how.seed, corank=corank, limits=how.limits, progress=progress
-    )
-    size = len(found.q)
-    return Search(
-        robot, task, corank, rank, RECIPROCAL, how.seed, how.limits, tolerances,
-        q=_frozen(out_of_units(robot, found.q)), sigma=_frozen(found.sigma),
-        outcome=_frozen(np.full(size, Outcome.CONVERGED, dtype=np.int8)),
-        iterations=_frozen(np.zeros(size, dtype=np.int32)), most=0, stratum=_frozen(found.stratum),
-        strata=found.strata, interrupted=not found.complete,
-    )  # fmt: skip
+    corank = whole_number("corank", corank, 1, max(generic_rank(there, there_task), 1))
+    found = drawn(Problem(there, there_task, corank, tolerances, how.limits), how.starts, how.seed, progress)
+    for name in ("sigma", "outcome", "iterations", "stratum"):
+        getattr(found, name).flags.writeable = False
+    return _out_of_units(found, robot, task)
 
 
 def _creases_told(cloud: Search) -> Search:

@@ -23,9 +23,9 @@ from rankdrop.errors import OptionError
 from rankdrop.family.equation import REACHED, System
 from rankdrop.family.record import Family, family_in_units
 from rankdrop.local.block import joint_scale, sample
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import iterate, towards
-from rankdrop.task import Task
 from rankdrop.units import in_units, task_in_units
 
 Mask = NDArray[np.bool_]
@@ -101,11 +101,9 @@ class Near:
 
 def near_shares(
     families: Sequence[Family],
-    robot: Robot,
-    task: Task,
+    problem: Problem,
     within: float,
     *,
-    limits: bool = False,
     samples: int = SAMPLES,
     seed: int = 0,
     progress: Progress | None = None,
@@ -114,10 +112,8 @@ def near_shares(
 
     Args:
         families: of this arm and task, as `analyze` returns them.
-        robot: the arm.
-        task: from `resolve_task`.
+        problem: the arm, its task, and whether configurations are inside the joint limits only.
         within: the distance [rad; slides divided by the length scale].
-        limits: configurations inside the joint limits only.
         samples: how many configurations.
         seed: of them.
         progress: called with (families done, families in all).
@@ -128,7 +124,8 @@ def near_shares(
     check_within(within)
     if not 1 <= samples <= 10_000_000:
         raise OptionError("samples is outside the range", got=samples, allowed="1 … 10000000")
-    own, inside = in_units(robot), task_in_units(task, robot)
+    robot, limits = problem.robot, problem.limits
+    own, inside = in_units(robot), task_in_units(problem.task, robot)
     q = sample(own, inside, samples, seed, limits=limits)
     scale, rng = joint_scale(own, inside), np.random.default_rng([seed, 1])
     met, every = [], np.zeros(samples, dtype=np.bool_)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from rankdrop.family.record import Family, family_in_metres
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 Ints = NDArray[np.int64]
@@ -34,62 +34,10 @@ def curves(values: Array, x: Array, y: Array) -> list[Array]:
     Returns:
         (k, 2) polylines; a closed one ends where it begins.
     """
-    above = values >= 0
-    points, across = _crossings(values, x, y, above)
-    links: dict[int, list[int]] = {}
-    for first, second in _segments(values, above, across):
-        links.setdefault(first, []).append(second)
-        links.setdefault(second, []).append(first)
-    return [points[line] for line in _joined(links)]
+    import contourpy
 
-
-def _crossings(values: Array, x: Array, y: Array, above: NDArray[np.bool_]) -> tuple[Array, tuple[Ints, Ints]]:
-    """(N, 2) where grid edges are crossed, and their numbers per horizontal and per vertical edge (−1: not crossed)."""
-    parts, numbers, count = [], [], 0
-    for axis in (0, 1):
-        first = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
-        last = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
-        crossed = above[first] != above[last]
-        i, j = np.nonzero(crossed)
-        a, b = values[first][i, j], values[last][i, j]
-        share = a / (a - b)
-        di, dj = (1, 0) if axis == 0 else (0, 1)
-        parts.append(np.stack([x[i] + share * (x[i + di] - x[i]), y[j] + share * (y[j + dj] - y[j])], axis=1))
-        number = np.full(crossed.shape, -1, dtype=np.int64)
-        number[i, j] = count + np.arange(len(i))
-        numbers.append(number)
-        count += len(i)
-    return np.concatenate(parts), (numbers[0], numbers[1])
-
-
-def _segments(values: Array, above: NDArray[np.bool_], across: tuple[Ints, Ints]) -> list[tuple[int, int]]:
-    """Pairs of crossings joined inside a cell; in a cell with four, the mean of its corners tells which."""
-    along_x, along_y = across
-    around = np.stack([along_x[:, :-1], along_y[1:, :], along_x[:, 1:], along_y[:-1, :]], axis=-1)  # anticlockwise
-    count = (around >= 0).sum(axis=-1)
-    two = around[count == 2]
-    pairs = [(int(row[row >= 0][0]), int(row[row >= 0][1])) for row in two]
-    for i, j in zip(*np.nonzero(count == 4), strict=True):
-        s, e, n, w = (int(number) for number in around[i, j])
-        middle = values[i : i + 2, j : j + 2].mean() >= 0
-        pairs += [(s, e), (n, w)] if middle == above[i, j] else [(s, w), (e, n)]
-    return pairs
-
-
-def _joined(links: dict[int, list[int]]) -> list[list[int]]:
-    """Chains of crossings, open ones from an end."""
-    lines = []
-    ends = [node for node, others in links.items() if len(others) == 1]
-    for start in [*ends, *links]:
-        if not links[start]:
-            continue
-        line = [start]
-        while links[line[-1]]:
-            following = links[line[-1]].pop()
-            links[following].remove(line[-1])
-            line.append(following)
-        lines.append(line)
-    return lines
+    contours = contourpy.contour_generator(x, y, values.T, line_type=contourpy.LineType.Separate)
+    return cast("list[Array]", contours.lines(0.0))
 
 
 def surface(values: Array, axes: tuple[Array, Array, Array]) -> tuple[Array, Ints]:
@@ -236,12 +184,11 @@ def slice_through(
     *,
     family: str = "",
     nodes: int = NODES,
-    tolerances: Tolerances = DEFAULT,
 ) -> Slice:
     """The slice through q: σ_r on a grid, and the families as curves and points.
 
     Curves are where a family's equation changes sign, polished by Newton's method; every point drawn has been tried in
-    the Jacobian (σ ≤ `singular`), and what fails is left out.
+    the Jacobian (σ ≤ 1e-9), and what fails is left out.
 
     Args:
         robot, task: the arm.
@@ -250,16 +197,15 @@ def slice_through(
         joints: numbers (from 1) of the two joints that move.
         family: id of the family that q is on, for the record.
         nodes: along each side.
-        tolerances: `singular`.
     """
     if metre_exponent(robot):
         there = [family_in_metres(one, robot) for one in families]
         found = slice_through(
             in_metres(robot), task_in_metres(task, robot), there, into_metres(robot, q), joints, family=family,
-            nodes=nodes, tolerances=tolerances,
+            nodes=nodes,
         )
         return _out_of_metres(found, robot)
-    problem = Problem(robot, task, tolerances=tolerances)
+    problem = Problem(robot, task)
     x, y = (_values(problem, number - 1, q[number - 1], nodes) for number in joints)
     plane = _Plane(problem, np.array(q), (joints[0] - 1, joints[1] - 1), x, y)
     traces, filled = [], []

@@ -19,7 +19,6 @@ from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import trace
 from rankdrop.task import Task
-from rankdrop.tolerances import DEFAULT, Tolerances
 
 STEP = 0.07
 """Between neighbours on a curve [rad]."""
@@ -136,7 +135,6 @@ def solid(
     *,
     seed: int = 0,
     nodes: int = NODES,
-    tolerances: Tolerances = DEFAULT,
 ) -> Solid:
     """One family in the cube of three turning joints; every vertex drawn is singular (σ ≤ `singular`).
 
@@ -146,9 +144,8 @@ def solid(
         joints: three numbers from 1.
         seed: of the values of the other joints and of all starts.
         nodes: along each side.
-        tolerances: `singular`.
     """
-    problem = Problem(robot, task, family.corank, tolerances)
+    problem = Problem(robot, task, family.corank)
     moving = [number - 1 for number in joints]
     q = general_member(robot, task, family, moving, seed)
     starts = np.repeat(q[None], SEEDS, axis=0)

@@ -18,7 +18,7 @@ Last the posture in which a family is shown: one of its members that people woul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -35,7 +35,6 @@ from rankdrop.family.equation import SOLVED, Mask, System, pretty_angle
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import (
     Check,
-    Contradiction,
     CorankFamilies,
     CorankSummary,
     Family,
@@ -51,7 +50,7 @@ from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT
 from rankdrop.units import (
     in_metres,
     in_units,
@@ -74,11 +73,9 @@ def families(
     *,
     known: Sequence[Family] | None = None,
     seed: int = 0,
-    tolerances: Tolerances = DEFAULT,
-    fresh: Search | None = None,
+    fresh: Search | int = FRESH,
     threads: int = 0,
     progress: Progress | None = None,
-    wanted: int = FRESH,
     near_misses: bool = True,
 ) -> CorankFamilies:
     """All families of one corank, with soundness, completeness and an estimate of what was not seen.
@@ -87,12 +84,10 @@ def families(
         cloud: the search whose converged points test the families, and make them where none are known.
         known: the families of this corank as they were derived; None: conditions are fitted to the cloud.
         seed: of every random choice; same seed and cloud, same table.
-        tolerances: thresholds.
-        fresh: another search, independent of `cloud`, for completeness; None to make one of at least 1000 points of
-            exactly this corank (as far as 20 000 starts give them).
+        fresh: another search, independent of `cloud`, for completeness; or the points of exactly this corank that one
+            made here has at least (as far as 20 000 starts give them).
         threads: for the fresh search.
         progress: called with (done, total).
-        wanted: fresh points of exactly this corank, as far as they can be had.
         near_misses: bring the smallest σ of a nonzero local minimum down; without it the summary has none.
 
     Returns:
@@ -108,13 +103,13 @@ def families(
     if cloud.robot.exponent is None:
         inner = families(
             _in_units(cloud), known=None if known is None else [family_in_units(one, cloud.robot) for one in known],
-            seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh), threads=threads,
-            progress=progress, wanted=wanted, near_misses=near_misses,
+            seed=seed, fresh=_in_units(fresh) if isinstance(fresh, Search) else fresh, threads=threads,
+            progress=progress, near_misses=near_misses,
         )  # fmt: skip
         outer = tuple(family_out_of_units(family, cloud.robot) for family in inner.families)
         return replace(inner, families=outer)
     report = progress or (lambda done, total: None)
-    problem = replace(cloud.problem, tolerances=tolerances)
+    problem = cloud.problem
     points = polished(problem, cloud.converged)
     inspection = inspect(problem, points, signatures=known is None)
     cover = membership(problem, points)
@@ -126,14 +121,14 @@ def families(
     tested = _tested(problem, rows, inspection, cover, seed)
     kept = list(tested)
     report(60, STEPS)
-    others = polished(problem, _fresh(problem, cloud, inspection, seed, threads, wanted, fresh))
+    others = polished(problem, _fresh(cloud, inspection, seed, threads, fresh))
     checked = inspect(problem, others, signatures=False)
     report(80, STEPS)
     new = membership(problem, others)
     on_rows = on_any(new, kept, len(others))
     left = (inspection.exact & ~on_any(cover, kept, len(points)), checked.exact & ~on_rows)
     both = np.concatenate([points[left[0]], others[left[1]]])
-    wrong, mistaken = not_singular(
+    wrong, lowest = not_singular(
         problem, both, lambda q: on_any(membership(problem, q), kept, len(q)) | _solved(kept, q)
     )
     for mask, mistakes in zip(left, np.split(wrong, [int(left[0].sum())]), strict=True):
@@ -154,8 +149,11 @@ def families(
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
-    against = tuple(one for row in kept for one in contradictions(problem, row, tested[row]))
-    return CorankFamilies(summary, ordered, against, mistaken)
+    against = tuple(
+        (row.family, one.room if len(one.points) else None) for row, one in tested.items()
+        if row.family is not None and (not len(one.points) or row.family.dimension > one.room)
+    )  # fmt: skip
+    return CorankFamilies(summary, ordered, against, int(wrong.sum()), lowest)
 
 
 def _solved(rows: Sequence[Row], q: Array) -> Mask:
@@ -206,17 +204,6 @@ def _tested(
     return found
 
 
-def contradictions(problem: Problem, row: Row, tested: Tested) -> Iterator[Contradiction]:
-    """What points solved from the conditions of a derived family show against it."""
-    family = row.family
-    if family is None:
-        return
-    if not len(tested.points):
-        yield Contradiction(family.id, family.name, None)
-    elif family.dimension > tested.room:
-        yield Contradiction(family.id, family.name, tested.room)
-
-
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
     """Families with names of their own."""
     names = distinct_names([one.name for one in families], [partial(_texts, one) for one in families])
@@ -246,12 +233,11 @@ def _marks(rows: Sequence[Row]) -> dict[int, list[float]]:
     return found
 
 
-def _fresh(
-    problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int, fresh: Search | None
-) -> Array:
+def _fresh(cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: Search | int) -> Array:
     """Points of a search with another seed: at least `wanted` of exactly this corank where possible."""
-    if fresh is not None:
-        return fresh.converged
+    if isinstance(wanted, Search):
+        return wanted.converged
+    problem = cloud.problem
     rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = [np.zeros((0, problem.n))]
     found, spent = 0, 0

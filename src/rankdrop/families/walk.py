@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.cloud import Cloud
 from rankdrop.family.equation import REACHED, Mask, System
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.kinematics import one_configuration
@@ -234,23 +235,6 @@ class Walk:
 MOST_STARTS = 200_000
 
 
-@dataclass(frozen=True, eq=False)
-class SlicePoints:
-    """Singular configurations in a slice.
-
-    Attributes:
-        joints: numbers (from 1) of the joints that vary.
-        q: (N, n) configurations [rad, m]; turning joints in (−π, π] unless limits were asked for.
-        corank: (N,) at each of them.
-        starts: how many starts there were; those that did not arrive are not in q.
-    """
-
-    joints: tuple[int, ...]
-    q: Array
-    corank: NDArray[np.int64]
-    starts: int
-
-
 def in_slice(
     robot: Robot,
     task: Task,
@@ -260,8 +244,7 @@ def in_slice(
     starts: int = 2000,
     limits: bool = False,
     seed: int = 0,
-    tolerances: Tolerances = DEFAULT,
-) -> SlicePoints:
+) -> Cloud:
     """Points of the singular set in the slice through q along some joints.
 
     Uniform starts in the slice are driven onto corank 1 by Gauss–Newton on the block, moving the chosen joints only
@@ -276,7 +259,10 @@ def in_slice(
         starts: how many.
         limits: only points within the joint limits.
         seed: of the starts.
-        tolerances: `singular` decides.
+
+    Returns:
+        Cloud; turning joints that vary are in (−π, π] unless limits were asked for. Starts that did not arrive are left
+        out.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -296,20 +282,20 @@ def in_slice(
         raise OptionError("these joints span no slice", got=list(joints), allowed=f"different numbers, 1 … {robot.n}")
     if not 1 <= starts <= MOST_STARTS:
         raise OptionError("starts is outside the range", got=starts, allowed=f"1 … {MOST_STARTS}")
-    problem = Problem(robot, task, 1, tolerances, limits)
+    problem = Problem(robot, task, 1, limits=limits)
     low, high = problem.box
     rows = np.repeat(centre[None], starts, axis=0)
     rows[:, chosen] = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
     full = problem.generic_rank
     if full == 0:
-        return SlicePoints(tuple(joints), rows[:0], np.zeros(0, dtype=np.int64), starts)
+        return Cloud(robot, task, rows[:0], np.zeros(0, dtype=np.int64))
     ends, arrived = onto(problem, rows, np.eye(robot.n)[:, chosen])
     ends = ends[arrived]
     if not limits:
         turning = robot.periodic & np.isin(np.arange(robot.n), chosen)
         ends = np.where(turning, wrap(ends), ends)
-    slack = tolerances.value
+    slack = problem.tolerances.value
     inside = ((ends[:, chosen] >= low[chosen] - slack) & (ends[:, chosen] <= high[chosen] + slack)).all(axis=1)
     ends = ends[inside]
-    rank = np.minimum((problem.sigma(ends) > tolerances.singular).sum(axis=1), full)
-    return SlicePoints(tuple(joints), ends, np.asarray(full - rank, dtype=np.int64), starts)
+    rank = np.minimum((problem.sigma(ends) > problem.tolerances.singular).sum(axis=1), full)
+    return Cloud(robot, task, ends, np.asarray(full - rank, dtype=np.int64))

@@ -264,48 +264,23 @@ class CorankSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Contradiction:
-    """A derived family that numerical points contradict.
-
-    Attributes:
-        family, name: its id and its name.
-        dimension: largest that the singular set can have at points solved on it, smaller than the derived one; None
-            where no point of it is singular to its corank.
-    """
-
-    family: str
-    name: str
-    dimension: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class Mistaken:
-    """Points that a search took for singular, σ being below its threshold, and that are not.
-
-    Attributes:
-        points: how many.
-        sigma: the smallest of the minima of σ next to them, worked out with 50 digits; inf where none was met.
-    """
-
-    points: int = 0
-    sigma: float = inf
-
-
-@dataclass(frozen=True, slots=True)
 class CorankFamilies:
     """All rows of one corank with their summary.
 
     Attributes:
         summary: what the search met.
         families: in their order.
-        contradictions: derived families that points solved on them contradict.
-        mistaken: points of the searches that are not singular.
+        contradictions: derived families that points solved on them contradict, each with the largest dimension that the
+            singular set can have there; None where no point of it is singular to its corank.
+        mistaken: how many points the searches took for singular, σ being below its threshold, that are not.
+        lowest: the smallest of the minima of σ next to these, worked out with 50 digits; inf where there are none.
     """
 
     summary: CorankSummary
     families: tuple[Family, ...]
-    contradictions: tuple[Contradiction, ...] = ()
-    mistaken: Mistaken = Mistaken()
+    contradictions: tuple[tuple[Family, int | None], ...] = ()
+    mistaken: int = 0
+    lowest: float = inf
 
 
 Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]

@@ -17,15 +17,16 @@ from rankdrop.family.record import (
     DIFFERS,
     INTERRUPTED,
     NOT_DERIVED,
-    Contradiction,
     CorankFamilies,
     Derivation,
     ExactRow,
+    Family,
     family_out_of_units,
 )
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.options import takes
+from rankdrop.problem import Problem
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
@@ -94,7 +95,7 @@ def _tested(
     said = list(derived.disagreements)
     if derived.generic_rank != rank:
         said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
-    said += [_sentence(one) for table in tables for one in table.contradictions]
+    said += [_sentence(*one) for table in tables for one in table.contradictions]
     listed = {family.id for table in tables for family in table.families}
     kept = tuple(one for one in derivation.families if one.id in listed or not limits)
     return replace(
@@ -102,11 +103,11 @@ def _tested(
     )
 
 
-def _sentence(one: Contradiction) -> str:
-    name = f"derived {one.family} ({one.name})"
-    if one.dimension is None:
+def _sentence(family: Family, dimension: int | None) -> str:
+    name = f"derived {family.id} ({family.name})"
+    if dimension is None:
         return f"{name}: no configuration that satisfies its conditions has its corank, its witness included"
-    return f"{name}: its dimension is at most {one.dimension} at configurations that satisfy its conditions"
+    return f"{name}: its dimension is at most {dimension} at configurations that satisfy its conditions"
 
 
 def _row(family: ExactFamily, robot: Robot) -> ExactRow:
@@ -195,7 +196,7 @@ def analyze(
             derived_here = None if known is None else [one for one in known if one.corank == corank]
             tables.append(
                 families(
-                    cloud, known=derived_here, seed=how.seed, tolerances=tolerances, threads=how.threads,
+                    cloud, known=derived_here, seed=how.seed, threads=how.threads,
                     progress=_labelled(progress, f"corank {corank}: families"),
                 )
             )  # fmt: skip
@@ -210,7 +211,7 @@ def analyze(
     rows = tuple(posed(robot, resolved, row, rows) for row in rows)
     near = None
     if unfinished is None and how.within is not None:
-        near = near_shares(rows, robot, resolved, how.within, limits=how.limits, seed=how.seed,
+        near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip
     return Analysis(
         robot=robot,
@@ -230,10 +231,10 @@ def analyze(
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     """What the searches took for singular and is not."""
     return tuple(
-        f"corank {one.summary.corank}: {one.mistaken.points:,} points of the searches with "
+        f"corank {one.summary.corank}: {one.mistaken:,} points of the searches with "
         f"σ ≤ {DEFAULT.singular:g} are not singular: followed with 50 digits, σ does not vanish next to them"
-        + (f", it has a minimum of {one.mistaken.sigma:.2g}" if isfinite(one.mistaken.sigma) else "")
-        for one in tables if one.mistaken.points
+        + (f", it has a minimum of {one.lowest:.2g}" if isfinite(one.lowest) else "")
+        for one in tables if one.mistaken
     )  # fmt: skip
 
 

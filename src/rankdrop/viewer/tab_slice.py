@@ -124,9 +124,10 @@ class SliceTab:
 
     def _draw(self, q: Array, starts: int | None) -> None:
         joints = tuple(int(one.value.split()[0]) for one in self._choices if one.value != _NONE)
+        starts = starts or STARTS[len(joints)]
         live, stage = self.controls.live, self.controls.stage
         limits = self.controls.session.limits
-        found = in_slice(live.robot, live.task, q, joints, starts=starts or STARTS[len(joints)], limits=limits)
+        found = in_slice(live.robot, live.task, q, joints, starts=starts, limits=limits)
         box = SliceBox.of(live.robot, live.task, joints, stage.size, limits=limits)
         scene = self.controls.server.scene
         families = live.monitor.look(found.q).family if len(found.q) else np.zeros(0, dtype=np.int32)
@@ -141,7 +142,7 @@ class SliceTab:
                 scene.remove_by_name("/slice/points")
         self._drawn = box, q.copy()
         self._mark(q)
-        self._told.content = panel.lines_html(_said(live.families, families, found.corank, found.starts))
+        self._told.content = panel.lines_html(_said(live.families, families, found.corank, starts))
 
     def _frame(self, box: SliceBox) -> None:
         scene, size = self.controls.server.scene, self.controls.stage.size

@@ -33,8 +33,8 @@ FLOORS = {
 TOP = 10
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
-OPTIONAL = {"xacro", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "contourpy", "mpl_toolkits", "plotly",
-            "jinja2", "yourdfpy", "roboticstoolbox", "trimesh", "websockets", "playwright", "yaml",
+OPTIONAL = {"xacro", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "contourpy", "mpl_toolkits",
+            "plotly", "jinja2", "yourdfpy", "roboticstoolbox", "trimesh", "websockets", "playwright", "yaml",
             "rosbags", "pyarrow", "scipy", "distributed", "threadpoolctl"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}

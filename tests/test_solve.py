@@ -28,7 +28,7 @@ def test_every_start_ends_on_the_circle_where_its_radius_meets_it(rng: np.random
 
 
 def test_directions_that_are_not_to_be_used_are_not_used() -> None:
-    ends = newton(unsolved, np.array([[0.3, 0.2]]), along=np.eye(2)[:, [0]])
+    ends = newton(unsolved, np.array([[0.3, 0.2]]), scale=np.eye(2)[:, [0]])
     np.testing.assert_allclose(ends, [[np.sqrt(0.25 - 0.04), 0.2]], atol=1e-12)
 
 

@@ -28,6 +28,7 @@ Step = Callable[[Array, NDArray[np.intp]], Array]
 CUT = 1e-7  # singular values of A below this share of the largest are not inverted
 _SMALLEST = 1e-14  # nor are those below this
 FLAT = 1e-6  # a second vanishing singular value of A: curves cross there, or it is no curve
+_ARRIVED = 1e-14  # a start whose step gets shorter has arrived
 _CORRECTIONS = 8
 _EARLY = 3  # steps of a curve before which it is not closed
 
@@ -76,7 +77,7 @@ def iterate(
         iterations: at most.
         longest: a step, in scaled coordinates; longer ones are cut.
         still: a start whose step gets no longer than this has arrived, that step taken.
-        scale: (n,) what steps are measured by; None for 1.
+        scale: (n,) what steps are measured by, or (n, d) the directions of d coordinates; None for 1.
         box: (2, n) least and largest q; None for no limits.
 
     Returns:
@@ -90,7 +91,7 @@ def iterate(
         move = step(q[active], active)
         length = np.linalg.norm(move, axis=1)
         move = move * np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None]
-        there = q[active] + (move if scale is None else scale * move)
+        there = q[active] + (move if scale is None else scale * move if scale.ndim == 1 else move @ scale.T)
         q[active] = there if box is None else np.clip(there, box[0], box[1])
         active = active[length > still]
     return q
@@ -100,11 +101,9 @@ def newton(
     residuals: Residuals,
     starts: Array,
     *,
-    along: Array | None = None,
     scale: Array | None = None,
     iterations: int = 40,
     step: float = 0.5,
-    still: float = 1e-14,
     box: Array | None = None,
     cut: float = CUT,
 ) -> Array:
@@ -113,11 +112,9 @@ def newton(
     Args:
         residuals: what is solved.
         starts: (N, n).
-        along: (n, d) orthonormal basis of the directions that may be used, in scaled coordinates; None for all.
-        scale: (n,) what steps are measured by; None for 1.
+        scale: (n,) what steps are measured by, or (n, d) the directions of d coordinates; None for 1.
         iterations: at most.
         step: longest step, in scaled coordinates.
-        still: a start whose step gets shorter has arrived.
         box: (2, n) least and largest q; None for no limits.
         cut: singular values of A below this share of the largest are not inverted.
 
@@ -127,12 +124,12 @@ def newton(
 
     def shortest_step(q: Array, _active: NDArray[np.intp]) -> Array:
         going, f, a = residuals(q)
-        a = a[going] if scale is None else a[going] * scale
-        move = np.zeros_like(q)
-        move[going] = -shortest(a, f[going], cut) if along is None else -shortest(a @ along, f[going], cut) @ along.T
+        a = a if scale is None else a * scale if scale.ndim == 1 else a @ scale
+        move = np.zeros((len(q), a.shape[2]))
+        move[going] = -shortest(a[going], f[going], cut)
         return move
 
-    return iterate(shortest_step, starts, iterations=iterations, longest=step, still=still, scale=scale, box=box)
+    return iterate(shortest_step, starts, iterations=iterations, longest=step, still=_ARRIVED, scale=scale, box=box)
 
 
 def trace(

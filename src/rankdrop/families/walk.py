@@ -115,7 +115,6 @@ def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
 
 ITERATIONS = 30
 STEP = 0.3  # longest step [rad; slides in length scales]
-STILL = 1e-15  # a start whose step gets shorter has arrived
 
 
 def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -141,7 +140,7 @@ def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[
         going = here.sigma[:, problem.rank] > problem.tolerances.target
         return going, here.f.reshape(len(q), -1), here.d.reshape(len(q), -1, problem.n)
 
-    q = newton(unsolved, starts, along=along, scale=problem.scale, iterations=ITERATIONS, step=STEP, still=STILL)
+    q = newton(unsolved, starts, scale=problem.scale[:, None] * along, iterations=ITERATIONS, step=STEP)
     return q, problem.singular(q)
 
 

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +34,7 @@ from rankdrop.configuration import Configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import LARGEST_SEED, one_configuration, whole_number
 from rankdrop.local.notebook import nearest_html
+from rankdrop.options import Options, option, takes
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -43,7 +45,6 @@ STARTS = (128, 512)  # that walk, for corank 1, for more: failures to reach the 
 NEWTON = (24, 32)  # that take Newton's steps before, around q and in the ball in which a nearer point must lie
 AGREED = 8  # of these, and more than got lost: no walks begin; the nearest was missed in 2 of 14,000 cases then
 SAME = 1e-6  # starts whose distances differ by less have found the same [rad]
-MOST_STARTS = 1_000_000
 _KEPT = 1024  # starts that are drawn once for all configurations, where there are no more
 _RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
 _WIDER = 1.25  # the balls after that, as a multiple of the best distance so far
@@ -89,17 +90,34 @@ class Nearest:
         return nearest_html(self)
 
 
+@dataclass(frozen=True)
+class NearestOptions(Options):
+    """What `nearest_singularity` is asked.
+
+    Attributes:
+        corank: k: the rank is at most the generic rank − k.
+        limits: only configurations inside the joint limits count (q itself may lie outside).
+        starts: random starts that walk, q itself the first of them; None for 512 beyond corank 1, and there for 56 that
+            take Newton's steps, and 128 that walk where these cannot or disagree.
+        seed: of the starts; same seed, same result, on any number of threads and any processor.
+    """
+
+    corank: Annotated[int, option("Freedoms that are lost at least", ge=1)] = 1
+    limits: Annotated[bool, option("Within the joint limits only")] = False
+    starts: Annotated[int, option("Random starts that walk", ge=1, le=1_000_000)] | None = None
+    seed: Annotated[int, option("Seed of the starts", ge=0, le=LARGEST_SEED)] = 0
+
+
+@takes(NearestOptions)
 def nearest_singularity(
     robot: Robot,
     q: ArrayLike,
     task: Task | str | None = None,
+    options: NearestOptions | None = None,
     *,
-    corank: int = 1,
-    limits: bool = False,
-    starts: int | None = None,
-    seed: int = 0,
     seeds: Iterable[ArrayLike] = (),
     tolerances: Tolerances = DEFAULT,
+    **given: Any,
 ) -> Nearest | None:
     """The singular configuration of corank k or more that is nearest to q, by multistart.
 
@@ -107,11 +125,7 @@ def nearest_singularity(
         robot: the arm.
         q: (n,) the configuration [rad, m].
         task: a Task, a name, or None for the arm's own.
-        corank: k: the rank is at most the generic rank − k.
-        limits: only configurations inside the joint limits count (q itself may lie outside).
-        starts: random starts that walk, q itself the first of them; None for 512 beyond corank 1, and there for 56 that
-            take Newton's steps, and 128 that walk where these cannot or disagree.
-        seed: of the starts; same seed, same result, on any number of threads and any processor.
+        options: what is asked; keywords `given` of the same names count more.
         seeds: further starts (n,), nearest points of known families say.
         tolerances: `singular` decides, `target` is where points are polished to.
 
@@ -130,39 +144,38 @@ def nearest_singularity(
         >>> round(found.distance, 12), found.corank, [round(x, 12) + 0.0 for x in found.delta]
         (0.25, 1, [0.0, 0.0, 0.0, -0.25, 0.0, 0.0, 0.0])
     """
-    centre = one_configuration(robot, q)
+    asked = NearestOptions.of(options, given)
+    centre, extra = one_configuration(robot, q), [one_configuration(robot, one) for one in seeds]
     resolved = resolve_task(task, robot)
     if metre_exponent(robot):
         there = nearest_singularity(
-            in_metres(robot), into_metres(robot, centre), task_in_metres(resolved, robot), corank=corank, limits=limits,
-            starts=starts, seed=seed, seeds=[into_metres(robot, one_configuration(robot, one)) for one in seeds],
-            tolerances=tolerances,
+            in_metres(robot), into_metres(robot, centre), task_in_metres(resolved, robot), asked,
+            seeds=[into_metres(robot, one) for one in extra], tolerances=tolerances,
         )
         if there is None:
             return None
         q, delta = (tuple(out_of_metres(robot, one).tolist()) for one in (there.q, there.delta))
         return replace(there, q=q, delta=delta)
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
-    problem = Problem(robot, resolved, corank, tolerances, limits)
+    corank, starts = asked.corank, asked.starts
+    problem = Problem(robot, resolved, corank, tolerances, asked.limits)
     walks = STARTS[0 if corank == 1 else 1] if starts is None else starts
     whole_number("corank", corank, 1, problem.generic_rank)
-    whole_number("starts", walks, 1, MOST_STARTS)
-    whole_number("seed", seed, 0, LARGEST_SEED)
     conditions = (resolved.m - problem.rank) * (robot.n - problem.rank)
     if min(robot.n, conditions) > _MOST_CONDITIONS:
         raise OptionError(
             "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
             allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
         )  # fmt: skip
-    given = np.array([one_configuration(robot, one) for one in seeds]).reshape(-1, robot.n)
-    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
+    first = np.array(extra).reshape(-1, robot.n)
+    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     steps = starts is None and walk.smooth
-    ends, distances, lost = walk.newton(given, seed) if steps else (np.empty((0, robot.n)), np.empty(0), 0)
-    nearest, begun = distances.min(initial=np.inf), len(given) + sum(NEWTON) if steps else 0
+    ends, distances, lost = walk.newton(first, asked.seed) if steps else (np.empty((0, robot.n)), np.empty(0), 0)
+    nearest, begun = distances.min(initial=np.inf), len(first) + sum(NEWTON) if steps else 0
     if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
-        walked, far = walk.walked(given, walks, seed)
+        walked, far = walk.walked(first, walks, asked.seed)
         ends, distances = np.concatenate([ends, walked]), np.concatenate([distances, far])
-        begun += len(given) + walks
+        begun += len(first) + walks
     finest = walk.finest(ends)
     if finest is None:
         return None

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rankdrop.cli import exits
-from rankdrop.cli.main import ALIASES, COMMANDS, GROUPS, _options, app
+from rankdrop.cli.main import ALIASES, COMMANDS, FILES, GROUPS, _options, app
 
 
 def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
@@ -73,7 +73,7 @@ def test_only_the_file_of_the_command_is_imported() -> None:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     imported = set(done.stderr.split())
     assert "rankdrop.cli.robots" in imported
-    assert not imported & {f"rankdrop.cli.{name}" for name in set(COMMANDS) - {"robots"}}
+    assert not imported & {f"rankdrop.cli.{FILES.get(name, name)}" for name in set(COMMANDS) - {"robots"}}
 
 
 def test_only_switches_that_are_on_have_a_negative() -> None:

@@ -84,7 +84,7 @@ def analyze(
     with reporter(quiet=output.quiet) as report:
         analysis = run(model, task, options, progress=report)
         own = run(made.real, task, options, progress=report) if made is not None and offsets else None
-    nearby, moved, beside = ideal_sections(made, analysis.task, analysis.families, options.seed)
+    nearby, *about_ideal = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
     def record() -> dict[str, Any]:
@@ -94,7 +94,7 @@ def analyze(
         return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
 
     hand_over(
-        lambda: _print(analysis, task, made, moved, beside, own, seconds=seconds, every=all),
+        lambda: _print(analysis, task, made, about_ideal, own, seconds=seconds, every=all),
         (output.json, lambda target: write_json(record(), target)),
         (latex, lambda target: write_text(analysis.latex(), target)),
     )
@@ -104,7 +104,7 @@ def analyze(
 
 
 def _print(
-    analysis: Analysis, task: Task, made: Idealised | None, moved: Sequence[Section], beside: Sequence[Section],
+    analysis: Analysis, task: Task, made: Idealised | None, about_ideal: Sequence[Sequence[Section]],
     own: Analysis | None, *, seconds: float, every: bool,
 ) -> None:  # fmt: skip
     from rich.text import Text
@@ -113,7 +113,7 @@ def _print(
     from rankdrop.results import sampled, unseen
     from rankdrop.text import agreement, legend, near_overview
 
-    console, settings = results(), analysis.settings
+    console, settings, (moved, there) = results(), analysis.settings, about_ideal
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
     starts = {"starts": f"{settings.starts:,} per corank {where}, seed {settings.seed}"}
     starts |= near_line(analysis.robot, made)
@@ -124,7 +124,7 @@ def _print(
     print_sections(moved, first=False)
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary, every=every))
-    print_sections(beside, first=False)
+    print_sections(there, first=False)
     if own is not None:
         show(console, [Text(f"\nThe arm with the file's own numbers ({OWN})", style="bold")])
         for summary in own.coranks:

@@ -19,7 +19,7 @@ from rankdrop.cli.arm import (
     open_ideal,
     parse_configuration,
 )
-from rankdrop.cli.certificates import in_words, model_tolerance, of_place, save_certificate
+from rankdrop.cli.proof import in_words, model_tolerance, of_place, save_certificate
 from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, results, show, write_json
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions

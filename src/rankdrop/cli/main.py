@@ -23,6 +23,7 @@ with contextlib.suppress(ValueError):  # not the main thread
         signal.signal(signal.SIGINT, _leave_at_once)
 try:
     import errno
+    import io
     import traceback
     from collections.abc import Sequence
     from threading import current_thread, main_thread
@@ -76,6 +77,11 @@ GROUPS = {
     },
 }
 """Group -> command -> its line in the help. The file of a command is imported when the command is typed."""
+FILES = {
+    **dict.fromkeys(GROUPS["Design"], "design"), **dict.fromkeys(("cover", "verify"), "proof"),
+    **dict.fromkeys(GROUPS["Export"], "export"), **dict.fromkeys(GROUPS["Research"], "research"),
+}  # fmt: skip
+"""Command -> its file, where several share one; else the file has the name of the command."""
 COMMANDS = tuple(name for commands in GROUPS.values() for name in commands)
 ALIASES = {"escape": ("explain", "--only", "escape"), "nearest": ("explain", "--only", "nearest")}
 """First word -> the words that it stands for."""
@@ -105,7 +111,8 @@ app = App(
 for _place, _title in enumerate(GROUPS):
     _group = Group(_title, sort_key=_place)
     for _rank, (_name, _help) in enumerate(GROUPS[_title].items()):
-        app.command(f"rankdrop.cli.{_name}:{_name}", name=_name, group=_group, help=_help, sort_key=_rank)
+        _file = f"rankdrop.cli.{FILES.get(_name, _name)}:{_name}"
+        app.command(_file, name=_name, group=_group, help=_help, sort_key=_rank)
 
 
 _ZSH = """
@@ -284,7 +291,7 @@ def _fill_streams() -> None:
         except OSError:
             os.open(os.devnull, os.O_RDONLY)  # takes the lowest number that is free, which is this one
     if sys.stdout is None:
-        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115  # what is written to it fails
+        sys.stdout = io.TextIOWrapper(io.FileIO(1, "w", closefd=False), encoding="utf-8")  # what is written to it fails
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the process ends
 

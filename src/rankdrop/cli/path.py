@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Output, ToolOptions, command, open_arm, parse_configuration
-from rankdrop.cli.certificates import model_tolerance, save_certificate
+from rankdrop.cli.proof import model_tolerance, save_certificate
 from rankdrop.cli.terminal import (
     STDOUT,
     check_targets,

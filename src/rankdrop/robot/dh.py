@@ -150,14 +150,10 @@ def from_dh(
     *,
     convention: Convention,
     kinds: str | Sequence[str] | None = None,
-    name: str = "robot",
-    task: str = "pose",
     base: ArrayLike | None = None,
     tool: ArrayLike | None = None,
-    source: Source | None = None,
-    notes: Sequence[str] = (),
-    about: str = "",
-    lengths: Mapping[str, float] | None = None,
+    name: str = "robot",
+    **described: Any,
 ) -> Robot:
     """A robot from its DH table.
 
@@ -174,10 +170,9 @@ def from_dh(
         convention: "standard" (as AM's tables) or "modified" (Craig; as KG's Figure 1). There is no default: the same
             numbers are another arm in the other convention.
         kinds: overrides the kinds of the rows: "RRPRRR", or a list of "revolute", "prismatic", "helical".
-        name, task, source, notes, about: as in `Robot`.
-        lengths: letters for lengths and their values [m], as in `Robot`.
         base: (4, 4) pose of DH frame 0 in the base frame.
         tool: (4, 4) pose of the tip in the last DH frame.
+        name, described: name, task, source, notes, about, lengths, as in `Robot`.
 
     Raises:
         RobotError: unknown convention, kind or key; a value that is not a finite number; a length beyond
@@ -208,10 +203,19 @@ def from_dh(
             )
         )
     home = pose if tool is None else times(pose, rigid(tool, f"tool of robot {name!r}"))
-    origin = source or Source("dh", f'from_dh(convention="{convention}")')
-    remarks = (*notes, *turn_notes(joints))
-    letters = tuple((lengths or {}).items())
-    return Robot(name, tuple(joints), home, task, origin, notes=remarks, about=about, lengths=letters)
+    origin = Source("dh", f'from_dh(convention="{convention}")')
+    return described_robot(name, joints, home, described | {"source": described.get("source") or origin})
+
+
+def described_robot(name: str, joints: Sequence[Joint], home: Array, described: Mapping[str, Any]) -> Robot:
+    """A robot with what its caller says about it: fields of `Robot`, lengths as a mapping, notes before those on limits
+
+    Raises:
+        TypeError: a field that a robot does not have.
+    """
+    notes, lengths = described.get("notes") or (), described.get("lengths") or {}
+    given = {**described, "notes": (*notes, *turn_notes(joints)), "lengths": tuple(lengths.items())}
+    return Robot(name, tuple(joints), home, **given)
 
 
 def dh_row(given: Mapping[str, Any], number: int, where: Where, angles: Angles | None = None) -> DHRow:

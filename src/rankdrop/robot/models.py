@@ -1,26 +1,37 @@
-"""Robots from and to the models of MuJoCo, Pinocchio, the Robotics Toolbox and yourdfpy.
+"""Robots from MJCF, and from and to the models of MuJoCo, Pinocchio, the Robotics Toolbox and yourdfpy.
 
 Each package is imported where it is needed. From a model: its links and joints become a `Tree`, and the chain of the
 arm is read off it. To a model: the joints of the arm one after the other, each with a frame on its axis.
+
+MuJoCo's own compiler reads MJCF (defaults, includes, frames, angles, joint limits), in a child process with limits: a
+few characters may ask for gigabytes. Of its result the kinematics comes back as plain data. A body pose, then its
+joints in order, each about its anchor in the body frame: with S_k the screw of joint k in the body frame and r_k its
+`ref`, the body stands at T_parent · B · exp(S_1 (q_1 − r_1)) · exp(S_2 (q_2 − r_2)) …, so that q counts as MuJoCo's
+qpos does.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import shlex
+import warnings
+from dataclasses import replace
 from importlib import import_module
+from importlib.util import find_spec
 from itertools import pairwise
 from math import inf
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.files import RANGE, Element
+from rankdrop.jobs.limited import run_limited
+from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, name_of_file, read_text, read_xml
 from rankdrop.robot.ideal import as_intended
-from rankdrop.robot.mjcf import plain_model, robot_of
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
-from rankdrop.robot.transform import frame_on_axis, inverse, rigid
+from rankdrop.robot.transform import frame_on_axis, inverse, rigid, translation
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
 from rankdrop.robot.urdf import from_tree
 
@@ -32,23 +43,10 @@ def _package(module: str, package: str, extra: str) -> Any:
         raise MissingExtraError(package, extra, f"a model of {package}") from None
 
 
-@dataclass(frozen=True, slots=True)
-class AxisFrame:
-    """A frame on the axis of a joint, parallel to the base at q = 0: numbers of the arm stay as they are.
-
-    Attributes:
-        joint: of the arm.
-        step: (3,) from the frame of the joint before it (the base origin) to this one's [m].
-        axis: (3,) unit, in the base frame.
-        pitch: of a helical joint [m/rad], else 0.
-        link: name for the link that it carries; all differ, and from `Robot.base` and `Robot.tip`.
-    """
-
-    joint: Joint
-    step: Array
-    axis: Array
-    pitch: float
-    link: str
+AxisFrame = tuple[Joint, Array, Array, str]
+"""A joint with a frame on its axis, parallel to the base at q = 0: the joint; (3,) the step from the frame of the joint
+before it, or the base origin [m]; (3,) its axis, unit, in the base frame; a name for the link that it carries, which
+differs from all others, `Robot.base` and `Robot.tip`."""
 
 
 def axis_frames(
@@ -76,13 +74,12 @@ def axis_frames(
             raise RobotError(f"{package} has no helical joints", where=where, allowed="revolute, prismatic")
         slides = joint.kind is JointKind.PRISMATIC
         axis = joint.screw[:3] if slides else joint.screw[3:]
-        pitch = float(joint.screw[:3] @ axis) if joint.kind is JointKind.HELICAL else 0.0
         point = joint.frame[:3, 3] if slides else _point_of_axis(joint, axis)
         link = f"{joint.name}_link"
         while link in taken:
             link += "_"
         taken.add(link)
-        found.append(AxisFrame(joint, point - at, axis, pitch, link))
+        found.append((joint, point - at, axis, link))
         at = point
     tip = robot.home.copy()
     tip[:3, 3] -= at
@@ -138,11 +135,11 @@ def to_mujoco(robot: Robot) -> Any:
     spec.compiler.degree = False
     body = spec.worldbody
     kinds = {JointKind.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE, JointKind.PRISMATIC: mujoco.mjtJoint.mjJNT_SLIDE}
-    for item in joints:
-        body = body.add_body(name=item.link, pos=item.step, mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
-        lower, upper = item.joint.lower, item.joint.upper
+    for joint, step, axis, link in joints:
+        body = body.add_body(name=link, pos=step, mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
+        lower, upper = joint.lower, joint.upper
         limited = bool(np.isfinite([lower, upper]).all()) and lower < upper  # MuJoCo knows both limits or none
-        body.add_joint(name=item.joint.name, type=kinds[item.joint.kind], axis=item.axis, pos=[0.0, 0.0, 0.0],
+        body.add_joint(name=joint.name, type=kinds[joint.kind], axis=axis, pos=[0.0, 0.0, 0.0],
                        limited=limited, range=[lower, upper] if limited else [0.0, 0.0])  # fmt: skip
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(tip[:3, :3]).reshape(9))
@@ -215,17 +212,17 @@ def to_pinocchio(robot: Robot) -> Any:
     model = pin.Model()
     model.name = robot.name
     parent, link = 0, 0
-    for item in joints:
-        x, y, z = (float(part) for part in item.axis)
-        if item.joint.kind is JointKind.PRISMATIC:
+    for joint, step, axis, name in joints:
+        x, y, z = (float(part) for part in axis)
+        if joint.kind is JointKind.PRISMATIC:
             kind = pin.JointModelPrismaticUnaligned(x, y, z)
-        elif item.joint.kind is JointKind.HELICAL:
-            kind = pin.JointModelHelicalUnaligned(x, y, z, item.pitch)
+        elif joint.kind is JointKind.HELICAL:
+            kind = pin.JointModelHelicalUnaligned(x, y, z, float(joint.screw[:3] @ axis))
         else:
             kind = pin.JointModelRevoluteUnaligned(x, y, z)
-        limits = [np.array([value]) for value in (inf, item.joint.velocity, item.joint.lower, item.joint.upper)]
-        parent = model.addJoint(parent, kind, pin.SE3(np.eye(3), item.step), item.joint.name, *limits)
-        link = model.addFrame(pin.Frame(item.link, parent, link, pin.SE3.Identity(), pin.FrameType.BODY))
+        limits = [np.array([value]) for value in (inf, joint.velocity, joint.lower, joint.upper)]
+        parent = model.addJoint(parent, kind, pin.SE3(np.eye(3), step), joint.name, *limits)
+        link = model.addFrame(pin.Frame(name, parent, link, pin.SE3.Identity(), pin.FrameType.BODY))
     model.addFrame(pin.Frame(robot.tip, parent, link, pin.SE3(tip), pin.FrameType.OP_FRAME))
     return model
 
@@ -312,12 +309,12 @@ def to_toolbox(robot: Robot) -> Any:
     joints, tip = axis_frames(robot, "the Robotics Toolbox")
     at, sequence = np.eye(4), []
     point = np.zeros(3)
-    for item in joints:
-        point = point + item.step
-        frame = frame_on_axis(item.axis, point)
+    for joint, step, axis, _ in joints:
+        point = point + step
+        frame = frame_on_axis(axis, point)
         sequence.append(transform.SE3(_between(at, frame)))
-        make = transform.tz if item.joint.kind is JointKind.PRISMATIC else transform.Rz
-        limits = [item.joint.lower, item.joint.upper]
+        make = transform.tz if joint.kind is JointKind.PRISMATIC else transform.Rz
+        limits = [joint.lower, joint.upper]
         sequence.append(make(qlim=limits) if np.isfinite(limits).all() else make())
         at = frame
     end = tip.copy()
@@ -373,9 +370,9 @@ def to_yourdfpy(robot: Robot) -> Any:
     yourdfpy = _package("yourdfpy", "yourdfpy", "cross")
     items, tip = axis_frames(robot, "URDF", mimics=True)
     links, joints = [yourdfpy.Link(robot.base)], []
-    for item in items:
-        joint, origin = item.joint, np.eye(4)
-        origin[:3, 3] = item.step
+    for joint, step, axis, link in items:
+        origin = np.eye(4)
+        origin[:3, 3] = step
         slides = joint.kind is JointKind.PRISMATIC
         free = joint.lower == -inf and joint.upper == inf
         most = 2.0 * RANGE["length" if slides else "angle"]  # what is beyond the range reads as no limit
@@ -388,9 +385,9 @@ def to_yourdfpy(robot: Robot) -> Any:
         kind = "prismatic" if slides else "continuous" if free else "revolute"
         if kind == "continuous":
             limit = None if rate is None else yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
-        joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, item.link, origin, item.axis.copy(),
+        joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, link, origin, axis.copy(),
                                      limit=limit, mimic=follows))  # fmt: skip
-        links.append(yourdfpy.Link(item.link))
+        links.append(yourdfpy.Link(link))
     names = {joint.name for joint in robot.joints}
     last = f"{robot.tip} (fixed)"
     while last in names:
@@ -418,3 +415,233 @@ def _urdf_element(joint: Any) -> Element:
         follows = joint.mimic
         add("mimic", joint=str(follows.joint), multiplier=follows.multiplier, offset=follows.offset)
     return Element("joint", {}, 0, children)
+
+
+_KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
+_UNREAD = (
+    "actuators", "sensors", "tendons", "equalities", "pairs", "excludes", "keys", "tuples", "skins", "flexes", "geoms",
+    "cameras", "lights", "materials", "textures", "meshes", "hfields",
+)  # fmt: skip
+"""Taken out before compiling, users before what they use: mesh files are then neither needed nor opened."""
+
+
+def from_mjcf(
+    path: str | PathLike[str], *, base: str | None = None, tip: str | None = None, as_written: bool = False
+) -> Robot:
+    """A robot from an MJCF file.
+
+    Only the chain from `base` to `tip` is read: bodies, hinge and slide joints, their axes, anchors, limits and `ref`.
+    Geoms, meshes and actuators are ignored. Joint values are those of MuJoCo (qpos), in radians and metres.
+    Rounded euler angles and structure that holds but for noise are taken as exact, with a note, as in `from_urdf`.
+
+    Args:
+        path: the file; files that it includes are read by MuJoCo.
+        base, tip: names of bodies or sites; chosen where not given, and `Robot.notes` says how.
+        as_written: take every number literally.
+
+    Raises:
+        MissingExtraError: mujoco is not installed.
+        RobotError: MuJoCo cannot compile the file (in its words) or needs too much for it, a ball or free joint in the
+            chain, names that are not there.
+    """
+    file = Path(path)
+    root = read_xml(read_text(file), str(file), most=MOST_BODIES)  # limits on size and depth, no document types
+    if find_spec("mujoco") is None:
+        raise MissingExtraError("mujoco", "mujoco", "an MJCF file")
+    name = root.attributes.get("model", name_of_file(file))
+    model = run_limited(compile_file, str(file), as_written, file=file, parser="MuJoCo")
+    return robot_of(model, name, str(file), base, tip, as_written=as_written)
+
+
+def robot_of(
+    model: dict[str, Any], name: str, place: str, base: str | None, tip: str | None, *, as_written: bool
+) -> Robot:
+    """The chain from `base` to `tip` of a compiled model.
+
+    Args:
+        model: from `plain_model`.
+        name: of the robot.
+        place: the file, for errors and `Robot.source`.
+        base, tip: names of bodies or sites; None: chosen.
+        as_written: take every number literally.
+
+    Raises:
+        RobotError: a ball or free joint in the chain, names that are not there.
+    """
+    links = dict.fromkeys(model["bodies"], 0)
+    steps = {step["name"]: step for step in model["steps"]}
+    joints = {key: TreeJoint(key, step["kind"], step["parent"], step["child"]) for key, step in steps.items()}
+    tree = connected(Tree(name, place, links | dict.fromkeys((joint.child for joint in joints.values()), 0), joints))
+    _refuse_floating(tree, model["floating"], base, tip)
+    ends = choose_ends(tree, base, tip)
+    moving = {step.name for step in ends.path if step.moves}
+    notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they are taken as independent"
+             for one, two in model["couplings"] if {one, two} <= moving]  # fmt: skip
+    if ends.base in model["floating"]:
+        notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
+    links_of_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
+    angles = Angles(as_written, [x for link in links_of_chain for x in model["changes"].get(link, ())])
+    return chain_robot(tree, ends, "mjcf", lambda joint: _motion(tree, joint, steps[joint.name]), angles, notes)
+
+
+def compile_file(file: str, as_written: bool) -> dict[str, Any]:
+    """The compiled model of bodies, joints and sites as plain data; runs in a child process.
+
+    Raises:
+        RobotError: MuJoCo cannot compile the file, or it has too many bodies.
+    """
+    import mujoco
+
+    try:
+        spec = mujoco.MjSpec.from_file(file)
+        if len(spec.bodies) > MOST_BODIES:
+            raise RobotError("there are too many bodies", where=file, allowed=f"at most {MOST_BODIES}")
+        couplings = [(rule.name1, rule.name2) for rule in spec.equalities if rule.type == mujoco.mjtEq.mjEQ_JOINT]
+        for kind in _UNREAD:
+            for element in list(getattr(spec, kind)):
+                _delete(spec, element)
+        for site in spec.sites:
+            site.material = ""
+        changes = _take_angles(mujoco, spec, as_written)
+        spec.compiler.fusestatic = False  # bodies without joints keep their names
+        for body in spec.bodies[1:]:  # without geoms a body has no mass of its own, and MuJoCo wants one
+            body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0, 1.0, 1.0]
+            body.fullinertia = [np.nan] * 6
+        with warnings.catch_warnings():  # of inertias that are none of the file's
+            warnings.simplefilter("ignore", UserWarning)
+            return plain_model(mujoco, spec.compile(), couplings, changes)
+    except (RobotError, MemoryError):
+        raise
+    except Exception as error:  # ValueError, RuntimeError, FatalError
+        reason = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
+        raise RobotError(f"MuJoCo cannot compile the file: {reason[:200]}", where=file) from None
+
+
+def plain_model(
+    mujoco: Any, model: Any, couplings: list[tuple[str, str]], changes: dict[str, list[float]]
+) -> dict[str, Any]:
+    """Bodies and named sites of an MjModel as steps down the tree, and the bodies that float: roots on no joint.
+
+    Args:
+        mujoco: the package.
+        model: its MjModel.
+        couplings: pairs of joints that a constraint couples.
+        changes: what was added to angles [rad], by body or site.
+    """
+    bodies = [model.body(i).name or f"body{i}" for i in range(model.nbody)]
+    links = set(bodies)
+    floating: list[str] = []
+    steps: list[dict[str, Any]] = []
+
+    def add(name: str, kind: str, parent: str, child: str, pose: tuple[Any, Any], joint: int | None = None) -> None:
+        moves = {} if joint is None else {
+            "axis": model.jnt_axis[joint].tolist(), "anchor": model.jnt_pos[joint].tolist(),
+            "ref": float(model.qpos0[model.jnt_qposadr[joint]]),
+            "limits": model.jnt_range[joint].tolist() if model.jnt_limited[joint] else [-inf, inf],
+        }  # fmt: skip
+        place = {"position": list(map(float, pose[0])), "quaternion": list(map(float, pose[1]))}
+        steps.append({"name": name, "kind": kind, "parent": parent, "child": child, **place, **moves})
+
+    for i in range(1, model.nbody):
+        parent, pose = bodies[model.body_parentid[i]], (model.body_pos[i], model.body_quat[i])
+        first, count = int(model.body_jntadr[i]), int(model.body_jntnum[i])
+        if count and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:  # always alone in its body
+            floating.append(bodies[i])
+            continue
+        if count == 0:
+            add(f"{bodies[i]} (fixed)", "fixed", parent, bodies[i], pose)
+        for part, j in enumerate(range(first, first + count), start=1):
+            own = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
+            child = bodies[i] if part == count else f"{bodies[i]} after {own}"
+            kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
+            add(own, kind, parent, child, pose, j)
+            links.add(child)
+            parent, pose = child, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    for i in range(model.nsite):
+        site = model.site(i).name
+        if site:
+            link = site if site not in links else f"{site} (site)"
+            links.add(link)
+            add(f"{site} (site, fixed)", "fixed", bodies[model.site_bodyid[i]], link,
+                (model.site_pos[i], model.site_quat[i]))  # fmt: skip
+    return {"bodies": bodies, "steps": steps, "floating": floating, "couplings": couplings, "changes": changes}
+
+
+def _delete(spec: Any, element: Any) -> None:
+    if hasattr(spec, "delete"):
+        spec.delete(element)
+    else:  # MuJoCo before 3.3.4
+        element.delete()
+
+
+def _take_angles(mujoco: Any, spec: Any, as_written: bool) -> dict[str, list[float]]:
+    """Let rounded decimals in radians be the angles they stand for (see `digits`), in euler and axisangle.
+
+    Returns:
+        what was added to each number that was changed [rad], by the name of the body or site; "" for frames.
+    """
+    changes: dict[str, list[float]] = {}
+    if spec.compiler.degree:
+        return changes
+    kinds = mujoco.mjtOrientation
+    for elements, framed in ((spec.bodies, False), (spec.sites, False), (spec.frames, True)):
+        for element in elements:
+            angles, alt = Angles(as_written), element.alt
+            if alt.type == kinds.mjORIENTATION_EULER:
+                alt.euler = [angles.take(repr(float(x))) for x in alt.euler]  # repr has the digits of the file
+            elif alt.type == kinds.mjORIENTATION_AXISANGLE:
+                alt.axisangle = [*alt.axisangle[:3], angles.take(repr(float(alt.axisangle[3])))]
+            changes.setdefault("" if framed else element.name, []).extend(angles.changes)
+    return changes
+
+
+def _refuse_floating(tree: Tree, floating: list[str], base: str | None, tip: str | None) -> None:
+    """Say clearly that no chain passes a free joint; what else is wrong with the names is for `choose_ends`."""
+    if base not in tree.links or tip not in tree.links:
+        return
+    root = tree.root_of(str(tip))
+    if root in floating and tree.root_of(str(base)) != root:
+        raise RobotError(
+            "the chain would pass a free joint, which has several freedoms", where=f"{tree.file}, body {root!r}",
+            got=f"base {base!r}, tip {tip!r}", mend=f"base={root!r}", typed=f"--base {shlex.quote(root)}",
+        )
+
+
+def _motion(tree: Tree, joint: TreeJoint, step: dict[str, Any]) -> Motion:
+    origin = _pose(np.array(step["position"]), np.array(step["quaternion"]))
+    if not joint.moves:
+        return Motion(origin)
+    if joint.kind not in _KINDS:
+        raise RobotError(
+            "a joint of the chain has several freedoms", where=tree.where(joint), got=f"a {joint.kind} joint",
+            allowed="hinge, slide", mend=f"name a base below it: base={joint.child!r}",
+            typed=f"name a base below it: --base {shlex.quote(joint.child)}",
+        )
+    kind, ref = _KINDS[joint.kind], step["ref"]
+    measure = "length" if kind is JointKind.PRISMATIC else "angle"
+    if not abs(ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
+        raise RobotError("ref is too large, or no number", where=tree.where(joint), got=f"{ref:g}",
+                         allowed=allowed_range(measure))  # fmt: skip
+    lower, upper = step["limits"]
+    return Motion(origin, kind, _plain(np.array(step["axis"])), np.array(step["anchor"]), ref=ref, lower=lower,
+                  upper=upper)  # fmt: skip
+
+
+def _pose(position: Array, quaternion: Array) -> Array:
+    """(4, 4) pose from a position [m] and a unit quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    pose = translation(*position)
+    with np.errstate(invalid="ignore"):  # `chain_robot` refuses numbers that are not finite
+        pose[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    pose[:3, :3] = _plain(pose[:3, :3])
+    return pose
+
+
+def _plain(values: Array) -> Array:
+    """Entries of directions that are 0 or ±1 but for the rounding of a quaternion (a few 2e-16): so, exactly."""
+    near = np.round(values)
+    return np.where(np.abs(values - near) < 1e-15, near, values) + 0.0

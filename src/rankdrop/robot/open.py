@@ -183,7 +183,7 @@ def _read_screws(file: RobotFile) -> Robot:
 
 
 def _read_mjcf(file: RobotFile) -> Robot:
-    from rankdrop.robot.mjcf import from_mjcf
+    from rankdrop.robot.models import from_mjcf
 
     return from_mjcf(file.path, base=file.base, tip=file.tip, as_written=file.as_written)
 

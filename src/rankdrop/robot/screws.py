@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from typing import Any, Literal
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.dh import joint_kind, turn_notes
+from rankdrop.robot.dh import described_robot, joint_kind
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, read_text
 from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
@@ -73,11 +74,7 @@ def from_screws(
     velocity: Sequence[float] | None = None,
     home: ArrayLike | None = None,
     name: str = "robot",
-    task: str = "pose",
-    source: Source | None = None,
-    notes: Sequence[str] = (),
-    about: str = "",
-    lengths: Mapping[str, float] | None = None,
+    **described: Any,
 ) -> Robot:
     """A robot from its joint screws at q = 0, base to tip, in the base frame with the base origin as reference point.
 
@@ -90,8 +87,7 @@ def from_screws(
         kinds: "RPRRRR", or a list of "revolute", "prismatic", "helical"; without it, the kind is read off the screw.
         names, lower, upper, velocity: one per joint [rad or m]; "joint1" … and ±inf by default.
         home: (4, 4) pose of the tip at q = 0; without it the tip is taken at the base origin, and a note says so.
-        name, task, source, notes, about: as in `Robot`.
-        lengths: letters for lengths and their values [m], as in `Robot`.
+        name, described: name, task, source, notes, about, lengths, as in `Robot`.
 
     Raises:
         RobotError: wrong shape, values that are not finite, no length, a pitch that contradicts the kind or is too
@@ -114,13 +110,11 @@ def from_screws(
         kind, screw = _normalise(row, None if kinds is None else kinds[i], f"screw {i + 1} ({label})")
         limits = _item(lower, i, -inf), _item(upper, i, inf), _item(velocity, i, inf)
         joints.append(Joint(label, kind, screw, *limits, frame=_frame(kind, screw)))
-    remarks = [*notes, *turn_notes(joints)]
-    if home is None:
-        remarks.append("home pose not given: the tip is taken at the base origin")
     pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
-    origin = source or Source("screws", f'from_screws(order="{order}")')
-    letters = tuple((lengths or {}).items())
-    return Robot(name, tuple(joints), pose, task, origin, notes=tuple(remarks), about=about, lengths=letters)
+    origin = Source("screws", f'from_screws(order="{order}")')
+    robot = described_robot(name, joints, pose, described | {"source": described.get("source") or origin})
+    note = "home pose not given: the tip is taken at the base origin"
+    return robot if home is not None else replace(robot, notes=(*robot.notes, note))
 
 
 def _rows(screws: ArrayLike, order: str, name: str) -> Array:

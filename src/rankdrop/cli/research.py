@@ -1,4 +1,4 @@
-"""`rankdrop find`: singular configurations of one corank."""
+"""The commands find, aspects, through and tolerant: configurations of a corank, changes of posture, paths, failures."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from rankdrop.cli.arm import (
     ROBOT,
     ArmOptions,
     Output,
+    Q,
     arm_section,
     command,
+    numbers_of,
     open_arm,
     parse_configuration,
     whole,
@@ -29,20 +31,23 @@ from rankdrop.cli.terminal import (
     print_sections,
     reporter,
     results,
+    say,
     show,
     write_bytes,
     write_json,
     write_text,
 )
 from rankdrop.errors import OptionError
+from rankdrop.motion import AspectsOptions
 from rankdrop.options import Options, option
-from rankdrop.questions import SearchOptions
+from rankdrop.questions import SearchOptions, TolerantOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.families import Search
     from rankdrop.robot import Robot
     from rankdrop.task import Task
+
 
 _SHOWN = 5
 _LINE = "line"
@@ -295,3 +300,153 @@ def _table(search: Search, title: str, lines: list[str]) -> Section:
 def _fixed(value: float, digits: int) -> str:
     """A number with a fixed number of digits, and no sign on a zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+@command
+def aspects(
+    robot: str,
+    /,
+    *,
+    q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    arm: ArmOptions = NO_OPTIONS,
+    search: AspectsOptions = AspectsOptions(),
+    path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    output: Output = OUTPUT,
+) -> int:
+    """Find changes of posture without a singularity.
+
+    An aspect is a connected set of regular configurations. The inverse of a pose
+    is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one,
+    shown by a path between them that is proven free. Not cuspidal: proven from
+    the arm's structure, or because no three solutions meet anywhere.
+
+    For example:
+        rankdrop aspects crx10ia
+        rankdrop aspects crx10ia --deg --q 10,50,20,-30,50,0 --path change.csv
+        rankdrop path crx10ia change.csv
+
+    Exit code 0: a path was found, or it is proven that there is none; 3: no
+    change of posture was found, which is no proof; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        q: A configuration whose pose is solved: one number per joint [rad, m]. Default: poses of random ones.
+        deg: Angles without a unit are in degrees, and so are those printed.
+        path: Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout.
+    """
+    from rankdrop.motion import NOT_FOUND, aspects_of
+
+    check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})
+    model, task = open_arm(robot, arm)
+    start = None if q is None else parse_configuration(q, model, deg=deg)
+    with reporter(quiet=output.quiet) as report:
+        found = aspects_of(
+            model, task, q=start, options=search,
+            progress=lambda done, total: report("poses solved", done, total),
+        )  # fmt: skip
+    csv = found.path_csv()
+    hand_over(
+        lambda: print_sections(found.sections(deg=deg)),
+        (path if csv else None, lambda target: write_text(csv, target)),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
+    if path is not None and not csv:
+        say(f"{path} is not written: there is no path")
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.UNEXPLAINED if found.verdict == NOT_FOUND else exits.FINE
+
+
+@command
+def through(
+    robot: ROBOT,
+    /,
+    *,
+    q: Q,
+    along: Annotated[str, Parameter(
+        help="Direction of the path: one number per row of the task, in the base's axes [m, rad].",
+        allow_leading_hyphen=True,
+    )],
+    bend: Annotated[str | None, Parameter(
+        help="How the direction changes along the path, d²x/ds², likewise. Default: a straight path.",
+        allow_leading_hyphen=True,
+    )] = None,
+    deg: Annotated[
+        bool, Parameter(negative=(), help="Angles without a unit are in degrees, and so are those printed.")
+    ] = False,
+    path: Annotated[str | None, Parameter(
+        help="Write the motion with its times to this file (.csv); - writes it to stdout.", allow_leading_hyphen=True
+    )] = None,
+    arm: ArmOptions = NO_OPTIONS,
+    output: Output = OUTPUT,
+) -> int:  # fmt: skip
+    """Check whether a path through a singularity can be tracked.
+
+    A path in the lost direction may still lead through: with a time law s = c t^k that stands still at the singularity
+    for an instant, joint rates stay finite. Others reach it from one side only. The joints are followed on the path
+    itself.
+
+    For example:
+        rankdrop through planar2r --deg --q 0,180 --along 0,1
+        rankdrop through puma560 --q 0.1,0.5,0.4,0.2,0,0.6 --along 1,0,0,0,0,0
+
+    Exit code 0: trackable; 3: not, or undecided; 2: bad input.
+    """
+    from rankdrop.motion import through as judge
+
+    check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})
+    model, task = open_arm(robot, arm)
+    at = parse_configuration(q, model, deg=deg)
+    direction = numbers_of(along, "--along")
+    found = judge(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
+    csv = found.path_csv()
+    hand_over(
+        lambda: print_sections(found.sections(deg=deg)),
+        (path if csv else None, lambda target: write_text(csv, target)),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
+    if path is not None and not csv:
+        say(f"{path} is not written: there is no motion")
+    return exits.FINE if found.trackable else exits.UNEXPLAINED
+
+
+@command
+def tolerant(
+    robot: ROBOT,
+    /,
+    *,
+    options: TolerantOptions = TolerantOptions(),
+    arm: ArmOptions = NO_OPTIONS,
+    output: Output = OUTPUT,
+) -> int:
+    """Find configurations that tolerate a failed joint best.
+
+    A joint that fails stands still: its column is gone from the Jacobian. What remains is measured by σ_r, r the rank
+    of the whole arm; the worst case over all joints is made as large as it gets. Local maxima of many starts.
+
+    For example:
+        rankdrop tolerant panda --limits
+        rankdrop tolerant almarkhi4 --relative --length-scale 1
+
+    Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
+    """
+    from rankdrop.codec import record_of
+    from rankdrop.families import most_tolerant
+    from rankdrop.results import tolerant_sections
+
+    check_targets({"--json": output.json})
+    model, task = open_arm(robot, arm)
+    with reporter(quiet=output.quiet) as report:
+        found = most_tolerant(model, task, options, progress=lambda done, total: report("climb", done, total))
+    where = "within the joint limits" if options.limits else "in the whole joint space (limits ignored)"
+    lines = {"starts": f"{options.starts:,} {where}, seed {options.seed}"}
+
+    def to_stdout() -> None:
+        show(results(), arm_section(model, task, found.generic_rank, lines))
+        print_sections(tolerant_sections(found), first=False)
+
+    hand_over(to_stdout, (output.json, lambda target: write_json(record_of("tolerant", found), target)))
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if found.places else exits.UNEXPLAINED

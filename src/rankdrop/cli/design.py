@@ -1,9 +1,9 @@
-"""`rankdrop sweep`: variants of an arm, measured for the same task."""
+"""The commands sweep and compare: variants of an arm, and arms side by side, measured for the same task."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -133,3 +133,97 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
     if options.parquet:
         check_tables()
     return spec
+
+
+@dataclass(frozen=True)
+class CompareOptions(Options):
+    """By which measures arms are compared."""
+
+    task: Annotated[
+        str | None, option("pose, position, orientation, planar, planar-position, scara, or rows: vx,vy,wz; else the "
+                    "first arm's")
+    ] = None  # fmt: skip
+    within: Annotated[str, option("Report the share of the joint space within this distance of singularities")] = "5deg"
+    lower: Annotated[str | None, option("Corner of a box of the workspace, in the base frame: x,y,z [m]; 300mm")] = None
+    upper: Annotated[str | None, option("The opposite corner")] = None
+    rpy: Annotated[str | None, option("Orientation of the tool in the box: roll,pitch,yaw; else any")] = None
+    points: Annotated[int, option("Poses in the box", ge=1)] = 100
+    path: Annotated[tuple[str, ...], option("File of tool poses (see `rankdrop path`). May be given again")] = ()
+    certified: Annotated[
+        str | None,
+        option("Prove free what can be proven, with boxes of this width, such as 0.2; seconds to minutes an arm"),
+    ] = None
+    limits: Annotated[bool, option("Within the joint limits only")] = False
+    length_scale: (
+        Annotated[
+            float, option("Translation rows are divided by it for every arm; else by the largest reach", unit="m")
+        ]
+        | None
+    ) = None
+    as_written: Annotated[bool, option("Keep the files' numbers: 1.5708 is no right angle then")] = False
+    starts: Annotated[int, option("Random starts for each corank")] = 1000
+    seed: Annotated[int, option("Seed of every random choice; the same seed gives the same result")] = 0
+    workers: Annotated[int, option("Local processes; 0: one for every processor")] = 0
+    scheduler: Annotated[
+        str | None, option("Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786)")
+    ] = None
+
+    def document(self) -> dict[str, Any]:
+        """What is asked, as the tables of a specification.
+
+        Raises:
+            OptionError: a corner or an orientation is not three quantities.
+        """
+        asked: dict[str, Any] = {"families": {"starts": self.starts, "fresh": 1000}, "near": {"within": self.within}}
+        if self.lower is not None or self.upper is not None:
+            region = {"lower": _three(self.lower, "--lower"), "upper": _three(self.upper, "--upper")}
+            turned = {} if self.rpy is None else {"rpy": _three(self.rpy, "--rpy")}
+            asked["region"] = {**region, "points": self.points, **turned}
+        if self.path:
+            asked["paths"] = {"files": list(self.path)}
+        if self.certified is not None:
+            asked["certified"] = {"width": self.certified}
+        return asked
+
+
+@command
+def compare(
+    *arms: Annotated[str, Parameter(help="Names in the catalogue (`rankdrop robots`) or files.")],
+    options: CompareOptions = CompareOptions(),
+    output: Output = OUTPUT,
+) -> int:
+    """Compare arms for the same task.
+
+    Two to ten arms, by the same measures: families, the share of the joint space near them, and on request σ over a
+    box of the workspace, on tool paths, and the share proven free. σ is divided by one length scale for all of them.
+
+    For example:
+        rankdrop compare ur5e gp7 irb1200
+        rankdrop compare ur5 my_arm.urdf --limits --within 10deg
+        rankdrop compare ur5e ur10e --lower 0.3,-0.3,0.1 --upper 0.6,0.3,0.5 --rpy 180deg,0,0
+        rankdrop compare ur5e crx10ia --path weld.csv --json arms.json
+
+    Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
+    """
+    from rankdrop.designs import asks_of, side_by_side
+
+    check_targets({"--json": output.json})
+    asks = asks_of(options.document(), file="the command line")
+    with reporter(quiet=output.quiet) as report:
+        found = side_by_side(
+            arms, asks, task=options.task, length_scale=options.length_scale, limits=options.limits, seed=options.seed,
+            as_written=options.as_written, workers=options.workers, scheduler=options.scheduler, report=report,
+        )  # fmt: skip
+    hand_over(
+        lambda: print_sections(found.sections()),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
+    return exits.FINE if found.holds else exits.UNEXPLAINED
+
+
+def _three(text: str | None, option: str) -> list[float | str]:
+
+    words = [] if text is None else [word.strip() for word in text.split(",")]
+    if len(words) != 3:
+        raise OptionError("it is three numbers", where=option, got=text, allowed="such as 0.3,-0.3,0.1")
+    return list(words)

@@ -1,0 +1,269 @@
+"""The commands cover and verify: boxes with every singular configuration, and certificates written and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions, Output, command, open_arm, parse_configuration
+from rankdrop.cli.terminal import (
+    STDOUT,
+    check_targets,
+    hand_over,
+    print_sections,
+    reporter,
+    say,
+    write_json,
+    write_text,
+)
+from rankdrop.errors import OptionError
+from rankdrop.options import option
+from rankdrop.questions import CoverOptions
+
+if TYPE_CHECKING:
+    from rankdrop.certify import ModelTolerance
+    from rankdrop.results import Covered, Explanation
+
+
+@dataclass(frozen=True)
+class CoverFiles(Output):
+    """Where boxes are made, and where they go."""
+
+    analysis: Annotated[
+        str | None, option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found here")
+    ] = None
+    scheduler: Annotated[
+        str | None, option("Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786)")
+    ] = None
+    out: Annotated[
+        str | None, option("Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile")
+    ] = None
+    status: Annotated[str | None, option("Only say how far the covering of this file is")] = None
+    certificate: Annotated[
+        str | None, option("Write a certificate for `rankdrop verify`; it refers to the file of --out, in the same "
+                           "folder")
+    ] = None  # fmt: skip
+
+
+@command
+def cover(
+    robot: ROBOT | None = None,
+    /,
+    *,
+    options: CoverOptions = CoverOptions(),
+    arm: ArmOptions = NO_OPTIONS,
+    output: CoverFiles = CoverFiles(),
+) -> int:
+    """Enclose all singular configurations in boxes.
+
+    Every box that is left out is proven free. What is left is held against the
+    families that are known: a box that none of them explains is a place to look
+    at. Where there is none, nothing else exists down to the width, and only
+    then the output says so.
+
+    For example:
+        rankdrop cover ur5
+        rankdrop cover puma560 --width 0.1 --limits
+        rankdrop cover my_arm.urdf --out my_arm.cover --json my_arm.json
+        rankdrop cover iiwa7 --width 0.4
+        rankdrop cover ur5 --corank 2
+        rankdrop cover --status my_arm.cover
+
+    Exit code 0: complete, and all is explained; 3: some boxes are not, or the
+    budget is spent; 130: interrupted, with --out the same command goes on; 2: bad
+    input.
+    """
+    from rankdrop.results import Analysis
+    from rankdrop.verbs import cover as covered
+    from rankdrop.verbs import how_far
+
+    if output.status is not None:
+        write_text(f"{how_far(output.status)}\n", STDOUT)
+        return exits.FINE
+    if robot is None:
+        raise OptionError("no arm is named", where="ROBOT", allowed="a name, a file, or --status FILE")
+    out, certificate = output.out, output.certificate
+    check_targets({"--json": output.json, "--out": out, "--certificate": certificate})
+    if out == STDOUT:
+        raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
+    if certificate is not None and (out is None or Path(out).resolve().parent != Path(certificate).resolve().parent):
+        raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
+                          mend="name the covering with --out, in the same folder")  # fmt: skip
+    model, task = open_arm(robot, arm)
+    families = None if output.analysis is None else Analysis.load(output.analysis)
+    with reporter(quiet=output.quiet) as report:
+        result = covered(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
+    proven = None if certificate is None or out is None or not result.complete else _proven(result, out)
+    hand_over(
+        lambda: print_sections(result.sections()),
+        (output.json, lambda target: write_json(result.to_dict(), target)),
+        (certificate, lambda target: save_certificate(proven, target)),
+    )
+    if result.covering.stopped == "interrupted":
+        kept = f"what is done is kept in {out}.parts: the same command goes on there" if out else "--out keeps it"
+        say(f"interrupted: {kept}")
+        return exits.INTERRUPTED
+    return exits.FINE if result.complete and result.holds else exits.UNEXPLAINED
+
+
+def _proven(result: Covered, out: str) -> dict[str, Any]:
+    from rankdrop.certify import covering_certificate
+
+    return covering_certificate(result.robot, result.covering.plan, result.sha256, Path(out).name, result.task)
+
+
+@dataclass(frozen=True)
+class VerifyOptions(Output):
+    """What the certificate must be about, and how it is checked."""
+
+    TITLE = "The claim and its check"
+    robot: Annotated[
+        str | None, option("This arm: name or file, with --task, --length-scale and so on; else the arm of the file")
+    ] = None
+    q: Annotated[
+        str | None, option("This configuration [rad, m], of a ball or a singular configuration; needs --robot")
+    ] = None
+    path: Annotated[str | None, option("This file of a path: its hash, and with --robot its rows")] = None
+    deg: Annotated[bool, option("Angles of --q and of --path are in degrees")] = False
+    limits: Annotated[
+        bool | None, option("The joint limits (--limits) or the whole joint space (--no-limits), of a covering")
+    ] = None
+    enclosures: Annotated[int, option("Enclosures that the check may make, about a millisecond each")] = 500_000
+    sample: (
+        Annotated[
+            int,
+            option("Of a covering, check so many free boxes only, chosen at random: quick, but never exit code 0"),
+        ]
+        | None
+    ) = None
+    everything: Annotated[
+        bool, option("Of a covering, check all free boxes, whatever --enclosures allows; those of six turning joints "
+                     "need a minute or two and no --all", name="--all")
+    ] = False  # fmt: skip
+    journal: Annotated[
+        str | None, option("Of a covering, keep in this file how many boxes are proven: after an interruption the same "
+                           "command continues there. Take none from others: it is believed")
+    ] = None  # fmt: skip
+
+
+@command
+def verify(
+    file: Annotated[str, Parameter(help="A certificate.")],
+    /,
+    *,
+    arm: ArmOptions = NO_OPTIONS,
+    output: VerifyOptions = VerifyOptions(),
+) -> int:
+    """Check a certificate: prove its claim again.
+
+    Code that shares nothing with what made it, by interval arithmetic, on the
+    arm's numbers in the file; the whole claim is printed.
+    nearest, explain, path and cover write certificates with --certificate. The
+    claim is compared with --robot, --task, --q, --path and --limits; what is not
+    named is printed, and yours to compare.
+
+    For example:
+        rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0 --certificate here.json
+        rankdrop verify here.json
+        rankdrop verify here.json --robot ur5 --task pose --deg --q 0,-135,45,90,-90,0
+        rankdrop verify pick.json --robot ur5e --path pick.csv --deg
+        rankdrop verify boxes.json --journal boxes.checked
+        rankdrop verify boxes.json --sample 1000
+
+    Exit code 0: the claim holds; 3: it does not, could not be confirmed, or is
+    another claim, with the reason; 2: no certificate, or a malformed one.
+    """
+    from rankdrop.certify import verify as check
+
+    check_targets({"--json": output.json})
+    asked = _asked(output, arm)
+    with reporter(quiet=output.quiet) as report:
+        found = check(
+            file, asked, enclosures=output.enclosures, sample=output.sample, every=output.everything,
+            journal=output.journal,
+            progress=lambda done, total: report("checked", done, total),
+        )  # fmt: skip
+    hand_over(
+        lambda: print_sections(found.sections()),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if found.holds else exits.UNEXPLAINED
+
+
+def _asked(about: VerifyOptions, arm: ArmOptions) -> Any:
+    """What the claim is compared with, as `rankdrop.certify.asked_about` gives it."""
+
+    from rankdrop.certify import asked_about
+    from rankdrop.motion import holds_poses, read_trajectory
+
+    if about.robot is None:
+        for option, value in (("--q", about.q), ("--task", arm.task), ("--length-scale", arm.length_scale)):
+            if value is not None:
+                raise OptionError("this is compared for an arm", where=option, got=value, mend="name it with --robot")
+        return asked_about(None, path=about.path, limits=about.limits)
+    model, task = open_arm(about.robot, arm)
+    q = None if about.q is None else parse_configuration(about.q, model, deg=about.deg)
+    rows = None
+    if about.path is not None and not holds_poses(Path(about.path), model):
+        rows = read_trajectory(Path(about.path), model, deg=about.deg).q
+    stated = task if arm.task is not None or arm.length_scale is not None else None
+    return asked_about(model, stated, q=q, path=about.path, rows=rows, limits=about.limits)
+
+
+def model_tolerance(text: str | None) -> ModelTolerance | None:
+    """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
+
+    Raises:
+        OptionError: not a length, an angle or both; or an angle too large.
+    """
+    if text is None:
+        return None
+    from rankdrop.certify import ModelTolerance
+    from rankdrop.robot import read_tolerance
+
+    given = read_tolerance(text, where="--model-tolerance")
+    return ModelTolerance(given.length or 0.0, given.angle or 0.0)
+
+
+def of_place(explanation: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
+    """What can be proven at a configuration: that a singular one exists there, or a ball without any.
+
+    Raises:
+        OptionError: nothing can.
+    """
+    from rankdrop.certify import ball_certificate, existence_certificate
+
+    if explanation.rank.corank and tolerance is None:
+        return existence_certificate(explanation.robot, explanation.q, explanation.task)
+    return ball_certificate(
+        explanation.robot, explanation.q, explanation.task, tolerance=tolerance, evaluations=max(evaluations, 1)
+    )
+
+
+def in_words(record: dict[str, Any]) -> str:
+    """One line: what the certificate claims."""
+    from rankdrop.results import angle_below
+
+    claim, near = record["claim"], record["tolerance"]
+    if record["kind"] == "existence":
+        return f"a singular configuration exists within {claim['radius']:.1g} of q, joint by joint"
+    said = f"no singularity within {angle_below(claim['radius'])}"
+    if near is None:
+        return said
+    return f"{said}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"
+
+
+def save_certificate(record: dict[str, Any] | None, target: str) -> None:
+    """Write a certificate where something was proven; to stdout when `target` is "-"."""
+    from rankdrop.certify import write_certificate
+
+    if record is not None and target == STDOUT:
+        write_json(record, target)
+    elif record is not None:
+        write_certificate(record, target)

@@ -43,7 +43,7 @@ WHOLE = {
     "options": (1, 1),
     "configuration": (1, 3),
     "problem": (1, 2),
-    "proof": (10, 22),
+    "proof": (10, 21),
     "questions": (1, 6),
     "report": (9, 3),
     "results": (15, 18),

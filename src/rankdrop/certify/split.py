@@ -39,7 +39,8 @@ _OTHERS = tuple(tuple(sorted({0, 1, 2, 3} - set(pair))) for pair in _PAIRS)
 _SIGNS = (1, -1, 1, 1, -1, 1)  # of the permutation (pair, other)
 _DEGREES = (1, 2)  # of a in (q2, q3), of b in (q5, q4)
 
-_Vector = list[Fraction]
+_Vector = Array
+"""Of `Fraction`s, dtype object."""
 _Wave = dict[tuple[int, int], Fraction]
 """Coefficients of (1, cos, sin)(outer) · (1, cos, sin)(inner), by their two numbers."""
 
@@ -102,30 +103,28 @@ def _coefficients(robot: Robot) -> tuple[Array, Array]:
 
 def _screw(numbers: Array) -> _Vector:
     """The screw in rational numbers, without what rounding left of a pitch."""
-    v, w = [Fraction(float(x)) for x in numbers[:3]], [Fraction(float(x)) for x in numbers[3:]]
-    pitch = sum((x * y for x, y in zip(v, w, strict=True)), Fraction(0)) / sum(x * x for x in w)
-    return [x - pitch * y for x, y in zip(v, w, strict=True)] + w
+    screw = _exact(numbers)
+    v, w = screw[:3], screw[3:]
+    return np.concatenate([v - v @ w / (w @ w) * w, w])
+
+
+def _exact(numbers: Array) -> _Vector:
+    return np.array([Fraction(float(x)) for x in numbers], dtype=object)
 
 
 def _near_axes(robot: Robot) -> _Vector:
     """The point of axis 4 nearest to the middle of the arm: coordinates of the arm's own size, wherever its base is."""
     v, w = robot.joints[3].screw[:3], robot.joints[3].screw[3:]
     foot = np.cross(w, v)
-    return [Fraction(float(x)) for x in foot + w * (w @ (middle_of(robot) - foot))]
-
-
-def _cross(x: _Vector, y: _Vector) -> _Vector:
-    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
+    return _exact(foot + w * (w @ (middle_of(robot) - foot)))
 
 
 def _at(screw: _Vector, point: _Vector) -> _Vector:
-    moved = _cross(screw[3:], point)
-    return [x + y for x, y in zip(screw[:3], moved, strict=True)] + screw[3:]
+    return np.concatenate([screw[:3] + np.cross(screw[3:], point), screw[3:]])
 
 
 def _bracket(x: _Vector, y: _Vector) -> _Vector:
-    left, right = _cross(x[3:], y[:3]), _cross(x[:3], y[3:])
-    return [p + q for p, q in zip(left, right, strict=True)] + _cross(x[3:], y[3:])
+    return np.concatenate([np.cross(x[3:], y[:3]) + np.cross(x[:3], y[3:]), np.cross(x[3:], y[3:])])
 
 
 def _turned(
@@ -141,13 +140,8 @@ def _turned(
         for number, vector in parts.items():
             once = _bracket(axis, vector)
             twice = _bracket(axis, once)
-            for wave, change in (
-                (0, [x + y for x, y in zip(vector, twice, strict=True)]),
-                (1, [-x for x in twice]),
-                (2, [sign * x for x in once]),
-            ):
-                key = (wave, number[1]) if place == 0 else (number[0], wave)
-                found[key] = [x + y for x, y in zip(found.get(key, [Fraction(0)] * 6), change, strict=True)]
+            for wave, change in enumerate((vector + twice, -twice, sign * once)):
+                found[(wave, number[1]) if place == 0 else (number[0], wave)] = change
         parts = found
     return [{key: vector[row] for key, vector in parts.items() if vector[row]} for row in range(6)]
 
@@ -183,7 +177,7 @@ def _quotient(column: list[_Wave], modulo: list[tuple[int, list[tuple[int, Fract
     return found
 
 
-def _minor(x: list[_Wave], y: list[_Wave], pair: tuple[int, ...]) -> _Vector:
+def _minor(x: list[_Wave], y: list[_Wave], pair: tuple[int, ...]) -> list[Fraction]:
     """(15,) x_i y_j − x_j y_i; only one of the two depends on the outer variable."""
     total = [Fraction(0)] * 15
     for sign, i, j in ((1, *pair), (-1, pair[1], pair[0])):
@@ -204,7 +198,7 @@ def _product(x: int, y: int) -> tuple[tuple[int, Fraction], ...]:
     return ((0, half), (3, half if x == 1 else -half))
 
 
-def _rounded(rows: list[_Vector]) -> Array:
+def _rounded(rows: list[list[Fraction]]) -> Array:
     """As doubles of size one, divided by a power of two: no digit depends on the unit of length."""
     largest = max(abs(value) for row in rows for value in row)
     power = Fraction(2) ** frexp(float(largest))[1]

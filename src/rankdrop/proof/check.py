@@ -25,7 +25,6 @@ from rankdrop.proof.record import (
     SLIDE,
     Array,
     Claim,
-    Damaged,
     Record,
     Refused,
     Unproven,
@@ -101,7 +100,7 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
     context = flint().ctx
     try:
         claim = read_certificate(file)
-    except Damaged as error:
+    except Unproven as error:
         return Verdict(False, reason=str(error))
     try:
         with context.workprec(BITS):

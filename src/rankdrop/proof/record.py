@@ -55,10 +55,6 @@ class Unproven(Exception):
     """The claim could not be confirmed; the text says what and where."""
 
 
-class Damaged(Unproven):
-    """The file was a certificate once: cut off, or changed."""
-
-
 @dataclass(frozen=True, eq=False)
 class Link:
     """One joint of a chain, as a certificate has it.
@@ -329,7 +325,7 @@ def read_certificate(path: Path) -> Claim:
 
     Raises:
         Refused: it cannot be read, is malformed, or never was one.
-        Damaged: cut off, or its hash is another.
+        Unproven: cut off, or its hash is another.
     """
     where = str(path)
     try:
@@ -349,7 +345,7 @@ def read_certificate(path: Path) -> Claim:
     except ValueError:  # 1e999 is read as infinity, which no certificate has
         intact = False
     if not intact:
-        raise Damaged("the file was changed: its hash is another")
+        raise Unproven("the file was changed: its hash is another")
     try:
         return claim_of(record, path.parent)
     except (ValueError, OverflowError) as error:
@@ -364,7 +360,7 @@ def _parsed(content: bytes, where: str) -> Any:
         return json.loads(content, parse_constant=refuse)
     except (ValueError, RecursionError) as error:
         if SCHEMA.encode() in content[:4096]:
-            raise Damaged("the file is cut off or damaged: it is not JSON any more") from error
+            raise Unproven("the file is cut off or damaged: it is not JSON any more") from error
         raise Refused("this is no certificate: it is not JSON", where=where, got=str(error)) from error
 
 
@@ -373,7 +369,7 @@ def claim_of(record: Record, folder: Path) -> Claim:
 
     Raises:
         ValueError: it is malformed.
-        Damaged: the numbers of the arm are not those of its fingerprint.
+        Unproven: the numbers of the arm are not those of its fingerprint.
     """
     read = _certificate(record, "")
     kind, arm, task, view = read["kind"], read["arm"], read["task"], read["view"]
@@ -381,7 +377,7 @@ def claim_of(record: Record, folder: Path) -> Claim:
     links = [_link(joint) for joint in arm["joints"]]
     variables, count = _variables(arm["joints"], links), len(links)
     if fingerprint(arm, links) != arm["fingerprint"]:
-        raise Damaged("the numbers of the arm were changed: they are not those of its fingerprint")
+        raise Unproven("the numbers of the arm were changed: they are not those of its fingerprint")
     rows, near, frame = tuple(task["rows"]), read["tolerance"], task["frame"]
     if list(rows) != sorted(set(rows)):
         raise ValueError("rows: increasing, from 0 to 5")

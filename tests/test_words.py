@@ -19,7 +19,7 @@ from sources import FILES, ROOT, SOURCE, nodes, parsed
 FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "questions", "codec"}
 """Rooms in which sentences are made; the schema's are the meanings of entries, options' and questions' their help."""
 FEWEST = 4  # words of a sentence
-_REFUSALS = re.compile(r"Error$|^(refuse|refused|damaged|error|fail|wrong|warn|Unproven)$")
+_REFUSALS = re.compile(r"Error$|^(refuse|refused|require|damaged|error|fail|wrong|warn|Unproven)$")
 
 
 def room_of(path: Path) -> str:
@@ -159,6 +159,7 @@ def f(x):
     if x:
         raise OptionError("there is no such joint here", got=x)
     y = damaged("the witness has another corank here", "$.families")
+    require(x > 0, "the value is not above zero here", "$.families")
     z = np.einsum("pab,ca,cb->cp", x, x, x)
     return "the tool is at an edge", (f"of {x} starts {x} have converged",), "elbow", "rankdrop.designs.measure:arms"
 '''

@@ -11,7 +11,6 @@ from html import escape
 from math import isfinite
 
 from rankdrop.family import Family
-from rankdrop.local import Circuit
 from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, short
 from rankdrop.viewer.scene import Now
 
@@ -61,7 +60,7 @@ def status_html(
 
 def _family_line(now: Now, known: int) -> str:
     if now.family is not None:
-        return f"on <b>{_name(now.family)}</b>"
+        return f"on <b>{name_html(now.family)}</b>"
     first = f"to the singular set {angle(now.distance) if isfinite(now.distance) else 'unknown'}"
     if now.at_least > 0.0:
         first += f", proven: at least {angle_below(now.at_least)}"
@@ -69,7 +68,7 @@ def _family_line(now: Now, known: int) -> str:
         first = "on none of the known families" if known else "no families are known beforehand"
     if now.nearest is None:
         return first
-    return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {_name(now.nearest)}"
+    return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {name_html(now.nearest)}"
 
 
 def _found_line(now: Now, known: int, found: Explanation) -> str:
@@ -82,12 +81,12 @@ def _found_line(now: Now, known: int, found: Explanation) -> str:
     line = f"nearest singular configuration found: {angle(nearest.distance)} away"
     if family is None:
         return line
-    return f"{line}<br><span style='{_QUIET}'>family:</span> {_name(family.family)}"
+    return f"{line}<br><span style='{_QUIET}'>family:</span> {name_html(family.family)}"
 
 
-def _name(family: Family) -> str:
-    known = f"{escape(family.id)} " if isinstance(family, Family) else ""
-    return known + escape(family.name)
+def name_html(family: Family) -> str:
+    """Number and name of a family; of another set its name."""
+    return escape(f"{family.id} {family.name}".strip() if isinstance(family, Family) else family.name)
 
 
 def _numbers(numbers: tuple[int, ...]) -> str:
@@ -124,7 +123,7 @@ def details_html(found: Explanation) -> str:
     """
     lines = [escape(found.reason)] if found.verdict in ("singular", "always-singular") else []
     if len(found.met) > 1 or any(not one.family.id for one in found.met):
-        names = ", ".join(_name(one.family) for one in found.met[:3])
+        names = ", ".join(name_html(one.family) for one in found.met[:3])
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
         if found.verdict != "singular":
@@ -132,7 +131,7 @@ def details_html(found: Explanation) -> str:
         lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
-        f"{circuit_text(one)}"
+        f"<b>joints {_numbers(one.numbers)}</b>{': ' + escape(one.words) if one.words else ''}"
         for i, one in enumerate(found.blame.smallest)
     ]
     if found.certified_radius:
@@ -147,12 +146,6 @@ def _lost_line(seen: Record) -> str:
     return f"<span style='{_QUIET}'>in {escape(seen['axes'])}:</span> " + (
         f"{told}<br><span style='{_QUIET}'>{exact}</span>" if told else exact
     )
-
-
-def circuit_text(circuit: Circuit) -> str:
-    """Joints of a circuit and what their axes have in common, as HTML."""
-    words = f": {escape(circuit.words)}" if circuit.words else ""
-    return f"<b>joints {_numbers(circuit.numbers)}</b>{words}"
 
 
 def legend_html() -> str:
@@ -181,11 +174,6 @@ def large_html(title: str, sentence: str) -> str:
         f'{escape(title)}</div><div style="font-size:1.25em;line-height:1.35;margin-top:0.4em">{escape(sentence)}</div>'
         "</div>"
     )
-
-
-def escaped(text: str) -> str:
-    """Text inside HTML."""
-    return escape(text)
 
 
 def copy_html(items: Iterable[tuple[str, str]]) -> str:

@@ -110,7 +110,9 @@ class Viewer:
         self.path = PathTab(self.controls, deg=wishes.deg)
         self.slice = SliceTab(self.controls)
         self._tour = TourTab(self.controls)
-        command = wishes.command or f"rankdrop view {_name(robot)}"
+        origin = robot.source.origin
+        own = origin if origin and Path(origin).is_file() else robot.name
+        command = wishes.command or f"rankdrop view {shlex.quote(own)}"
         self.share = ShareTab(self.controls, self.url.split("?")[0], command, self._another)
         self._add_look(dark=wishes.dark)
         self.session.start()
@@ -209,12 +211,6 @@ class Viewer:
             other.close()
         self.session.close()
         stop(self.server)
-
-
-def _name(robot: Robot) -> str:
-    """What names the arm on a command line: its file where it was read from one, else its name."""
-    origin = robot.source.origin
-    return shlex.quote(origin if origin and Path(origin).is_file() else robot.name)
 
 
 def _url(host: str, gate: Gate) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.kinematics import link_poses
 from rankdrop.robot import Array, Mesh
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
-from rankdrop.viewer.scene import HEAD, Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
+from rankdrop.viewer.scene import Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
 
 if TYPE_CHECKING:
     import viser
@@ -205,7 +205,7 @@ class Stage:
         solid = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
         turning = [arrow for arrow in shown if arrow.turns]
         self._set(self._solid, np.array(solid), lit)
-        self._set(self._heads, np.array([[_tail(arrow.start, arrow.end), arrow.end] for arrow in turning]), lit)
+        self._set(self._heads, np.array([[1.05 * arrow.neck - 0.05 * arrow.end, arrow.end] for arrow in turning]), lit)
         dashes = [arrow.segments() for arrow in turning]
         self._set(self._dashes, np.concatenate(dashes) if dashes else np.zeros(0), colour)
         self._set(self._rings, np.concatenate([arrow.ring for arrow in shown]) if shown else np.zeros(0), colour)
@@ -219,11 +219,6 @@ class Stage:
 
 def _circuit_colour(index: int) -> Rgb:
     return rgb(CIRCUITS[min(index, len(CIRCUITS) - 1)])
-
-
-def _tail(start: Array, end: Array) -> Array:
-    """Where the shaft of a head alone begins."""
-    return np.asarray(end - 1.05 * HEAD * (end - start))
 
 
 def _lifted(colour: Rgb) -> Rgb:

@@ -8,6 +8,7 @@ The tab "Escape": motions out of the singularity, or away from the nearest one.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from html import escape as plain
 from math import radians
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ import numpy as np
 
 from rankdrop.families import Walk, family_distances
 from rankdrop.family import Family
-from rankdrop.local import Direction, Escape, JointEscape, escape, self_motion
+from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, self_motion
 from rankdrop.results import Explanation, angle, condition_sentences, motion, short
 from rankdrop.robot import Array, count, lost_told
 from rankdrop.viewer import panel
@@ -86,15 +87,8 @@ class FamiliesTab:
         self._about.content = panel.lines_html(lines)
 
     def _nearest(self) -> None:
-        found = self.controls.found
-        session = self.controls.session
-        if found is None or found.far.nearest is None or not np.array_equal(found.q, session.q):
-            from rankdrop.local import nearest_singularity
-
-            nearest = nearest_singularity(self.controls.robot, session.q, self.controls.live.task,
-                                          limits=session.limits)  # fmt: skip
-        else:
-            nearest = found.far.nearest
+        session, live = self.controls.session, self.controls.live
+        nearest = nearest_singularity(live.robot, session.q, live.task, limits=session.limits)
         if nearest is None:
             self.controls.say("no singular configuration was found")
         else:
@@ -228,12 +222,11 @@ class EscapeTab:
             self._best = controls.button("best direction", lambda: self._along("best_direction"), colour="blue")
             self._pair = controls.button("best two joints", lambda: self._along("best_pair"))
             self._still = controls.button("with the tool held still", self._keep_still)
-            self._single = [self._joint_button(number) for number in range(1, controls.robot.n + 1)]
+            self._single = [
+                controls.button(f"joint {number} {joint.name}", partial(self._one, number))
+                for number, joint in enumerate(controls.robot.variables, start=1)
+            ]
             controls.button("stop", controls.session.stop)
-
-    def _joint_button(self, number: int) -> viser.GuiButtonHandle:
-        name = self.controls.robot.variables[number - 1].name
-        return self.controls.button(f"joint {number} {name}", lambda: self._one(number))
 
     def explained(self, found: Explanation) -> None:
         """Label the buttons with what they do from here."""

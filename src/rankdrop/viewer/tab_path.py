@@ -122,8 +122,9 @@ class PathTab:
             lines.append(f"not used: {', '.join(trajectory.unused)}")
         r = self.controls.live.generic_rank
         at = trajectory.times[track.worst]
+        far = float(track.distance[np.searchsorted(track.shown, track.worst)])
         lines.append(f"smallest σ{r} = {short(float(track.sigma[track.worst]), 3)} at {at:.4g} s, "
-                     f"{angle(self._distance_at(track, track.worst))} from the singular set")  # fmt: skip
+                     f"{angle(far)} from the singular set")  # fmt: skip
         lines.append(f"singular rows: {track.singular}")
         self._about.content = "".join(panel.message_html(line) for line in lines)
         first, last = float(trajectory.times[0]), float(trajectory.times[-1])
@@ -134,10 +135,6 @@ class PathTab:
         put(self._time, first)
         self._plot(track, r)
         self.controls.session.go(trajectory.q[0])
-
-    @staticmethod
-    def _distance_at(track: Track, row: int) -> float:
-        return float(track.distance[int(np.searchsorted(track.shown, row))])
 
     def _plot(self, track: Track, r: int) -> None:
         for plot in self._plots:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
+from html import escape
 from math import degrees, radians
 from pathlib import Path
 from time import monotonic
@@ -132,6 +133,6 @@ class ShareTab:
                 robot = open_robot(path)
             except RobotError as error:
                 raise RobotError(str(error).replace(str(path), file.name)) from None
-        address = panel.escaped(self._another(robot, file.name))
-        told = f'<a href="{address}" target="_blank">{panel.escaped(robot.name)} is open here</a>'
+        address = escape(self._another(robot, file.name))
+        told = f'<a href="{address}" target="_blank">{escape(robot.name)} is open here</a>'
         self._opened.content = panel.lines_html([told])

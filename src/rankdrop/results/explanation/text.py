@@ -482,7 +482,7 @@ def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
     said[out.boundary_reason] = boundary_words(out)
     lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
     if lines and explanation.rank.corank:
-        yield Section("Why", "for the ways out", lines)
+        yield Section("Why", "for ways out", lines)
 
 
 def _sentence(words: str) -> str:

@@ -206,7 +206,7 @@ def failures_table(failures: Failures, title: str) -> Section:
     after = [f"worst case: σ{r} = {short(least.sigma_min)} without joint {numbers(failures.worst_numbers)}"]
     if failures.bound is not None and n > r:
         after[0] += f"; at most {short(failures.bound)} is possible here"
-    return Section(title, "it stands still for good", (),
+    return Section(title, "it stands still", (),
                    ("joint", f"σ{r} left", "ρ", "rank", "lost then"), rows, (0, 4), tuple(after),
                    ("ρ: the share of Yoshikawa's manipulability that is left",))  # fmt: skip
 

@@ -46,7 +46,7 @@ WHOLE = {
     "proof": (10, 21),
     "questions": (1, 6),
     "report": (9, 3),
-    "results": (15, 18),
+    "results": (15, 17),
     "robot": (17, 26),
     "schema": (7, 0),
     "sections": (1, 1),

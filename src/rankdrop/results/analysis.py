@@ -150,11 +150,6 @@ class Analysis(Result):
 
     __hash__ = None  # type: ignore[assignment]  # equality is by value, of arrays too
 
-    @property
-    def arm(self) -> tuple[Robot, Task, int]:
-        """What was analysed, for its entry in a file."""
-        return self.robot, self.task, self.generic_rank
-
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md."""
         record = super().to_dict()

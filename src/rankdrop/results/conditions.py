@@ -465,11 +465,6 @@ class Conditions(Result):
         return made if self.letters else replace(made, letters={}, written={})  # with letters it took too long
 
     @property
-    def arm(self) -> tuple[Robot, Task, int]:
-        """What was derived for, for its entry in a file."""
-        return self.robot, self.task, self.generic_rank
-
-    @property
     def verified(self) -> bool:
         """Whether every check that was made holds and nothing was left unfinished."""
         return self.verdict.holds

@@ -121,11 +121,6 @@ class LinkJacobian(Result):
         return "\n".join(["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in found), *said, ""])
 
     @property
-    def arm(self) -> tuple[Robot, Task, int]:
-        """Arm, task and the largest rank, for their entry in a file."""
-        return self.robot, self.task, min(self.task.m, self.robot.n)
-
-    @property
     def inverse_code(self) -> list[list[tuple[Any, Python]]]:
         """The entries of the inverse, each with the notation of its code."""
         code = Python(shifts=self.shifts)

@@ -60,6 +60,9 @@ NEAR = table(
 )
 
 
+ARM_OF = attrgetter("robot", "task", "generic_rank")  # what `ROBOT` is made of
+
+
 def _of(index: int, name: str) -> Any:
     """Attribute of one of (robot, task, generic rank)."""
     return lambda arm: getattr(arm[index], name)

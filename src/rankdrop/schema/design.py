@@ -44,7 +44,7 @@ CHECKS = table(
 JACOBIAN_FILE = file(
     "jacobian",
     "The Jacobian seen from a link: written by `rankdrop jacobian --json`.",
-    robot=(ROBOT, "", attrgetter("arm")),
+    robot=(ROBOT, "", lambda one: (one.robot, one.task, min(one.task.m, one.robot.n))),
     frame=(Positive, "link whose axes are taken"),
     at=(int | None, "link on whose frame's origin the reference point is; null for the tip"),
     rows=(many(str), "of the task, vx … wz", lambda one: [ROWS[row] for row in one.task.rows]),

@@ -20,9 +20,9 @@ from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, P
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation.parts import Summary
-from rankdrop.results.explanation.text import lost_text, summary_lines
+from rankdrop.results.explanation.text import lost_text, sentence_of, summary_lines
 from rankdrop.results.explanation.words import LOST_TYPE, avoidable_words, boundary_words
-from rankdrop.schema.arm import FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.version import VERSION
 
 ESCAPE_SETTINGS = table(
@@ -34,7 +34,7 @@ ESCAPE_SETTINGS = table(
     step=(num("distance", ge=0), "of the motions tried [rad; slides in length scales]", attrgetter("options.step")),
     seed=(Count, "", attrgetter("options.seed")),
     length_scale=(num("m", gt=0), "translation is divided by it [m]"),
-    tolerances=TOLERANCES,
+    tolerances=(TOLERANCES, "", attrgetter("here.tolerances")),
     version=(str, "of rankdrop", lambda _: VERSION),
     frame=(optional(Literal["base", "tool", "link", ""]),
         "in whose axes motions are told; empty: base, tool, and a link where they are simpler there",
@@ -109,7 +109,7 @@ ESCAPE = table(
     nearby=optional(bool),
 )
 _ASKED: dict[str, Any] = {
-    "robot": (ROBOT, "", attrgetter("arm")),
+    "robot": (ROBOT, "", lambda one: (one.robot, one.task, one.rank.generic_rank)),
     "settings": (ESCAPE_SETTINGS, "what was asked for", attrgetter("asked")),
     "q": (many(num("joint")), "the configuration asked about [rad, m]"),
     "outside_limits": (many(Positive), "joints beyond a limit"),
@@ -378,7 +378,7 @@ EXPLANATION_FILE = file(
     "Written by `rankdrop explain --json` and Explanation.save. Twists are (v; ω), linear part first, in the "
     "task's frame.",
     **_ASKED,
-    sentence=(str, "verdict and reason for people, printed first and last"),
+    sentence=(str, "verdict and reason for people, printed first and last", sentence_of),
     sigma_error=(num("1", ge=0), "bound on the error of each", attrgetter("rank.sigma_error")),
     always_singular=(bool, "generic_rank is below the smaller of rows and joints",
         attrgetter("rank.always_singular")),
@@ -461,7 +461,7 @@ TOLERANT_PLACES = table(
 TOLERANT_FILE = file(
     "tolerant",
     "Written by `rankdrop tolerant --json`: configurations that bear the failure of any one joint best.",
-    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.generic_rank)),
+    robot=(ROBOT, "", ARM_OF),
     settings=(TOLERANT_SETTINGS, "", lambda one: one),
     complete=(bool, "false: interrupted"),
     done=(Count, "starts climbed from"),

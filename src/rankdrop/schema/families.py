@@ -19,7 +19,7 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
 from rankdrop.results.findings import configurations, strata
-from rankdrop.schema.arm import INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.schema.arm import ARM_OF, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.version import VERSION
 
 SETTINGS = table(
@@ -143,7 +143,7 @@ IDEAL = table(
 ANALYSIS_FILE = file(
     "analysis",
     "Every family of singular configurations of an arm.",
-    robot=(ROBOT, "", attrgetter("arm")),
+    robot=(ROBOT, "", ARM_OF),
     settings=SETTINGS,
     verdict=(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "interrupted"]),
@@ -257,7 +257,7 @@ CONDITIONS_FILE = file(
     "conditions",
     "The singularity conditions of an arm, derived exactly: written by `rankdrop conditions --json` and "
     "Conditions.save.",
-    robot=(ROBOT, "", attrgetter("arm")),
+    robot=(ROBOT, "", ARM_OF),
     settings=CONDITIONS_SETTINGS,
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),

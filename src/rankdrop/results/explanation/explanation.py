@@ -41,7 +41,6 @@ from rankdrop.results.explanation.parts import (
 from rankdrop.results.explanation.text import (
     reason_of,
     sections_of,
-    sentence_of,
 )
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
@@ -68,16 +67,6 @@ class Explanation(Result):
     FILE: ClassVar[str] = "explanation"
 
     @property
-    def arm(self) -> tuple[Robot, Task, int]:
-        """Arm, task and generic rank, for their entry in a file."""
-        return self.robot, self.task, self.rank.generic_rank
-
-    @property
-    def sentence(self) -> str:
-        """Verdict and reason."""
-        return sentence_of(self)
-
-    @property
     def reason(self) -> str:
         """What decides the verdict, in a sentence."""
         return reason_of(self)
@@ -102,22 +91,22 @@ class Explanation(Result):
     @property
     def robot(self) -> Robot:
         """The arm that was asked about."""
-        return self.asked.robot
+        return self.asked.here.robot
 
     @property
     def task(self) -> Task:
         """What the tool is to do, with the length scale that was used."""
-        return replace(self.asked.task, length_scale=self.asked.length_scale)
+        return replace(self.asked.here.task, length_scale=self.asked.length_scale)
 
     @property
     def q(self) -> Array:
         """(n,) the configuration [rad, m]."""
-        return self.asked.q
+        return self.asked.here.q
 
     @property
     def rank(self) -> Rank:
         """Singular values, rank, generic rank, corank, nullity."""
-        return self.asked.rank
+        return self.asked.here.measured
 
     @property
     def source(self) -> str:
@@ -165,8 +154,8 @@ class Explanation(Result):
     @cached_property
     def rates(self) -> Rates:
         """What motion costs the joints."""
-        task = turned_task(self.asked.task, self.asked.options.frame, self.lost)
-        return joint_rates(self.asked.here) if task == self.asked.task else joint_rates(self.robot, self.q, task)
+        task = turned_task(self.asked.here.task, self.asked.options.frame, self.lost)
+        return joint_rates(self.asked.here) if task == self.asked.here.task else joint_rates(self.robot, self.q, task)
 
     @cached_property
     def failures(self) -> Failures:
@@ -186,7 +175,7 @@ class Explanation(Result):
     @cached_property
     def representations(self) -> Representations:
         """How far the coordinates of the orientation are from singularities of their own."""
-        return representation_at(self.robot, self.q, tolerances=self.asked.tolerances)
+        return representation_at(self.robot, self.q, tolerances=self.asked.here.tolerances)
 
     @cached_property
     def disagreements(self) -> tuple[str, ...]:

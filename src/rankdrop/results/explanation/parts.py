@@ -118,34 +118,9 @@ class Asked:
     options: ExplainOptions
 
     @property
-    def robot(self) -> Robot:
-        """The arm."""
-        return self.here.robot
-
-    @property
-    def q(self) -> Array:
-        """(n,) the configuration [rad, m]."""
-        return self.here.q
-
-    @property
-    def task(self) -> Task:
-        """What the tool is to do."""
-        return self.here.task
-
-    @property
-    def rank(self) -> Rank:
-        """Singular values, rank, generic rank, corank, nullity."""
-        return self.here.measured
-
-    @property
-    def tolerances(self) -> Tolerances:
-        """Thresholds."""
-        return self.here.tolerances
-
-    @property
     def length_scale(self) -> float:
         """Translation rows are divided by it [m]."""
-        return float(self.task.scale(self.robot))
+        return float(self.here.task.scale(self.here.robot))
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +215,7 @@ class Far:
         distance = self.nearest.distance if self.nearest is not None and not options.limits else float("inf")
         try:
             return certified_radius(
-                asked.robot, asked.q, asked.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
+                asked.here.robot, asked.here.q, asked.here.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
                 enough=distance * (1 - _AS_GOOD), evaluations=options.evaluations,
             ), ""  # fmt: skip
         except OptionError as error:  # a task that cannot be certified
@@ -270,8 +245,8 @@ def known_families(
 
 def incidences_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
     """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
-    robot, task, options = asked.robot, asked.task, asked.options
-    found = families_at(asked.families, robot, q, task, asked.tolerances, asked.source)
+    robot, task, options = asked.here.robot, asked.here.task, asked.options
+    found = families_at(asked.families, robot, q, task, asked.here.tolerances, asked.source)
     if found and found[0].family.corank >= corank:
         return found
     local = name_on_the_spot(robot, q, task, corank, seed=options.seed)
@@ -280,7 +255,7 @@ def incidences_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
 
 def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
     """What is lost at the focus (`corank` directions; none where it is 0), and what is weakest at q."""
-    robot, q, task, rank, options = asked.robot, asked.q, asked.task, asked.rank, asked.options
+    robot, q, task, rank, options = asked.here.robot, asked.here.q, asked.here.task, asked.here.measured, asked.options
     never = _never(robot, q, task, rank)
     empty = np.zeros((0, 6))
     weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
@@ -374,13 +349,13 @@ _SEEDS = 8  # nearest points of families that the search begins from
 
 def how_far(asked: Asked) -> Far:
     """Distances from the configuration asked about."""
-    away, rank, options = _families_away(asked), asked.rank, asked.options
+    away, rank, options = _families_away(asked), asked.here.measured, asked.options
     if rank.corank:
         return Far(asked, None, None, away, "the configuration is singular")
     try:
         nearest = nearest_singularity(
-            asked.robot, asked.q, asked.task, limits=options.limits, seed=options.seed,
-            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=asked.tolerances,
+            asked.here.robot, asked.here.q, asked.here.task, limits=options.limits, seed=options.seed,
+            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=asked.here.tolerances,
         )  # fmt: skip
     except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
         return Far(asked, None, None, away, f"{error.what}: {error.got}")
@@ -394,17 +369,17 @@ def how_far(asked: Asked) -> Far:
 
 def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
     """Families that were reached and do not hold here."""
-    options = asked.options
+    options, here = asked.options, asked.here
     targets = [one for one in asked.families if one.corank <= options.coranks]
-    every = family_distances(targets, asked.robot, asked.q, asked.task, limits=options.limits, seed=options.seed)
-    least = asked.tolerances.explained if asked.rank.corank else -np.inf
+    every = family_distances(targets, here.robot, here.q, here.task, limits=options.limits, seed=options.seed)
+    least = here.tolerances.explained if here.measured.corank else -np.inf
     return tuple(one for one in every if least < one.distance < np.inf)
 
 
 def blame_at(asked: Asked, q: Array, corank: int) -> Blame:
     """Which joints make the dependency at q, where `corank` freedoms are lost."""
-    robot, task = asked.robot, asked.task
-    dependencies = robot.n - asked.rank.generic_rank + corank
+    robot, task = asked.here.robot, asked.here.task
+    dependencies = robot.n - asked.here.measured.generic_rank + corank
     few = robot.n <= LARGEST_CHAIN
     circuits = circuits_at(robot, q, task) if few else ()
     return Blame(
@@ -450,10 +425,9 @@ def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incide
 
 def _near_miss(asked: Asked) -> float | None:
     """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
-    options = asked.options
-    found = refine(
-        asked.robot, asked.q[None, :], 1, task=asked.task, seed=options.seed, tolerances=asked.tolerances, threads=1
-    )
+    here = asked.here
+    found = refine(here.robot, here.q[None, :], 1, task=here.task, seed=asked.options.seed, tolerances=here.tolerances,
+                   threads=1)  # fmt: skip
     return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
 
 
@@ -465,7 +439,7 @@ def verdict_of(asked: Asked, far: Far, slow: Sequence[StraightMotion]) -> tuple[
         far: distances.
         slow: straight motions that are slower than was asked.
     """
-    rank, options = asked.rank, asked.options
+    rank, options = asked.here.measured, asked.options
     r = rank.generic_rank
     if rank.corank:
         return "singular", Cause.LOST
@@ -482,12 +456,12 @@ def verdict_of(asked: Asked, far: Far, slow: Sequence[StraightMotion]) -> tuple[
 
 def straight_motions(asked: Asked) -> tuple[StraightMotion, ...]:
     """The slowest translation and the slowest rotation; none without rate limits, or where the arm lacks a freedom."""
-    robot, rank, options = asked.robot, asked.rank, asked.options
-    if rank.generic_rank < asked.task.m:
+    robot, rank, options = asked.here.robot, asked.here.measured, asked.options
+    if rank.generic_rank < asked.here.task.m:
         return ()
     limits = {"m/s": options.speed, "rad/s": options.turn_speed}
     found = []
-    for one in slowest_motions(robot, asked.q[None], asked.task):
+    for one in slowest_motions(robot, asked.here.q[None], asked.here.task):
         x, y, z = one.direction[0].tolist()
         number = int(one.joint[0])
         found.append(StraightMotion(one.unit, float(one.speed[0]), limits[one.unit], (x, y, z), number,
@@ -506,22 +480,23 @@ def slow_family(asked: Asked, far: Far) -> SlowFamily | None:
     Of the arm's own families it is the nearest whose lost motions point along the slow one, else the nearest of all.
     """
     own = far.nearest.distance if far.nearest is not None else np.inf
-    near = near_ideal(asked.robot)
+    near = near_ideal(asked.here.robot)
     if near is not None:
-        model = _ideal_arm(asked.robot, near.tolerance.length, near.tolerance.angle)
-        task = replace(asked.task, length_scale=asked.length_scale)
+        model = _ideal_arm(asked.here.robot, near.tolerance.length, near.tolerance.angle)
+        task = replace(asked.here.task, length_scale=asked.length_scale)
         try:
-            there = nearest_singularity(model, asked.q, task, seed=asked.options.seed)
+            there = nearest_singularity(model, asked.here.q, task, seed=asked.options.seed)
         except OptionError:  # too many joints for a search
             there = None
         if there is not None and there.distance < own:
-            families, source = known_families(model, task, None, asked.tolerances)
-            question = replace(asked, here=at(model, asked.q, task, asked.tolerances), families=families, source=source)
+            families, source = known_families(model, task, None, asked.here.tolerances)
+            here = at(model, asked.here.q, task, asked.here.tolerances)
+            question = replace(asked, here=here, families=families, source=source)
             family = incidences_at(question, np.array(there.q), there.corank)[0].family
             return family, there.distance, near
     if far.nearest is None or far.nearest_family is None:
         return None
-    slow = [one.normal[0] for one in slowest_motions(asked.robot, asked.q[None], asked.task)]
+    slow = [one.normal[0] for one in slowest_motions(asked.here.robot, asked.here.q[None], asked.here.task)]
     nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
     candidates = [nearest, *((one.distance, one.q, one.family.corank, one.family) for one in far.families)]
     explains = (one for one in candidates if any(_lost_along(asked, one[1], one[2], y) for y in slow))
@@ -537,8 +512,8 @@ def _ideal_arm(robot: Robot, length: float | None, angle: float | None) -> Robot
 
 def _lost_along(asked: Asked, q: Sequence[float], corank: int, normal: Array) -> bool:
     """Whether a singular configuration loses a motion along `normal`, in the rows of the task [m/s, rad/s]."""
-    lost = lost_directions(asked.robot, q, asked.task, corank)
-    unit = six_rows(normal, asked.task) / np.linalg.norm(normal)
+    lost = lost_directions(asked.here.robot, q, asked.here.task, corank)
+    unit = six_rows(normal, asked.here.task) / np.linalg.norm(normal)
     return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
 
 
@@ -557,7 +532,7 @@ def summary_of(explanation: Explanation) -> Summary:
     moves, after = best_way_out(explanation.escape, rank) if rank.generic_rank else ((), None)
     slowest = [one for one in explanation.straight if slow is None or one.speed < one.limit]
     turned = explanation.focus if about is not None else explanation.q
-    known = shipped_conditions_record(asked.robot, asked.task, any_tip=True)
+    known = shipped_conditions_record(asked.here.robot, asked.here.task, any_tip=True)
     return Summary(
         verdict=explanation.verdict, cause=explanation.cause, family=family.name if family else "",
         family_id=family.id if family else "", distance=distance, ideal=near is not None,

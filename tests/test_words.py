@@ -83,7 +83,7 @@ OWN = {
     "exact/code.py",
     "exact/notation.py",
     "exact/writing.py",
-    "families/arm_header.py",
+    "families/monitor.py",
     "family/naming.py",
     "family/record.py",
     "results/conditions.py",

@@ -13,8 +13,8 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import main
 from rankdrop.families.batch_distance import distances
 from rankdrop.families.box_matching import FOUND, PROVEN, Explainer, grouped
+from rankdrop.families.points import members
 from rankdrop.families.searching import refine
-from rankdrop.families.walk import members
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot

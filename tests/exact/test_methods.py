@@ -23,7 +23,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Derivation, Words, columns_on
 from rankdrop.exact.methods import METHODS, _choices, derive
-from rankdrop.families.cloud import cloud
+from rankdrop.families.points import cloud
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

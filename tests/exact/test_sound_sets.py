@@ -17,7 +17,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import _Known, barren
-from rankdrop.families.cloud import cloud, explained
+from rankdrop.families.points import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

@@ -12,8 +12,8 @@ import pytest
 from rankdrop.exact.algebra.field import P, Point, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
-from rankdrop.families.cloud import cloud, explained
 from rankdrop.families.linear import vanishing_on
+from rankdrop.families.points import cloud, explained
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.family.equation import Equation, Term

@@ -15,7 +15,7 @@ from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.searching import refine, search
-from rankdrop.family.which import families_at
+from rankdrop.family.incidence import families_at
 from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped

@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 
 from rankdrop.families.curves import sweeps
-from rankdrop.families.slices import Slice, curves, slice_through, surface, telling_joints, telling_slices
-from rankdrop.families.solid import closed, solids
-from rankdrop.families.walk import general_member, members
+from rankdrop.families.points import general_member, members
+from rankdrop.families.slices import (
+    Slice,
+    closed,
+    curves,
+    slice_through,
+    solids,
+    surface,
+    telling_joints,
+    telling_slices,
+)
 from rankdrop.families.workspaces import _across, section_of, workspace
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample, singular_values

@@ -9,7 +9,7 @@ import pytest
 from reference.kinematics import jacobian
 from robot.test_structure import noisy
 
-from rankdrop.families.walk import members
+from rankdrop.families.points import members
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_conditions, shipped
 from rankdrop.robot.ideal import Tolerance, read_tolerance

@@ -16,8 +16,8 @@ from known.arms import structures
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import search
+from rankdrop.family.incidence import families_at
 from rankdrop.family.record import Family
-from rankdrop.family.which import families_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families import residual as residual_module
-from rankdrop.families.cloud import Cloud, explained
+from rankdrop.families.points import Cloud, explained
 from rankdrop.families.searching import refine, search
 from rankdrop.families.table import families
 from rankdrop.local.block import singular_values

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.families.cloud import cloud, explained
+from rankdrop.families.points import cloud, explained
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.verbs.conditions import conditions

@@ -7,6 +7,8 @@ from .curves import sweeps as sweeps
 from .distance import family_distances as family_distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
+from .points import Walk as Walk
+from .points import in_slice as in_slice
 from .reciprocal import EXACT as EXACT
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
@@ -14,12 +16,10 @@ from .searching import MOST_STARTS as MOST_STARTS
 from .searching import refine as refine
 from .searching import search as search
 from .slices import Slice as Slice
+from .slices import Solid as Solid
+from .slices import solids as solids
 from .slices import telling_slices as telling_slices
-from .solid import Solid as Solid
-from .solid import solids as solids
 from .table import posed as posed
 from .tolerant import most_tolerant as most_tolerant
-from .walk import Walk as Walk
-from .walk import in_slice as in_slice
 from .workspaces import Workspace as Workspace
 from .workspaces import workspace as workspace

@@ -149,23 +149,6 @@ _STEPS = 12  # of Newton's method
 _SUBSETS = 20  # of a family's equations that are walked by
 
 
-@dataclass(frozen=True, eq=False)
-class Explained:
-    """Leaves and families.
-
-    Attributes:
-        leaves: looked at.
-        families: (F,) leaves explained by each family, the first that does; in the order given.
-        left: (M, d) leaves that none explains.
-        proven: (M,) which of these are proven to hold a singularity.
-    """
-
-    leaves: int
-    families: NDArray[np.int64]
-    left: Cells
-    proven: Flags
-
-
 class Explainer:
     """Families of one arm in the variables of a covering.
 
@@ -204,8 +187,10 @@ class Explainer:
         joints = {number for equation in family.equations for number in equation.joints}
         return family.named and bool(family.equations) and joints <= {int(j) + 1 for j in self.place}
 
-    def all(self, progress: Progress | None = None) -> Explained:
-        """Every leaf of the covering, part by part."""
+    def all(self, progress: Progress | None = None) -> tuple[NDArray[np.int64], Cells, Flags]:
+        """(F,) leaves of the covering that each family explains, the first that does; (M, d) leaves that none explains,
+        and (M,) which of these are proven to hold a singularity.
+        """
         families = np.zeros(len(self.families), dtype=np.int64)
         left: list[Cells] = []
         proven: list[Flags] = []
@@ -219,7 +204,7 @@ class Explainer:
             if progress is not None:
                 progress(leaves, self.found.tree.leaves)
         none = np.zeros((0, len(self.place)), np.int32)
-        return Explained(leaves, families, np.concatenate([none, *left]), np.concatenate([none[:, 0] > 0, *proven]))
+        return families, np.concatenate([none, *left]), np.concatenate([none[:, 0] > 0, *proven])
 
     def by(self, cells: Cells) -> NDArray[np.int64]:
         """(M,) index of the family that explains each leaf (M, d), the first that does; −1 where none does."""

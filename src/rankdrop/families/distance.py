@@ -135,7 +135,6 @@ def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Ar
 
 
 def _lengths(vectors: Array) -> Array:
-    """(N,) norms of vectors (N, n)."""
     return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=1)))
 
 

@@ -278,15 +278,8 @@ def hypersurface(fit: FitProblem, joints: tuple[int, ...]) -> Equation | None:
         the budget, or refuted by held-out points.
     """
     kinds, tolerances = fit.of(joints), fit.tolerances
-    for degrees in fit.ladder(joints):
-        points = fit.enough(degrees, joints)
-        if points is None:
-            return None
-        train, held = _split(points)
+    for degrees, train, held, null in _nulls(fit, joints):
         x = train[:, joints]
-        null = vanishing(library(degrees, kinds)(x), tolerances)
-        if not null.shape[1]:
-            continue
         degrees, null = _lowest(x, degrees, null, kinds, tolerances)
         functions = library(degrees, kinds)
         vector = sparse_basis(null)[:, 0] if null.shape[1] > 1 else null[:, 0]
@@ -307,12 +300,6 @@ def _lowest(
                 break
             degrees, null = trial, smaller
     return degrees, null
-
-
-def _split(points: Array) -> tuple[Array, Array]:
-    """Every eighth point is held out."""
-    held = np.arange(len(points)) % 8 == 7
-    return points[~held], points[held]
 
 
 def holds(equation: Equation, points: Array, tolerance: float = HELD_OUT) -> bool:
@@ -353,21 +340,22 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
 
 def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
     """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
-    for functions, train, held, null in _nulls(fit, joints):
+    for degrees, train, held, null in _nulls(fit, joints):
+        functions = library(degrees, fit.of(joints))
         values = functions(train[:, joints])
         basis = sparse_basis(null)[:, :MOST].T
         equations = [fit.equation(functions, refit(values, v, fit.tolerances), joints) for v in basis]
         yield [equation for equation in equations if holds(equation, held)]
 
 
-def _nulls(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
-    """Libraries that hold equations of the family, with training points, held-out points and the null space."""
+def _nulls(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Degrees, Array, Array, Array]]:
+    """Multidegrees whose libraries hold equations of the family, training and held-out points, null space."""
     for degrees in fit.ladder(joints):
         points = fit.enough(degrees, joints)
         if points is None:
             return
-        train, held = _split(points)
-        functions = library(degrees, fit.of(joints))
-        null = vanishing(functions(train[:, joints]), fit.tolerances)
+        out = np.arange(len(points)) % 8 == 7
+        train, held = points[~out], points[out]
+        null = vanishing(library(degrees, fit.of(joints))(train[:, joints]), fit.tolerances)
         if null.shape[1]:
-            yield functions, train, held, null
+            yield degrees, train, held, null

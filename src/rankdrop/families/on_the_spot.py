@@ -70,7 +70,6 @@ def conormal_rank(at: Inspection) -> int:
 
 
 def _usual_rank(around: Inspection) -> int:
-    """The rank of D at most of the neighbours."""
     ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
     return ranks[len(ranks) // 2] if ranks else -1
 

@@ -200,7 +200,7 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
             return towards((centre[active] - x) * moving / scale, f, slope * (moving * scale))
 
         x = iterate(step, x, iterations=_STEPS, longest=_LONGEST, scale=scale)
-        x, _ = _onto(system, x, moves)
+        x, _ = system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)  # pinned joints held
         there = np.abs(system.values(x)).max(axis=1) <= REACHED
         distance = np.linalg.norm((x - centre) / scale, axis=1)
         found[rows] = there & (distance <= reach)
@@ -219,8 +219,3 @@ def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp]
             steepest = float((np.hypot(a, b) * np.linalg.norm(m[:, moves] * scale[moves], axis=1)).sum())
             may &= np.abs(equation(q)) <= steepest * within * (1.0 + 1e-9) + REACHED
     return may
-
-
-def _onto(system: System, x: Array, moves: NDArray[np.intp]) -> tuple[Array, Mask]:
-    """The last steps, onto the set itself, pinned joints held."""
-    return system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)

@@ -225,16 +225,7 @@ def _bound(tangent: Array, coupled: tuple[int, ...]) -> list[tuple[tuple[int, ..
     for size in (2, 3):
         for support in combinations(coupled, size):
             part = tangent[:, support, :][:, :, support]
-            near = np.flatnonzero(_determinant(part) < _NEARLY)  # no eigenvalue of a part of a projector is above 1
+            near = np.flatnonzero(np.linalg.det(part) < _NEARLY)  # no eigenvalue of a part of a projector is above 1
             for i in near[np.linalg.eigvalsh(part[near])[:, 0] < DEPENDENT]:
                 result[i].append(support)
     return [tuple(sets) for sets in result]
-
-
-def _determinant(part: Array) -> Array:
-    """(N,) of symmetric matrices (N, 2, 2) or (N, 3, 3)."""
-    a, b, d = part[:, 0, 0], part[:, 0, 1], part[:, 1, 1]
-    if part.shape[1] == 2:
-        return np.asarray(a * d - b * b)
-    c, e, f = part[:, 0, 2], part[:, 1, 2], part[:, 2, 2]
-    return np.asarray(a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d))

@@ -19,7 +19,7 @@ Last the posture in which a family is shown: one of its members that people woul
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -150,8 +150,8 @@ def families(
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
     against = tuple(
-        (row.family, one.room if len(one.points) else None) for row, one in tested.items()
-        if row.family is not None and (not len(one.points) or row.family.dimension > one.room)
+        (row.family, room if len(q) else None) for row, (_, q, room) in tested.items()
+        if row.family is not None and (not len(q) or row.family.dimension > room)
     )  # fmt: skip
     return CorankFamilies(summary, ordered, against, int(wrong.sum()), lowest)
 
@@ -165,19 +165,9 @@ def _solved(rows: Sequence[Row], q: Array) -> Mask:
     return solved
 
 
-@dataclass(frozen=True, eq=False)
-class Tested:
-    """What was found at points solved from a row's conditions.
-
-    Attributes:
-        sound: how many of them there are, and how many have the corank.
-        points: (N, n) up to 24 of exactly the corank.
-        room: the smallest dimension of ker D at them, which no family through them exceeds; n without such points.
-    """
-
-    sound: Check
-    points: Array
-    room: int
+Tested = tuple[Check, Array, int]
+"""Points solved from a row's conditions: how many there are, and how many have the corank; (N, n) up to 24 of exactly
+the corank; the smallest dimension of ker D at these, which no family through them exceeds, n without such points."""
 
 
 def _tested(
@@ -200,12 +190,11 @@ def _tested(
             continue
         count, regular = elsewhere(problem, stated.linear, stated.combinations, stated.residual, marks, rng)
         whole = Check(sound.tested + count, sound.agree + count - len(regular))
-        found[row] = Tested(whole, points, room)
+        found[row] = (whole, points, room)
     return found
 
 
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
-    """Families with names of their own."""
     names = distinct_names([one.name for one in families], [partial(_texts, one) for one in families])
     return tuple(replace(one, name=name) for one, name in zip(families, names, strict=True))
 
@@ -217,7 +206,6 @@ def _texts(family: Family) -> list[str]:
 
 
 def _in_units(cloud: Search) -> Search:
-    """A search as one of the arm in its own unit of length."""
     robot = cloud.robot
     return replace(
         cloud, robot=in_units(robot), task=task_in_units(cloud.task, robot), q=into_units(robot, cloud.q)
@@ -271,7 +259,8 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         Pin(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     coupled = tuple(j + 1 for j in signature.coupled)
-    points = tested.points if len(tested.points) or known is None else np.array([known.witness])
+    sound, points, _ = tested
+    points = points if len(points) or known is None else np.array([known.witness])
     at = points[0] if shown is None else shown
     directions, sentences = lost_motions(problem, at, points)
     if known is None:
@@ -288,7 +277,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        evidence=Sampled(row.evidence, tested.sound, explains),
+        evidence=Sampled(row.evidence, sound, explains),
     )
 
 
@@ -392,7 +381,9 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     if not len(found):
         return family
     faults = fault(robot, found) + _SHARED * _shared(beside, found)
-    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
+    away = np.where(robot.periodic, np.abs(found) / np.pi, 0.0)
+    turned = away.sum(axis=1) + away[:, 0]  # how far from zero joints stand, as a share of half a turn, the first twice
+    best = int((faults - 0.3 * gap / gap.max() + 0.1 * turned).argmin())
     if faults[best] > least:
         return family
     directions, words = lost_motions(problem, found[best], found[:_POINTS])
@@ -416,9 +407,3 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
     return into_limits(robot, points[Problem(robot, task, family.corank).singular(points)])
-
-
-def _turned(robot: Robot, q: Array) -> Array:
-    """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
-    away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
-    return np.asarray(away.sum(axis=1) + away[:, 0])

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.points import members
 from rankdrop.families.searching import search
-from rankdrop.families.walk import members
 from rankdrop.family.record import Family
 from rankdrop.kinematics import jacobian_derivative, pose
 from rankdrop.local.block import decompose, generic_rank, sample

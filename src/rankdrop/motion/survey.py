@@ -13,8 +13,8 @@ from rankdrop import _core
 from rankdrop.errors import RankdropError
 from rankdrop.families.batch_distance import QUICK, Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.family.incidence import families_at
 from rankdrop.family.record import Family, family_in_metres
-from rankdrop.family.which import families_at
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.directions import words

@@ -231,8 +231,7 @@ def _account(
 ) -> Account:
     scale = joint_scale(robot, task)
     explainer = Explainer(found, robot, families, scale)
-    told = explainer.all(lambda done, total: tell("boxes explained", done, total))
-    left, proven = told.left, told.proven
+    by_families, left, proven = explainer.all(lambda done, total: tell("boxes explained", done, total))
     open_ = np.flatnonzero(~proven)
     judged, by = looked_into(
         robot, task, found, left[open_], threads=threads,
@@ -242,7 +241,7 @@ def _account(
     proven[open_] = judged == 1
     stays = np.ones(len(left), dtype=np.bool_)
     stays[open_] = (judged == 1) | (judged == 2)
-    explained = told.families + np.bincount(by[judged == 3], minlength=len(families))
+    explained = by_families + np.bincount(by[judged == 3], minlength=len(families))
     groups = spots(found, robot, task, *_those(left, proven, stays))
     return Account(families, source, explained, int((judged == 0).sum()), groups, explainer.diagonal)
 

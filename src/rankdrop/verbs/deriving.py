@@ -25,7 +25,7 @@ from rankdrop.exact.family import Assumption, ExactFamily, alone, merge
 from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.families.cloud import Cloud, cloud, explained
+from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values

@@ -14,7 +14,7 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.configuration import Cause, Rank
-from rankdrop.family.which import Incidence
+from rankdrop.family.incidence import Incidence
 from rankdrop.local.axes import Relation, relations_at
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.nearest import Nearest

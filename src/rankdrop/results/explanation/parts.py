@@ -23,8 +23,8 @@ from rankdrop.families.distance import FamilyDistance, family_distances
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
+from rankdrop.family.incidence import Incidence, families_at
 from rankdrop.family.record import Family
-from rankdrop.family.which import Incidence, families_at
 from rankdrop.local.axes import ScrewSystem, always_singular_reason, systems_at
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, circuits_at, make_all

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families.walk import Walk, in_slice, onto
+from rankdrop.families.points import Walk, in_slice, onto
 from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem

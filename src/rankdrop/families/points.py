@@ -1,6 +1,7 @@
 """Points of a family, and ways along the singular set: back onto it, along one family, and all of it in a slice.
 
-Points are solutions of a family's equations from random starts, each one checked in the Jacobian itself.
+A cloud is found by searches with the numeric Jacobian alone, and shows how much given conditions explain. Other points
+are solutions of a family's equations from random starts, each one checked in the Jacobian itself.
 
 Back onto the set leads Gauss–Newton on the block F with D as its derivative, along chosen directions. Along a family a
 step is made in its tangent space, then back onto it. The tangent space at a point of the family is the kernel of the
@@ -18,10 +19,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.cloud import Cloud
-from rankdrop.family.equation import REACHED, Mask, System
-from rankdrop.family.record import Family, family_in_metres
+from rankdrop.families.searching import refine, search
+from rankdrop.family.equation import REACHED, Equation, Mask, System, normalised
+from rankdrop.family.incidence import on_one_of
+from rankdrop.family.record import Check, Family, family_in_metres
 from rankdrop.kinematics import one_configuration
+from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import newton
@@ -298,3 +301,120 @@ def in_slice(
     ends = ends[inside]
     rank = np.minimum((problem.sigma(ends) > problem.tolerances.singular).sum(axis=1), full)
     return Cloud(robot, task, ends, np.asarray(full - rank, dtype=np.int64))
+
+
+ROUNDS = 20
+"""The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
+FURTHER = 1e-2
+"""Longest way that a configuration is searched on [rad]: what moves on was not singular to begin with."""
+WITHIN = 1e-3
+"""Longest way from a point of a cloud to a family that is walked [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Singular configurations found numerically.
+
+    Attributes:
+        robot, task: of the arm.
+        q: (N, n) configurations [rad, m].
+        corank: (N,) rank lost at each.
+    """
+
+    robot: Robot
+    task: Task
+    q: Array
+    corank: NDArray[np.int64]
+
+    def up_to(self, corank: int) -> Cloud:
+        """The configurations that lose no more than so many ranks."""
+        kept = self.corank <= corank
+        return Cloud(self.robot, self.task, self.q[kept], self.corank[kept])
+
+
+def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> Cloud:
+    """Singular configurations of one corank and of every higher one, found from random starts.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`.
+        corank: k ≥ 1.
+        count: configurations of exactly this corank at least, where the search finds as many; of each higher corank
+            a tenth of that is looked for.
+        seed: of the starts.
+
+    Returns:
+        Cloud, polished as `search` does; empty where nothing was found, which proves nothing.
+
+    Raises:
+        OptionError: no such corank for this arm and task.
+    """
+    generic = generic_rank(robot, task)
+    parts: list[Array] = [np.zeros((0, robot.n))]
+    coranks: list[NDArray[np.int64]] = [np.zeros(0, dtype=np.int64)]
+    for wanted in range(corank, generic + 1):
+        enough = count if wanted == corank else max(count // 10, 1)
+        found, lost = 0, 0
+        for part in range(ROUNDS):
+            run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)
+            if not run.complete:
+                raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
+            kept = run.outcome == 0
+            parts.append(run.converged)
+            coranks.append(generic - (run.sigma[kept][:, :generic] > run.tolerances.singular).sum(axis=1))
+            new = int((coranks[-1] == wanted).sum())
+            found, lost = found + new, lost + int(kept.sum())
+            if found >= enough or new < enough / 10:
+                break
+        if not lost:
+            break
+    return Cloud(robot, task, np.concatenate(parts), np.concatenate(coranks))
+
+
+def explained(
+    points: Cloud, families: Sequence[Sequence[Equation]], tolerances: Tolerances = DEFAULT
+) -> tuple[Check, NDArray[np.int64]]:
+    """How many points of a cloud lie on one of the families, each given by all of its equations.
+
+    A point lies on a family when the way to its zero set, walked by Gauss–Newton, is at most `explained`; where sheets
+    cross, also when σ stays zero on the whole way (`families_at`).
+
+    Args:
+        points: from `cloud`.
+        families: the equations of each family, all of which hold on it; a family without equations holds everywhere.
+        tolerances: `explained` and `singular`.
+
+    Returns:
+        (Check, (L,) indices of the points left over).
+    """
+    systems = [System(tuple(normalised(equation.terms) for equation in family)) for family in families]
+    left = np.arange(len(points.q))
+    for system in systems:
+        way, _ = system.nearest(points.q[left], WITHIN)
+        left = left[way > tolerances.explained]
+        if not len(left):
+            break
+    crossing = [system.equations for system in systems]
+
+    def over(indices: NDArray[np.int64], q: Array) -> NDArray[np.int64]:
+        on = [on_one_of(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
+        return indices[[not one for one in on]]
+
+    left = over(left, points.q)
+    if len(left):
+        left = over(left, _further(points, left))
+    return Check(len(points.q), len(points.q) - len(left)), left
+
+
+def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
+    """The configurations, those of the indices searched on from where the search ended.
+
+    Where σ has a zero of fourth order, σ of 1e-11 is met 4e-3 rad before it: too far to tell of what it is a zero.
+    """
+    q = points.q.copy()
+    for corank in np.unique(points.corank[indices]):
+        mine = indices[points.corank[indices] == corank]
+        found = refine(points.robot, q[mine], int(corank), task=points.task).q
+        near = np.abs(found - q[mine]).max(axis=1) <= FURTHER
+        q[mine[near]] = found[near]
+    return q

@@ -114,7 +114,7 @@ def _real(
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
 SEED = 12  # points at which ranks are looked at
-ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
+ROUNDS = 16  # of some 100 solutions at special places: of a row of a general 8R one in 400 is regular
 
 
 def residual_equations(source: FamilyPoints, budget: Budget, *, thorough: bool) -> tuple[Equation, ...] | None:

@@ -105,23 +105,27 @@ def test_conditions_that_hold_where_the_rank_is_higher_are_told(
 
 
 def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
-    points, smooth, strays = real_points(chain, ZeroSet(chain.ring, {5: "pi"}), 5, np.random.default_rng(1))
+    found = real_points(chain, ZeroSet(chain.ring, {5: "pi"}), 5, np.random.default_rng(1))
+    points, smooth, strays = found.points, found.smooth, found.strays
     assert smooth
     assert len(points) > 50
     assert not len(strays)
     sigma = singular_values(chain.robot, points, resolve_task(None, chain.robot))
     assert (sigma[:, 5] < 1e-9).all()
-    points, _, strays = real_points(chain, ZeroSet(chain.ring, {4: "pi"}), 5, np.random.default_rng(1))
+    found = real_points(chain, ZeroSet(chain.ring, {4: "pi"}), 5, np.random.default_rng(1))
+    points, strays = found.points, found.strays
     assert not len(points), "θ4 = π is regular"
     assert len(strays)
 
 
 def test_points_of_a_lower_rank_than_claimed_are_none_of_a_set(chain: Chain) -> None:
     """θ3 = θ4 = θ5 = 0 together lose two freedoms, not one: σ of the second is 1e-16 (`RANK_KEPT`)."""
-    points, _, strays = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 5, np.random.default_rng(1))
+    found = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 5, np.random.default_rng(1))
+    points, strays = found.points, found.strays
     assert not len(points)
     assert not len(strays)
-    points, smooth, _ = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 4, np.random.default_rng(1))
+    found = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 4, np.random.default_rng(1))
+    points, smooth = found.points, found.smooth
     assert smooth
     assert len(points) > 50
 
@@ -132,7 +136,7 @@ def test_a_set_that_one_start_in_ten_reaches_is_found_whatever_the_seed(chain: C
     t = chain.ring.t
     f = t[5] * prod(t[4] - k for k in (0, 1, -1, 2, -2, 3, -3, 5, -5))
     sheets = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
-    reached = [len(real_points(chain, sheets, 5, np.random.default_rng(seed))[0]) for seed in range(40)]
+    reached = [len(real_points(chain, sheets, 5, np.random.default_rng(seed)).points) for seed in range(40)]
     assert 0.05 < np.mean(reached) / REAL_STARTS < 0.15
     assert min(reached) > 0
 

@@ -76,7 +76,8 @@ class Code:
         returns = f"(..., {len(residuals)}) residuals, all zero exactly on the family."
         joints = sorted({joint for one in family.stated for joint in one.joints})
         body += ["        axis=-1,", "    )"]
-        return self._python_definition(_function(family.id), said, self._used(family), returns, joints, body)
+        lengths = self._in(*(condition.polynomial for condition in family.conditions))
+        return self._python_definition(_function(family.id), said, lengths, returns, joints, body)
 
     def _python_determinant(self, minor: Minor) -> str:
         text = minor.value.code(self._python_notation)
@@ -218,12 +219,9 @@ class Code:
         shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
         return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
 
-    def _in(self, f: Polynomial) -> list[str]:
-        degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
-        return [name for name in self.letters if degrees.get(name, 0) > 0]
-
-    def _used(self, family: ExactFamily) -> list[str]:
-        found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
+    def _in(self, *polynomials: Polynomial) -> list[str]:
+        """Lengths that occur in polynomials."""
+        found = {name for f in polynomials for name, d in zip(f.context().names(), f.degrees(), strict=True) if d > 0}
         return [name for name in self.letters if name in found]
 
 

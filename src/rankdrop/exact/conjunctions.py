@@ -165,7 +165,8 @@ class Words:
     def conjunction(self, conjunction: Conjunction) -> str:
         """Everything that has to hold: "θ4 = 0 and (s2 = 0 or …), where θ6 ≠ 0"."""
         equal = [self.equality(equality) for equality in conjunction.equal]
-        text = " and ".join(_bracketed(part) if len(equal) > 1 else part for part in equal) or "everywhere"
+        several = len(equal) > 1
+        text = " and ".join(f"({part})" if several and " or " in part else part for part in equal) or "everywhere"
         unequal = [self._unequal(group) for group in conjunction.unequal]
         return f"{text}, where {' and '.join(unequal)}" if unequal else text
 
@@ -211,10 +212,6 @@ class Words:
 
 def _long(count: int, kind: str) -> str:
     return f"a polynomial of {count} {kind}terms = 0"
-
-
-def _bracketed(text: str) -> str:
-    return f"({text})" if " or " in text else text
 
 
 Columns = Sequence[Sequence[Polynomial]]

@@ -34,7 +34,7 @@ _LONG = 400  # terms of a condition beyond which the methods done by hand take m
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
-_Chosen = tuple[tuple[int, ...] | None, int | None]  # basic screws, and the link in whose frame they are
+Chosen = tuple[tuple[int, ...] | None, int | None]  # basic screws, and the link in whose frame they are
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,7 @@ def corank_one(
     work: Work,
     *,
     steps: bool = False,
-    basic: tuple[int, ...] | None = None,
-    frame: int | None = None,
+    chosen: Chosen = (None, None),
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
@@ -101,8 +100,8 @@ def corank_one(
         families: made from it.
         work: deadline and random points.
         steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
-        basic: for suppression and reciprocity: numbers of the six basic screws; None for the method's own rules.
-        frame: for these, too: link in whose frame the screws are; None for the one where they are shortest.
+        chosen: for suppression and reciprocity: numbers of the six basic screws, None for the method's own rules; link
+            in whose frame the screws are, None for the one where they are shortest.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -115,16 +114,16 @@ def corank_one(
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
     if method == "auto" and tree.complete and longest > _LONG:
         reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
-        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
+        return _by_tree(tree, reason)
     if method == "suppression" or (method == "auto" and six and 6 < chain.n <= WIDE and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
-        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, (basic, frame)), method, tree)
+        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, chosen), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
-        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
+        return _by_tree(tree, reason)
     reason = why_not(chain) if method == "auto" else "asked for"
     name = "determinant" if method == "auto" else method
-    compared = _compared(chain, name, reason, families, work, steps, (basic, frame))
+    compared = _compared(chain, name, reason, families, work, steps, chosen)
     return _by_tree_if_open(compared, method, tree)
 
 
@@ -137,11 +136,10 @@ def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne
     )
 
 
-def _tree_lines(tree: Tree) -> tuple[str, ...]:
-    return (
-        f"{tree.visited} irreducible sets were looked into: on each a minor of the order of its rank was factored, and "
-        "the set cut by every factor",
-    )
+def _by_tree(tree: Tree, reason: str) -> CorankOne:
+    how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
+    lines = (f"{tree.visited} irreducible sets were looked into: {how}",)
+    return CorankOne("tree", reason, (Step("Rank tree", lines),))
 
 
 def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree, steps: bool) -> CorankOne:
@@ -183,8 +181,8 @@ def _differences(
 def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
     rng, r = np.random.default_rng(0), tree.generic_rank
     for one in sets:
-        points, _, strays = real_points(chain, one, r - 1, rng)
-        for rank, found in ((r - 1, points), (r, strays)):
+        met = real_points(chain, one, r - 1, rng)
+        for rank, found in ((r - 1, met.points), (r, met.strays)):
             if len(found):
                 q = ", ".join(f"{x + 0.0:.6g}".replace("-", "−") for x in found[0])
                 return f"at q = ({q}), which is on one, the rank is {rank} of {r}"
@@ -192,7 +190,7 @@ def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
 
 
 def _suppressed(
-    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: _Chosen
+    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
@@ -223,7 +221,7 @@ def _compared(
     families: Sequence[ExactFamily],
     work: Work,
     steps: bool,
-    chosen: _Chosen,
+    chosen: Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
     seconds = max(work.left, 0.1)

@@ -84,20 +84,12 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
             return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
         if text and not is_number(found) and not _always(chain, found):
             words.append(f"{text} ≥ 0")
-    points, smooth, strays, unclear = _met(chain, piece, rank, rng)
     condition = "real if and only if " + " and ".join(words) if words else ""
-    return Reality(points, smooth, "", condition, strays, unclear)
+    return replace(real_points(chain, piece, rank, rng), condition=condition)
 
 
-def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
-    """(k, n) real configurations of `Chain.own` on a set with exactly its rank, whether the set is smooth at one of
-    them, and those of higher rank that satisfy its conditions.
-    """
-    return _met(chain, piece, rank, rng)[:3]
-
-
-def _met(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array, int]:
-    """`real_points`, and at how many more its conditions hold and the rank is neither lost nor clearly higher."""
+def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> Reality:
+    """Real configurations met on a set from random starts; arguments as in `reality`."""
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (REAL_STARTS, n))
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
@@ -121,9 +113,9 @@ def _met(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> t
     good &= (sigma[:, rank - 1] > RANK_KEPT) if rank else True
     q = q[good]
     if not equations or not len(q):
-        return q, len(q) > 0, strays, unclear
+        return Reality(q, len(q) > 0, "", "", strays, unclear)
     smooth = full_rank(system.jacobian(q) @ moving, piece.codimension - len(pinned))
-    return (q[smooth], True, strays, unclear) if smooth.any() else (q, False, strays, unclear)
+    return Reality(q[smooth] if smooth.any() else q, bool(smooth.any()), "", "", strays, unclear)
 
 
 def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:

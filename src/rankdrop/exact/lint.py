@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.exact.algebra.decompose import cut_half, pinned
-from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import flint
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
@@ -189,9 +189,8 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     work = work or Work()
     parsed = parse_conditions(text, chain.ring, shifts=[float(shift) for shift in chain.shifts])
     general = _Comparison(chain, parsed, pieces, {}, work)
-    own = general
-    if chain.letters and not general.agrees:
-        own = _Comparison(chain, parsed, pieces, chain.letters, work)
+    special = bool(chain.letters) and any(general.sizes)
+    own = _Comparison(chain, parsed, pieces, chain.letters, work) if special else general
     same = own.sizes == general.sizes
     told = general if same else own  # with letters where they say the same
     missing, unreal = told.shown(told.missing, singular=True)
@@ -201,9 +200,10 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
         remarks += [f"For lengths with {factor} = 0 “{one.text}” always holds." for factor in one.letters]
     undecided = [*work.unresolved, *(words(one) for one in own.unknown)]
     remarks += [f"Not decided: {left}." for left in undecided]
+    real = any(next(round_points(piece, chain), None) is not None for piece in own.users)
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
     any_lengths = verdict == "exact" and same if chain.letters else None
-    return LintResult(text, verdict, missing, extra, own.real, any_lengths, not undecided, tuple(remarks))
+    return LintResult(text, verdict, missing, extra, real, any_lengths, not undecided, tuple(remarks))
 
 
 class _Comparison:
@@ -212,6 +212,7 @@ class _Comparison:
     Attributes:
         missing: singular sets where it does not hold.
         extra: components of its zeros where the rank is full.
+        sizes: how many sets are missing, and extra.
         unknown: components of its zeros whose rank is not known.
     """
 
@@ -221,28 +222,14 @@ class _Comparison:
         self.chain, self.work, self.ring = chain, work, chain.ring
         self.values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in lengths.items()}
         self.columns = [[p.subs(self.values) if self.values else p for p in column] for column in chain.columns]
-        self.full = self.rank(ZeroSet.whole(self.ring))
-        self.parsed = [replace(one, form=replace(one.form, f=self.special(one.form.f))) for one in parsed]
+        self.full = rank_on(self.columns, ZeroSet.whole(self.ring))
+        self.parsed = [replace(one, form=replace(one.form, f=one.form.f.subs(self.values))) for one in parsed]
         self.singular = independent([part for piece in independent(pieces) for part in self.specialised(piece)])
         self.users = self.zeros()
         self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
         self.missing = [piece for piece in self.singular if not self.holds(piece)]
-        self.extra = [piece for piece in self.users if piece.samples and self.rank(piece) == self.full]
-
-    @property
-    def agrees(self) -> bool:
-        return not self.missing and not self.extra
-
-    @property
-    def sizes(self) -> tuple[int, int]:
-        return len(self.missing), len(self.extra)
-
-    @property
-    def real(self) -> bool:
-        return any(next(round_points(piece, self.chain), None) is not None for piece in self.users)
-
-    def special(self, f: Polynomial) -> Polynomial:
-        return f.subs(self.values) if self.values else f
+        self.extra = [piece for piece in self.users if piece.samples and rank_on(self.columns, piece) == self.full]
+        self.sizes = len(self.missing), len(self.extra)
 
     def specialised(self, piece: ZeroSet) -> list[ZeroSet]:
         if not self.values:
@@ -251,9 +238,9 @@ class _Comparison:
         for joint, value in piece.pins.items():
             found = [part for one in found for part in pinned(one, joint, value, self.work)]
         for f in piece.equations:
-            own = replace(self.ring.form(f), f=self.special(f))
+            own = replace(self.ring.form(f), f=f.subs(self.values))
             found = [part for one in found for part in self.cut(one, Parsed(own))]
-        return [one for one in independent(found) if one.samples and self.rank(one) < self.full]
+        return [one for one in independent(found) if one.samples and rank_on(self.columns, one) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
         found = [ZeroSet.whole(self.ring)]
@@ -280,9 +267,6 @@ class _Comparison:
             or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in one.atoms)
             for one in self.parsed
         )
-
-    def rank(self, piece: ZeroSet) -> int:
-        return rank_on(self.columns, piece)
 
     def shown(self, pieces: Sequence[ZeroSet], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""

@@ -375,18 +375,15 @@ def _first(suppression: Suppression) -> Iterator[str]:
     start, chain = suppression.start, suppression.chain
     assert start.basic is not None
     joints = start.basic.joints
-    yield f"basic screws: {_names(joints)}, independent in general{_triples(chain, joints)}"
+    known = ((three, kind) for three, kind in triples(chain) if set(three) <= set(joints))
+    said = ", ".join(f"{_joints(three)} are a {kind} joint" for three, kind in known)
+    yield f"basic screws: {_names(joints)}, independent in general{'; ' * bool(said) + said}"
     if chain.n > 6:
         yield f"why these: {start.basic.reason}"
     yield f"|{_names(joints)}| = {product_text(chain.ring, start.basic.product)}"
     if chain.n == 6:
         yield "with six joints there is no other screw: the arm is singular where a factor is zero"
     yield from _branches(start)
-
-
-def _triples(chain: Chain, joints: Sequence[int]) -> str:
-    said = [f"{_joints(three)} are a {kind} joint" for three, kind in triples(chain) if set(three) <= set(joints)]
-    return "; " + ", ".join(said) if said else ""
 
 
 def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:

@@ -171,7 +171,7 @@ def _first(
         try:
             own = Work(max(_SHARE * work.left, 0.1), work.seed)
             return corank_one(
-                chain, asked.method, tree, families, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
+                chain, asked.method, tree, families, own, steps=asked.steps, chosen=(asked.basic, asked.frame)
             )
         except KeyboardInterrupt:
             work.interrupt()

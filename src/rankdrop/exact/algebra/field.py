@@ -8,7 +8,6 @@ one prime and others modulo the next: a point knows which prime its values are r
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from math import prod
@@ -192,16 +191,6 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
         one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
         for x in roots([int(value) for value in one.gcd(two).coeffs()], prime):
             yield x, y
-
-
-def put_common_zero(
-    ring: Ring, f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
-) -> bool:
-    """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zeros = list(common_zeros(bivariate(ring, f, *names, values), bivariate(ring, g, *names, values)))
-    if zeros:
-        values.update(zip(names, rng.choice(zeros), strict=True))
-    return bool(zeros)
 
 
 def dense(f: Polynomial, place: int) -> list[int]:

@@ -24,7 +24,6 @@ from rankdrop.exact.algebra.field import (
     complete,
     half_angle_value,
     holds,
-    put_common_zero,
     roots,
     roots_at,
     stands,
@@ -153,8 +152,10 @@ class ZeroSet:
             if len(waiting) < 2 or len(shared) < 2:
                 return False
             x, y = rng.sample(shared, 2)
-            if not put_common_zero(self.ring, waiting[0], waiting[1], (x, y), values, rng):
+            zeros = list(common_zeros(*(bivariate(self.ring, f, x, y, values) for f in (waiting[0], waiting[1]))))
+            if not zeros:
                 return False
+            values.update(zip((x, y), rng.choice(zeros), strict=True))
         for f, name in reversed(last):
             line = univariate(self.ring, f, name, values)
             candidates = roots(line, values.prime)

@@ -300,7 +300,7 @@ class Chain:
             return self.screws(self.frame)
         if rows in ((0, 1, 2), (3, 4, 5)):
             return min(
-                ([[c[r] for r in rows] for c in self._at_tip(k)] for k in (*self.frames, self.n)),
+                ([[c[r] for r in rows] for c in self.screws_at_tip(k)] for k in (*self.frames, self.n)),
                 key=lambda columns: sum(len(x) for c in columns for x in c),
             )
         return [[column[r] for r in rows] for column in self._in_task_axes()]
@@ -360,10 +360,6 @@ class Chain:
         tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z), ring.one]
         return [ring.reduce(_inner(ring, last[i], tip)) for i in range(3)]
 
-    def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
-        """The n joint screws in the axes of link k, the linear part taken at the tip."""
-        return self._at_tip(k)
-
     @cached_property
     def _screws(self) -> dict[int, list[list[Polynomial]]]:
         return {}
@@ -414,8 +410,8 @@ class Chain:
         a = self.length(j - 1, "a")
         return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
 
-    def _at_tip(self, k: int) -> list[list[Polynomial]]:
-        """Screws in the axes of link k with the reference point at the tip."""
+    def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the tip."""
         point = self._tip_in(self._link_pose(k, self.n))
         return [moved(self.ring, screw, point) for screw in self.screws(k)]
 
@@ -425,7 +421,7 @@ class Chain:
         k, turned = self.n if self.in_body else 1, self.task_axes
         about_z = all(turned[2][i] in ((1, -1) if i == 2 else (0,)) for i in range(3))
         paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
-        screws = self._at_tip(k)
+        screws = self.screws_at_tip(k)
         if about_z and paired:
             return screws
         rotation = [[ring.constant(x) for x in row] for row in turned]

@@ -63,23 +63,20 @@ class Distances:
         of its coefficients.
         """
         key = f.key if isinstance(f, Atom) else str(f)
-        if key not in self._known:
-            self._known[key] = self._computed(f)
-        return self._known[key]
-
-    def _computed(self, f: Polynomial | Atom) -> Array:
-        """|f|/|∇f| by central differences, or the smaller of that and √|f| where the slope may be rounding."""
+        if key in self._known:
+            return self._known[key]
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
-            return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2)))
-        value, scale = values_of(chain, f, theta)
-        slope = np.zeros_like(theta)
-        for j in range(chain.n):
-            step = STEP * np.eye(chain.n)[j]
-            slope[:, j] = (values_of(chain, f, theta + step)[0] - values_of(chain, f, theta - step)[0]) / (2 * STEP)
-        size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
-        ratio = size / np.maximum(steep, 1e-300)
-        return np.asarray(np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size))))
+            found = 2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2))
+        else:
+            value, scale = values_of(chain, f, theta)
+            steps = STEP * np.eye(chain.n)
+            ends = ((values_of(chain, f, theta + one)[0], values_of(chain, f, theta - one)[0]) for one in steps)
+            slope = np.stack([(above - below) / (2 * STEP) for above, below in ends], axis=1)
+            size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
+            ratio = size / np.maximum(steep, 1e-300)
+            found = np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size)))
+        return self._known.setdefault(key, np.asarray(found))
 
 
 def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:

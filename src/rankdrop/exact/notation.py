@@ -310,19 +310,6 @@ DIGITS = 6
 EXACT = 2**53  # whole numbers up to this are exact as floats
 
 
-def bare(form: Product, exact: bool) -> tuple[Product, ...]:
-    """The parts of a form without its number; sums with long numbers are divided by the largest one.
-
-    Args:
-        form: any.
-        exact: only where that leaves decimals that a float holds, or where the numbers are longer than a float.
-    """
-    rescaled = _rescaled(form, exact, not exact and _long(form))
-    if len(rescaled.factors) == 1 and isinstance(rescaled.factors[0][0], Sum):
-        return rescaled.factors[0][0].parts
-    return (Product(Fraction(1), rescaled.factors),)
-
-
 def _long(form: Product) -> bool:
     sums = [factor.parts for factor, _ in form.factors if isinstance(factor, Sum)]
     return any(_too_long(part.number) or _long(part) for parts in sums for part in parts)
@@ -422,8 +409,11 @@ class Text:
         return self.sum(self.parts(form))
 
     def parts(self, form: Product) -> tuple[Product, ...]:
-        """What vanishes with the form, as products to be added."""
-        return bare(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)), self.exact)
+        """What vanishes with the form, as products to be added, without its number and its powers."""
+        form = self.readable(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)))
+        if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum):
+            return form.factors[0][0].parts
+        return (Product(Fraction(1), form.factors),)
 
     def value(self, form: Product) -> str:
         """The form itself, with its number and its powers."""

@@ -414,21 +414,11 @@ class AnglePin(NamedTuple):
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
         """The numeric equation Π sin((θ_j − value) / 2) = 0 in q; arguments as in `Condition.equation`."""
-        size = len(self.angles)
-        coefficients = np.array([1.0 + 0.0j])
-        for angle in self.angles:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
-            turn = np.exp(0.5j * angle)
-            coefficients = np.convolve(coefficients, np.array([-turn, 0, 1 / turn]) / 2j)
-        shift = 0.0 if shifts is None else float(shifts[self.joint - 1])
-        terms = []
-        for power in range(size, -1, -1):
-            value = coefficients[power + size] * (2 if power else 1)
-            harmonics = tuple(power * (i == self.joint - 1) for i in range(n))
-            phase = -power * shift / 2 + 0.0
-            for kind, part in (("cos", value.real), ("sin", -value.imag)):
-                if kind == "cos" or power:
-                    terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
-        return normalised(terms)
+        values, ring = _checked(self.values), Ring([self.joint])
+        finite = [ring.half_of(ring.pin(self.joint, value)) for value in values if value != "pi"]
+        form = Form(ring, prod(finite, start=number_of(Fraction(1), ring)), (len(values),))
+        waves = sorted(parts_of(fourier(form)), key=_highest)
+        return _equation(waves, letters, n, shifts)
 
     def _factors(self, notation: Python) -> list[tuple[str, str, bool]]:
         """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
@@ -513,35 +503,7 @@ class Condition:
             n: number of joints.
             shifts: θ_j = q_j + shifts[j − 1] [rad]; those of slides are 0.
         """
-        found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
-        largest = self._largest
-        for part in self.waves:
-            value, kind = float(part.number / largest), "cos"
-            harmonics, powers = [0] * n, [0] * n
-            for factor, power in part.factors:
-                if isinstance(factor, Wave):
-                    kind = factor.kind
-                    for j, multiple in factor.turns:
-                        harmonics[j - 1] = multiple
-                elif isinstance(factor, Symbol) and factor.slide:
-                    powers[factor.slide - 1] = power
-                elif isinstance(factor, Symbol):
-                    value *= letters[factor.name] ** power
-            key = (kind, tuple(harmonics), tuple(powers))
-            found[key] = found.get(key, 0.0) + value
-        return normalised(
-            Term(value, kind, harmonics, powers, _phase(harmonics, shifts))
-            for (kind, harmonics, powers), value in found.items()
-        )
-
-    @cached_property
-    def _largest(self) -> Fraction:
-        """The power of two next to the largest number of the Fourier form: whole numbers of a thousand digits are no
-        floats, and with a power of two every ratio keeps its last bit.
-        """
-        numbers = [part.number for part in self.waves]
-        bits = max((abs(one.numerator).bit_length() - one.denominator.bit_length() for one in numbers), default=0)
-        return Fraction(2) ** bits
+        return _equation(self.waves, letters, n, shifts)
 
     @cached_property
     def relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
@@ -554,9 +516,9 @@ class Condition:
             one = part.factors[0][0]
             turns.add(one.turns)
             if one.kind == "cos":
-                cosine = float(part.number / self._largest)
+                cosine = float(part.number / _largest(self.waves))
             else:
-                sine = float(part.number / self._largest)
+                sine = float(part.number / _largest(self.waves))
         if len(turns) != 1:
             return None
         kept = turns.pop()
@@ -579,10 +541,45 @@ class Condition:
         return f"{name.format(j)} = {sign}{notation.number(abs(value))}" + (unit if value else "")
 
 
-def _phase(harmonics: Sequence[int], shifts: Sequence[float] | None) -> float:
-    if shifts is None:
-        return 0.0
-    return -sum(m * float(s) for m, s in zip(harmonics, shifts, strict=True)) / 2 + 0.0
+def _equation(
+    waves: Sequence[Product], letters: Mapping[str, float], n: int, shifts: Sequence[float] | None
+) -> Equation:
+    """The numeric equation of terms of a Fourier form; arguments as in `Condition.equation`."""
+    found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
+    largest = _largest(waves)
+    for part in waves:
+        value, kind = float(part.number / largest), "cos"
+        harmonics, powers = [0] * n, [0] * n
+        for factor, power in part.factors:
+            if isinstance(factor, Wave):
+                kind = factor.kind
+                for j, multiple in factor.turns:
+                    harmonics[j - 1] = multiple
+            elif isinstance(factor, Symbol) and factor.slide:
+                powers[factor.slide - 1] = power
+            elif isinstance(factor, Symbol):
+                value *= letters[factor.name] ** power
+        key = (kind, tuple(harmonics), tuple(powers))
+        found[key] = found.get(key, 0.0) + value
+    half = np.zeros(n) if shifts is None else np.asarray(shifts, dtype=np.float64) / 2
+    return normalised(
+        Term(value, kind, harmonics, powers, 0.0 - float(sum(m * x for m, x in zip(harmonics, half, strict=True))))
+        for (kind, harmonics, powers), value in found.items()
+    )
+
+
+def _highest(part: Product) -> int:
+    """Sort key of terms in one angle: the highest multiple first."""
+    return -sum(m for factor, _ in part.factors if isinstance(factor, Wave) for _, m in factor.turns)
+
+
+def _largest(waves: Sequence[Product]) -> Fraction:
+    """The power of two next to the largest number of a Fourier form: whole numbers of a thousand digits are no floats,
+    and with a power of two every ratio keeps its last bit.
+    """
+    numbers = [part.number for part in waves]
+    bits = max((abs(one.numerator).bit_length() - one.denominator.bit_length() for one in numbers), default=0)
+    return Fraction(2) ** bits
 
 
 def _related(
@@ -835,13 +832,9 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
 def _joined(notation: Text, above: Product, below: Product, line: str) -> str:
     if below == Product(Fraction(1)):
         return notation.value(above)
-    upper, lower = _above(notation, above), notation.product(notation.readable(below))
+    upper, lower = notation.sum([notation.readable(above)]), notation.product(notation.readable(below))
     bracketed = len(below.factors) + (below.number != 1) > 1
     return f"{upper}{line}({lower})" if bracketed else f"{upper}{line}{lower}"
-
-
-def _above(notation: Text, above: Product) -> str:
-    return notation.sum([notation.readable(above)])
 
 
 def _with_numbers(above: Product, below: Product, number: Fraction) -> tuple[Product, Product]:

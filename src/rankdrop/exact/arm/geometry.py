@@ -276,7 +276,9 @@ def named_lengths(
     if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
     own = {name: x for name, x in robot.lengths if name not in ROOTS} if isinstance(lengths, str) else {}
-    named = given or dict(zip(own, _decimals(own.values(), exponent(robot)), strict=True))
+    power = exponent(robot)
+    known = decimals(shifted(value, -power) for value in own.values())
+    named = given or {name: x * Fraction(10) ** power for name, x in zip(own, known, strict=True)}
     letters = dict(named)
     written: dict[Place, tuple[int, str]] = {}
     for (i, which), value in values.items():
@@ -296,10 +298,6 @@ def named_lengths(
             allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
         )
     return {name: value for name, value in letters.items() if name in used}, written
-
-
-def _decimals(values: Iterable[float], power: int) -> list[Fraction]:
-    return [one * Fraction(10) ** power for one in decimals(shifted(value, -power) for value in values)]
 
 
 def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:

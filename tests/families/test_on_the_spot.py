@@ -63,6 +63,16 @@ def without_values(name: str) -> str:
     return re.sub(r" \([^)]*\)$", "", name)
 
 
+def same_name(found: Family, whole: str) -> bool:
+    """The same facts, and the same condition; a joint that it holds at a few values has its value in the name here."""
+    facts, _, condition = without_values(whole).partition(", with a condition on ")
+    runs = [[int(joint) for joint in re.findall(r"\d+", run)] for run in condition.split(", ") if run]
+    held = {joint for run in runs for joint in range(run[0], run[-1] + 1)}
+    if held and held <= {one.number for one in found.pinned}:
+        return without_values(found.name) == facts and all(f"θ{joint} = " in found.name for joint in held)
+    return without_values(found.name) == without_values(whole)
+
+
 @pytest.mark.slow_at(
     "canadarm2", "iiwa14", "pa10", "tiago", "gen3", "sawyer",
     "xarm7", "fr3", "kr16", "hc10", "m1013", "yumi",
@@ -83,7 +93,7 @@ def test_members_of_an_atlas_are_named_as_in_it(name: str, whole: None) -> None:
         for configuration in q:
             found = name_on_the_spot(atlas.robot, configuration, atlas.task, family.corank)
             if (name, family.id) not in DIFFERENT:
-                assert without_values(found.name) == without_values(full[family.id]), family.id
+                assert same_name(found, full[family.id]), (family.id, found.name, full[family.id])
             if (name, family.id) in UNLIKE:
                 continue
             assert alike(found, family), (family.id, found)

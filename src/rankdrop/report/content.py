@@ -228,7 +228,6 @@ def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | 
 
 
 def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[str, ...]]:
-    """Joints of the smallest dependent sets special to the witness, and those sets in words."""
     robot, task = analysis.robot, analysis.task
     if robot.n > LARGEST_CHAIN:
         return (), ()

@@ -164,7 +164,6 @@ _SAVE = (
 
 
 def _button(analysis: Analysis, family: Family) -> str:
-    """The button that goes to a family, and how the family stands to the limits."""
     word = STANDING[standing(analysis, family)]
     note = f' <small class="limit">{word}</small>' if word else ""
     return (
@@ -173,14 +172,12 @@ def _button(analysis: Analysis, family: Family) -> str:
 
 
 def _limits_box(robot: Robot) -> str:
-    """The switch for the joint limits, on; a sentence where none are known."""
     if not any(limit_range(robot, i) for i in range(robot.n)):
         return '<p class="small">No joint limits are known: sliders go all the way round.</p>'
     return '<label class="small screen"><input type="checkbox" id="limits" checked> keep to the joint limits</label>'
 
 
 def _meshes_box(content: Content) -> str:
-    """The switch between the links as the file draws them and rods; nothing where the file draws none."""
     if not content.meshes:
         return ""
     count = sum(len(one.faces) for one in content.meshes)

@@ -67,7 +67,6 @@ def path_figure(check: PathCheck) -> Figure:
 
 
 def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
-    """Bands of the stretches; marks on the axis where one is too short to be seen."""
     named: set[str] = set()
     for one in check.stretches:
         low, high = _x(one.start), _x(one.end)
@@ -216,5 +215,4 @@ def _x(place: Place) -> float:
 
 
 def _listed(values: Array) -> list[float | None]:
-    """Rounded, null where there is no number."""
     return [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in np.asarray(values).tolist()]

@@ -206,7 +206,6 @@ class Analysis(Result):
                               limits=self.settings.limits))  # fmt: skip
 
     def __str__(self) -> str:
-        """What may be claimed, and one table for each corank."""
         return f"{self.robot.name}: {self.verdict.sentence}\n\n{super().__str__()}"
 
     def latex(self) -> str:

@@ -222,7 +222,6 @@ def _highest(conditions: Conditions) -> int:
 
 
 def _no_coranks(conditions: Conditions, _width: int | None) -> Iterator[Section]:
-    """The coranks above those that have families, and what letters mean."""
     r = conditions.generic_rank
     last, highest = r - conditions.lowest, _highest(conditions)
     if highest < last:
@@ -248,7 +247,6 @@ def _none(conditions: Conditions) -> str:
 
 
 def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[str]:
-    """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
     yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
     shifted = {pin.joint for pin in family.pins if family.shifts[pin.joint - 1]}
@@ -482,7 +480,6 @@ class Conditions(Result):
         return f"<Conditions of {self.robot.name}: {len(self.families)} families, {self.verdict.word}>"
 
     def __str__(self) -> str:
-        """What the command line prints, unwrapped."""
         verdict = Section(self.verdict.sentence)
         return plain_text((verdict, *self.sections(), verdict))
 

@@ -155,7 +155,6 @@ class LinkJacobian(Result):
             yield Section("Checks", "", tuple(_told(check) for check in self.checks))
 
     def _frames(self) -> Iterator[str]:
-        """Which axes make it shortest about this point, and about all points."""
         here = [(terms, k) for terms, k, at in self.shortest if at == self.at]
         told = ", ".join(f"link {k}: {terms}" for terms, k in sorted(here))
         yield f"terms, multiplied out, about {_point(self.at)}: {told}"

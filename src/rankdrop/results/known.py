@@ -101,7 +101,6 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
 
 
 def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
-    """Of an arm in metres: the name that its analysis is shipped under."""
     for tip in (True, False)[: 1 + (any_tip and task.m == 6)]:
         mine = geometry(robot, tip=tip)
         for name in candidates(robot, tip=tip):
@@ -114,7 +113,6 @@ def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
 
 
 def _out_of_metres(analysis: Analysis, robot: Robot) -> Analysis:
-    """An analysis in metres as one of an arm in another unit."""
     power = metre_exponent(robot)
     length = shifted(analysis.settings.length_scale, power)
     return replace(
@@ -346,7 +344,6 @@ def _terms(f: Polynomial) -> list[list[Any]]:
 
 
 def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
-    """The polynomial of the half-angle ring with these terms."""
     module, found = flint(), {}
     for powers, value in terms:
         exponents = [0] * len(ring.names)

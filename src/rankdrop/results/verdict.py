@@ -159,7 +159,6 @@ def _wrong(analysis: Analysis) -> Iterator[tuple[str, str]]:
 
 
 def _all(analysis: Analysis, derived: Conditions | None) -> str:
-    """What an analysis found, everything in it being as it should be."""
     comparison = analysis.exact
     if _agrees(analysis):
         exactly = "all conditions are exact" if analysis.families else "the exact derivation has none either"

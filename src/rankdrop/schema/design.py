@@ -156,7 +156,6 @@ def _version(_: Any) -> str:
 
 
 def _arms(compared: Any) -> list[dict[str, Any]]:
-    """What each arm is, and what was measured of it."""
     columns = zip(compared.names, compared.about, compared.joints, compared.reaches, compared.records, strict=True)
     return [{**record, "name": name, "about": about, "joints": n, "reach": far}
             for name, about, n, far, record in columns]  # fmt: skip

@@ -128,7 +128,6 @@ class Controls:
         self._status.content = status
 
     def _place(self, index: int, value: float) -> None:
-        """A slider to a value; its range grows where a motion goes beyond it."""
         slider = self.sliders[index]
         shown = round(value, 1 if self._unit[index] != 1.0 else 3)  # as many digits as the box has room for
         if shown < slider.min:

@@ -72,7 +72,6 @@ def _family_line(now: Now, known: int) -> str:
 
 
 def _found_line(now: Now, known: int, found: Explanation) -> str:
-    """The nearest singular configuration as the search found it, and its family."""
     if now.seen.corank:
         return _family_line(now, known)
     nearest, family = found.far.nearest, found.far.nearest_family

@@ -120,7 +120,6 @@ class Viewer:
             self.path.open(wishes.trajectory)
 
     def _add_look(self, *, dark: bool) -> None:
-        """The tab about what is drawn."""
         gui = self.server.gui
         with self.controls.tabs.add_tab("View"):
             gui.add_html(panel.legend_html())
@@ -149,7 +148,6 @@ class Viewer:
             self._show_ghost(self.controls.found)
 
     def _show_ghost(self, found: Explanation) -> None:
-        """The nearest singular posture, where the arm stands still and regular."""
         now = self.controls.now
         at = now is not None and np.array_equal(now.q, found.q) and not now.seen.corank
         nearest = found.far.nearest if at else None

@@ -101,7 +101,6 @@ class Stage:
         self._axes = scene.add_line_segments("/blamed", _NONE, each, thickness=0.012 * size, visible=False)
 
     def _add_ghost(self) -> None:
-        """The arm once more, seen through: where the nearest singular configuration is."""
         scene = self.server.scene
         self._ghost_on = True
         self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
@@ -222,6 +221,5 @@ def _circuit_colour(index: int) -> Rgb:
 
 
 def _lifted(colour: Rgb) -> Rgb:
-    """A colour that is seen on a dark page too."""
     r, g, b = (round(value + _DULL * max(0, 110 - max(colour))) for value in colour)
     return r, g, b

@@ -95,12 +95,11 @@ class FamiliesTab:
             session.go(np.array(nearest.q))
 
     def _closest(self) -> None:
-        point = self._foot()
+        point = self._nearest_point()
         if point is not None:
             self.controls.session.go(point)
 
-    def _foot(self) -> Array | None:
-        """The nearest point of the chosen family; says so where there is none."""
+    def _nearest_point(self) -> Array | None:
         live, session = self.controls.live, self.controls.session
         record = family_distances([self.family], live.robot, session.q, live.task, limits=session.limits)[0]
         if not record.q:
@@ -110,13 +109,12 @@ class FamiliesTab:
         self.controls.say(f"{angle(record.distance)} away" if record.distance > _ON else "")
         return np.array(record.q)
 
-    def _ready(self) -> tuple[Walk, Array, int] | None:
-        """The walk, where it starts, and the joint it follows."""
+    def _walk_from_here(self) -> tuple[Walk, Array, int] | None:
         live = self.controls.live
         walk, joint = Walk(live.robot, live.task, self.family), int(self._joint.value.split()[0])
         q = walk.back(self.controls.session.q)
         if q is None or np.abs(q - self.controls.session.q).max() > 1e-4:
-            q = self._foot()
+            q = self._nearest_point()
         if q is None:
             return None
         movable = walk.movable(q)
@@ -128,7 +126,7 @@ class FamiliesTab:
         return walk, q, joint
 
     def _step(self, sign: int) -> None:
-        ready = self._ready()
+        ready = self._walk_from_here()
         if ready is not None:
             walk, q, joint = ready
             there = walk.step(q, joint, sign * STEP)
@@ -141,13 +139,12 @@ class FamiliesTab:
         if sign == 0:
             self.controls.session.stop()
             return
-        ready = self._ready()
+        ready = self._walk_from_here()
         if ready is not None:
             self.controls.session.follow(_walking(*ready, sign * PACE))
 
 
 def _walking(walk: Walk, q: Array, joint: int, pace: float) -> Iterator[Array]:
-    """On and on, until the family ends or the joint no longer moves along it."""
     here: Array | None = q
     while here is not None:
         yield here

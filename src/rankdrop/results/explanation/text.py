@@ -248,12 +248,11 @@ def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Singular values, nullity and the configuration in both units."""
     rank, robot = explanation.rank, explanation.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
     lines = [
-        f"rank {rank.rank} of {r}, corank {rank.corank}; {_idle(explanation)} (nullity {rank.nullity})",
+        f"rank {rank.rank} of {r}, corank {rank.corank}; {_null_motions_words(explanation)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {explanation.task.name}; σ has translation divided by {short(explanation.asked.length_scale)} m",
     ]
@@ -268,8 +267,7 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
     yield Section("Numbers", "", tuple(lines), columns, tuple(rows), notes=robot.notes)
 
 
-def _idle(explanation: Explanation) -> str:
-    """What the null space is to people."""
+def _null_motions_words(explanation: Explanation) -> str:
     count = explanation.rank.nullity
     what = "move the tool" if explanation.task.m == 6 else "change what the task asks for"
     if not count:
@@ -278,7 +276,6 @@ def _idle(explanation: Explanation) -> str:
 
 
 def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
-    """Values that the arm cannot have."""
     reach, outside = explanation.asked.length_scale, list[str]()
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
@@ -337,7 +334,7 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
             lines.append(f"  in {one['axes']}: {', '.join(one['constraints'])}")
             lines += [f"      {'; '.join(filter(None, one['short']))}"] * (full and any(one["short"]))
         if full:
-            lines.append(f"In the {_seen(explanation)}:")
+            lines.append(f"In the {_frame_words(explanation)}:")
             for direction, twist, wrench in zip(
                 lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True
             ):
@@ -354,8 +351,7 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
                       columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
 
 
-def _seen(explanation: Explanation) -> str:
-    """In which axes the directions are, and which point they refer to."""
+def _frame_words(explanation: Explanation) -> str:
     assert explanation.lost.framed is not None
     frame, name = explanation.lost.framed.frame, explanation.lost.framed.name
     at_tip = frame.origin == TIP and not any(frame.point)
@@ -461,7 +457,7 @@ def _out(explanation: Explanation, full: bool) -> Section:
         which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
         one = LOST_TYPE[kind]
         if len(out.types) > 1:
-            one = one.replace("the lost direction", _which_of(which, len(out.types)))
+            one = one.replace("the lost direction", _lost_numbered(which, len(out.types)))
         slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
         after.append(_sentence(f"{slowly}{one}"))
     if full or out.boundary is not None:
@@ -475,7 +471,6 @@ def _out(explanation: Explanation, full: bool) -> Section:
 
 
 def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Why the sentences on ways out hold, with the formulas."""
     out = explanation.escape
     said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
     said |= {one.type: LOST_TYPE[one.type] for one in out.types}
@@ -489,8 +484,7 @@ def _sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _which_of(which: list[int], count: int) -> str:
-    """Which of several lost directions."""
+def _lost_numbered(which: list[int], count: int) -> str:
     if len(which) == count:
         return "each lost direction"
     return f"lost {plural('direction', len(which))} {numbers(which)}"
@@ -551,7 +545,6 @@ def _direction(explanation: Explanation, direction: Direction) -> str:
 
 
 def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """The nearest singularity that was found, the radius that is proven free, and the known families."""
     far, lines, units = explanation.far, [], explanation.robot.units
     rows: list[tuple[str, ...]] = []
     if far.nearest is not None and (full or not far.families):
@@ -587,7 +580,6 @@ def _deltas(delta: Sequence[float], units: list[str]) -> tuple[str, ...]:
 
 
 def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Joint rates for unit speed along the axes, the weakest and the lost directions."""
     rates, n = explanation.rates, explanation.robot.n
     losing = any(rates.lost_shares)
     rows: list[tuple[str, ...]] = []
@@ -642,7 +634,6 @@ def _costs(rates: DirectionRates, unit: str, full: bool, *, brief: bool) -> tupl
 
 
 def _largest(rates: DirectionRates) -> str:
-    """The largest speed with its unit; of a direction that mixes both, its two parts."""
     if isinf(rates.speed):
         return "no limit"
     if rates.unit != "1":
@@ -653,7 +644,6 @@ def _largest(rates: DirectionRates) -> str:
 
 
 def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Velocity and force ellipsoids with their indices, for unit joint rates and for the velocity limits."""
     shapes = explanation.ellipsoids
     for group in (shapes.unit_rates, shapes.rate_limits):
         if group is None:
@@ -674,7 +664,6 @@ def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Null space, rank–nullity, both forms of the projector."""
     spare = explanation.redundancy
     lines = [
         f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
@@ -690,7 +679,6 @@ def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _representation(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """Coordinates of the orientation and their own singularities."""
     every = explanation.representations
     rows = tuple(
         (one.name, ", ".join(f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),

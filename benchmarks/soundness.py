@@ -27,7 +27,7 @@ from rankdrop.certify.ball import certified_radius, settings_of
 from rankdrop.certify.covering import Covering, covering
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.families.searching import search
-from rankdrop.motion.bound import Along
+from rankdrop.motion.prove import Along
 from rankdrop.proof.arm import BITS, Arm, Region, flint
 from rankdrop.proof.record import Link
 from rankdrop.robot.model import Array, Robot

@@ -7,8 +7,8 @@ import pytest
 from reference import arms, region
 
 from rankdrop.certify.setting import settings_for
-from rankdrop.motion.bound import Along, regular
 from rankdrop.motion.curve import Curve, curve, halves, straightened
+from rankdrop.motion.prove import Along, regular
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -11,7 +11,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
-from rankdrop.motion.cartesian import check_poses, within_limits
+from rankdrop.motion.check import check_poses, within_limits
 from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
 from rankdrop.motion.text import branch_chosen
 from rankdrop.motion.trajectory import TrajectoryError

@@ -12,11 +12,10 @@ from rankdrop.certify.setting import enclose
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Check
 from rankdrop.motion import crossings as module
-from rankdrop.motion.bound import ROUNDED, Along
 from rankdrop.motion.check import _ball, check_path
 from rankdrop.motion.crossings import crossings, signs, signs_at
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.prove import Sliver, _free, _joined, _Spent
+from rankdrop.motion.prove import ROUNDED, Along, Sliver, _free, _joined, _Spent
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -14,10 +14,9 @@ import pytest
 
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.rates import rate_limits
-from rankdrop.motion.cartesian import check_poses
-from rankdrop.motion.deviation import TipDeviation
+from rankdrop.motion.check import check_poses
 from rankdrop.motion.follow import follow, poses_at
-from rankdrop.motion.inverse import Aim
+from rankdrop.motion.inverse import Aim, TipDeviation
 from rankdrop.motion.record import PathCheck
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot

@@ -16,10 +16,9 @@ import pytest
 
 from rankdrop.cli.arm import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
-from rankdrop.motion import message_file
+from rankdrop.motion import files as message_file
 from rankdrop.motion.csv_file import parse_trajectory
-from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.message_file import parse_message
+from rankdrop.motion.files import parse_message, read_trajectory
 from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader
@@ -270,7 +269,7 @@ def test_an_archive_tells_its_size_before_it_is_unpacked(tmp_path: Path, monkeyp
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, q=np.zeros((20_000, 4)), other=np.zeros(10))
     assert read_trajectory(path, ARM).q.shape == (20_000, 4)
-    monkeypatch.setattr("rankdrop.motion.array_file.LARGEST_ARRAY", 100_000)
+    monkeypatch.setattr("rankdrop.motion.files.LARGEST_ARRAY", 100_000)
     monkeypatch.setattr(np, "load", lambda *_, **__: pytest.fail("it was unpacked"))
     with pytest.raises(RankdropError, match=r"bomb.npz, q: the array is too large"):
         read_trajectory(path, ARM)

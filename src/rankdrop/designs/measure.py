@@ -43,7 +43,7 @@ from rankdrop.families.share import NearShare, near_shares
 from rankdrop.families.table import families
 from rankdrop.family.record import CorankFamilies, CorankSummary, Family, family_out_of_units
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
-from rankdrop.motion.cartesian import check_poses
+from rankdrop.motion.check import check_poses
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import FREE
 from rankdrop.problem import Problem

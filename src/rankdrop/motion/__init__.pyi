@@ -4,10 +4,10 @@ from .aspects import NOT_FOUND as NOT_FOUND
 from .aspects import Postures as Postures
 from .aspects import aspects_of as aspects_of
 from .bag_file import is_bag as is_bag
-from .cartesian import check_poses as check_poses
 from .certificate import path_certificate as path_certificate
 from .certificate import proven_for_near_arms as proven_for_near_arms
 from .check import check_path as check_path
+from .check import check_poses as check_poses
 from .csv_file import parse_trajectory as parse_trajectory
 from .files import ENDINGS as ENDINGS
 from .files import WRITTEN as WRITTEN

@@ -20,8 +20,7 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RankdropError
 from rankdrop.jobs.limited import CPU, MEMORY, run_limited
-from rankdrop.motion.array_file import arranged
-from rankdrop.motion.trajectory import Trajectory, TrajectoryError, checked_times
+from rankdrop.motion.trajectory import Trajectory, TrajectoryError, arranged, checked_times
 from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 
@@ -31,7 +30,7 @@ _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}
 _MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
 _LISTED = 12  # topics that an error names
 _SECONDS = 1.0  # of the processor for each MB of a bag, besides those that every file has
-_MEANT = {
+_MEANT: dict[type[Exception], str] = {
     OverflowError: "a record that is longer than any file",
     AssertionError: "records that contradict each other",
     **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
@@ -77,8 +76,7 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
                           memory=MEMORY, cpu=CPU + int(_SECONDS * size / 1e6), error=TrajectoryError)  # fmt: skip
     parts = np.load(io.BytesIO(content))
     about = json.loads(str(parts["about"]))
-    columns = (parts.get(key) for key in ("t", "qd", "qdd"))
-    found = arranged(about["where"], robot, parts["q"], *columns, deg=deg)
+    found = arranged(about["where"], robot, parts, deg=deg)
     return replace(found, name=path.name, notes=tuple(about["notes"]), unused=tuple(about["unused"]))
 
 

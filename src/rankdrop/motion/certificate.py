@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from rankdrop.certify.ball import settings_of
 from rankdrop.certify.certificates import file_hash, record_of
 from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
-from rankdrop.certify.setting import Setting, enclose, regular
-from rankdrop.motion.bound import ROUNDED
+from rankdrop.certify.setting import enclose, regular
 from rankdrop.motion.curve import boxes, halves
-from rankdrop.motion.prove import box_tree, chosen
+from rankdrop.motion.prove import centred, chosen, stretches_left
 from rankdrop.motion.record import CROSSING as CROSSES
 from rankdrop.motion.record import FREE, Place, Stretch
 from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array
 
 if TYPE_CHECKING:
     from rankdrop.motion.record import PathCheck
@@ -90,40 +89,23 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     setting = chosen(robot, settings_of(robot, check.task), check.curve)
     rows = check.task.rows
     displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
-    tree = box_tree(check.curve)
-    nodes = np.zeros(1, dtype=np.int64)
     spent = 0
-    for level in range(len(tree) - 1, 0, -1):
-        low, high = tree[level]
-        spent += len(nodes)
-        if spent > evaluations:
-            return False
-        nodes = nodes[~_kept(robot, setting, tolerance, rows, low[nodes], high[nodes])]
-        nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
-        nodes = nodes[nodes < len(tree[level - 1][0])]
-    control = check.curve.control[nodes]
-    while len(control):
+
+    def kept(low: Array, high: Array) -> NDArray[np.bool_]:
+        nonlocal spent
+        spent += len(low)
+        found = enclose(robot, setting, *centred(low, high, setting))
+        drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
+        return regular(found[3], found[2] + np.einsum("bi,bij->bj", drift, np.abs(found[5]))[:, None, :])
+
+    control = check.curve.control[stretches_left(check.curve, kept)]
+    while len(control) and spent < evaluations:
         low, high = boxes(control)
-        spent += len(control)
-        if spent > evaluations:
-            return False
-        left = ~_kept(robot, setting, tolerance, rows, low, high)
+        left = ~kept(low, high)
         if (np.abs(high - low)[left] < _SHORTEST * setting.scale).all(axis=1).any():
             return False
         control = halves(control[left])
-    return True
-
-
-def _kept(
-    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], low: Array, high: Array
-) -> NDArray[np.bool_]:
-    """(P,) which boxes are free for every arm within a tolerance of this one."""
-    centre = np.ascontiguousarray((low + high) / 2)
-    half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
-    found = enclose(robot, setting, centre, half)
-    drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
-    extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
-    return regular(found[3], found[2] + extra[:, None, :])
+    return not len(control)
 
 
 def _met(stretch: Stretch, square: bool, last: int) -> Record:

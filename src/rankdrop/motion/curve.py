@@ -167,6 +167,12 @@ def largest(control: Array, measure: Callable[[Array], Array], enough: float) ->
     return reached, bound
 
 
+def numbered(parts: Index) -> tuple[Index, Index]:
+    """Of stretches cut into so many parts each: the stretch of every part, and its number there, from 0."""
+    stretch = np.repeat(np.arange(len(parts)), parts)
+    return stretch, np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+
+
 def boxes(control: Array) -> tuple[Array, Array]:
     """(P, n) lower and upper corners of boxes that hold the curves."""
     return control.min(axis=1), control.max(axis=1)

@@ -9,7 +9,7 @@ with the pseudo-inverse: a redundant arm makes the shortest step. A step counts 
 to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so that
 the branch is kept up to the singularity or the limit at which it ends. Poses passed over by a step are filled in from a
 straight guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip
-is proven to stay within it of its curve while the joints go straight from row to row (`deviation`).
+is proven to stay within it of its curve while the joints go straight from row to row (`TipDeviation`).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.motion.deviation import TipDeviation
-from rankdrop.motion.inverse import Aim, rotation
+from rankdrop.motion.curve import numbered
+from rankdrop.motion.inverse import Aim, TipDeviation, rotation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 
@@ -230,9 +230,8 @@ class _Walk:
             if (wide <= 1.0).all():
                 return at[1:], q[1:]
             parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
-            k = np.repeat(np.arange(len(parts)), parts)
-            share = (np.arange(len(k)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[k]
-            at = np.append(known[k] + share * (known[k + 1] - known[k]), known[-1])
+            k, part = numbered(parts)
+            at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
         return None
 
     def _pulled(self, now: Array, length: float) -> Array:

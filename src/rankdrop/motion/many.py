@@ -12,8 +12,7 @@ from rankdrop.codec import record_of
 from rankdrop.errors import ConfigurationError, OptionError, RankdropError, ResultFileError, TaskError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.cartesian import check_poses
-from rankdrop.motion.check import check_path
+from rankdrop.motion.check import check_path, check_poses
 from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.options import FileReading, PathOptions
 from rankdrop.motion.pose_file import Poses, holds_poses, length_hint, read_poses

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rankdrop.errors import RankdropError
 from rankdrop.motion.csv_file import UNITS, find_columns, is_number, name_and_unit, names_of, read_table
-from rankdrop.motion.message_file import documents, is_double
+from rankdrop.motion.files import documents, is_double
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot

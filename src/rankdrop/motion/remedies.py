@@ -23,7 +23,7 @@ from rankdrop.local.rates import rate_limits
 from rankdrop.motion import text
 from rankdrop.motion.candidates import Parameter, Ranking, branches, null_spaces, shifts, tilts
 from rankdrop.motion.check import check_path
-from rankdrop.motion.curve import Curve, curve
+from rankdrop.motion.curve import Curve
 from rankdrop.motion.follow import follow
 from rankdrop.motion.options import RemedyOptions
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
@@ -353,15 +353,13 @@ class _Mender:
             return self._named(made), False
         if self._taken(made).slower <= 1.0 + _KEPT:
             return self._named(made), False
-        path = curve(made.q, made.times, made.velocities, made.accelerations, self.interpolate)
-        return self._named(retimed(path, *self.limits, self.scale)), True
+        return self._named(retimed(made.curve(self.interpolate), *self.limits, self.scale)), True
 
     def _named(self, made: Trajectory) -> Trajectory:
         return replace(made, name="mended")
 
     def _taken(self, made: Trajectory) -> Usage:
-        path = curve(made.q, made.times, made.velocities, made.accelerations, self.interpolate)
-        return usage(path, *self.limits)
+        return usage(made.curve(self.interpolate), *self.limits)
 
     def _checked_again(self, made: Trajectory) -> PathCheck:
         check = check_path(

@@ -12,12 +12,12 @@ that of the parabolic blends from the middle of each stretch to the middle of th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.motion.curve import Curve, curve, halves
+from rankdrop.motion.curve import Curve, halves, numbered
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.robot.model import Array
 
@@ -100,8 +100,7 @@ def _straight(path: Curve, rates: Array, accelerations: Array, scale: Array) -> 
     if bounded:
         length = np.linalg.norm(steps / scale, axis=1)
         parts = np.maximum(1, np.ceil(_PARTS * length / max(float(length.sum()), 1e-300))).astype(np.int64)
-    stretch = np.repeat(np.arange(len(steps)), parts)
-    part = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+    stretch, part = numbered(parts)
     q = np.concatenate([path.at(stretch, part / parts[stretch]), path.control[-1:, -1]])
     move = steps[stretch] / parts[stretch, None]
     was = np.zeros(len(stretch)) if path.times is None else np.diff(path.times)[stretch] / parts[stretch]
@@ -116,7 +115,7 @@ def _straight(path: Curve, rates: Array, accelerations: Array, scale: Array) -> 
         y[[0, -1]] = np.minimum(y[[0, -1]], h[[0, -1]] / np.maximum(ends.max(axis=1), 1e-300))
         both = 2 * (h[1:] + h[:-1])[:, None]
         y = fastest((3 * turn[1:] - turn[:-1]) / both, (3 * turn[:-1] - turn[1:]) / both, accelerations, y)
-    return _slowed(q, h / np.sqrt(y), None, None, rates, accelerations, "linear", path.times)
+    return _slowed(_in_time(q, h / np.sqrt(y), path.times), "linear", rates, accelerations)
 
 
 def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Trajectory:
@@ -124,8 +123,7 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     lasts = np.diff(path.times)
     length = np.linalg.norm(np.diff(path.control, axis=1) / scale, axis=2).sum(axis=1)
     parts = np.clip(np.ceil(length / _PIECE[path.degree]), _FEWEST, _MOST).astype(np.int64)
-    stretch = np.repeat(np.arange(len(lasts)), parts)
-    part = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+    stretch, part = numbered(parts)
     step = lasts[stretch] / parts[stretch]
     low, middle, high = (_derivatives(path, stretch, (part + at) / parts[stretch]) for at in (0.0, 0.5, 1.0))
     slope = np.concatenate([low[1], high[1][-1:]])
@@ -138,9 +136,8 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     bends = np.concatenate([low[2][:1], (high[2][:-1] + low[2][1:]) / 2, high[2][-1:]])
     q = np.concatenate([low[0], path.control[-1:, -1]])
     added = slope * gain[:, None] + bends * x[:, None] if path.degree == 5 else None
-    how = "cubic" if path.degree == 3 else "quintic"
-    return _slowed(q, 2 * step / (speed[:-1] + speed[1:]), slope * speed[:, None], added, rates, accelerations, how,
-                   path.times)  # fmt: skip
+    made = _in_time(q, 2 * step / (speed[:-1] + speed[1:]), path.times, slope * speed[:, None], added)
+    return _slowed(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
 
 
 def _derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[Array, Array, Array]:
@@ -152,22 +149,27 @@ def _derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple
     return path.at(stretch, share), path.slope(stretch, share) / lasts, second / lasts**2
 
 
-def _slowed(
-    q: Array, lasts: Array, velocities: Array | None, added: Array | None, rates: Array, accelerations: Array, how: str,
-    was: Array | None,
-) -> Trajectory:  # fmt: skip
+def _slowed(made: Trajectory, how: str, rates: Array, accelerations: Array) -> Trajectory:
     """Slowed down until every bound is kept; times that are rounded are longer, not shorter."""
-    start = 0.0 if was is None else float(was[0])
     for _ in range(4):
-        times = start + np.concatenate([[0.0], np.cumsum(lasts)])
-        slower = usage(curve(q, times, velocities, added, how), rates, accelerations).slower
+        slower = usage(made.curve(how), rates, accelerations).slower
         if slower <= 1.0:
             break
-        slower *= 1.0 + 1e-12 * len(lasts) ** 0.5
-        lasts = lasts * slower
-        velocities = None if velocities is None else velocities / slower
-        added = None if added is None else added / slower**2
-    return Trajectory("", times, q, True, (), velocities, added)
+        slower *= 1.0 + 1e-12 * len(made.q) ** 0.5
+        made = replace(
+            made, times=made.times[0] + (made.times - made.times[0]) * slower,
+            velocities=None if made.velocities is None else made.velocities / slower,
+            accelerations=None if made.accelerations is None else made.accelerations / slower**2,
+        )  # fmt: skip
+    return made
+
+
+def _in_time(
+    q: Array, lasts: Array, was: Array | None, velocities: Array | None = None, accelerations: Array | None = None
+) -> Trajectory:
+    """Rows with the durations (T − 1,) between them, from when the path began."""
+    times = (0.0 if was is None else float(was[0])) + np.concatenate([[0.0], np.cumsum(lasts)])
+    return Trajectory("", times, q, True, (), velocities, accelerations)
 
 
 def fastest(alpha: Array, beta: Array, limits: Array, cap: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.motion.curve import Curve, curve
+from rankdrop.motion.curve import Curve, numbered
 from rankdrop.motion.follow import Followed, Pull, follow
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
@@ -71,13 +71,7 @@ class ToolPath:
 
     def shifted(self, left: Array, right: Array) -> ToolPath:
         """The tool's path left · T · right: the base moved by left⁻¹, or the tool held in another way."""
-        both = left @ self.moved[0], self.moved[1] @ right
-        return ToolPath(self.robot, self.task, self.path, self.place, self.q, left @ self.poses @ right, self.limits,
-                        both)  # fmt: skip
-
-    def lead(self) -> Array:
-        """(2, 4, 4) from the first pose of the path as it was to the first pose as it is moved."""
-        return np.stack([pose(self.robot, self.q[0]), self.poses[0]])
+        return replace(self, poses=left @ self.poses @ right, moved=(left @ self.moved[0], self.moved[1] @ right))
 
     def followed(self, start: Array, pull: Pull | None = None) -> Followed:
         """The joint path on the branch of a start."""
@@ -111,7 +105,8 @@ class ToolPath:
     def trajectory(self, q: Array, interpolate: str) -> Trajectory:
         """A joint path (K, n) at the places, with the times of the old one, and rates where cubics need them."""
         timed = self.path.times is not None
-        times = self._time() if timed else np.asarray(ROW_SECONDS * np.arange(len(q), dtype=np.float64))
+        times = self.path.time(*self.path.split(self.place))
+        times = ROW_SECONDS * np.arange(len(q), dtype=np.float64) if times is None else times
         velocities = None if interpolate == "linear" else _slope(q, times)
         accelerations = _slope(velocities, times) if interpolate == "quintic" and velocities is not None else None
         return Trajectory("", times, q, timed, (), velocities, accelerations)
@@ -121,7 +116,7 @@ class ToolPath:
 
         A measurement at the middles; at the places themselves the path is kept to rounding.
         """
-        new = curve(made.q, made.times, made.velocities, made.accelerations, interpolate)
+        new = made.curve(interpolate)
         k = np.arange(len(made.q) - 1)
         middle = (self.place[:-1] + self.place[1:]) / 2
         now = pose(self.robot, new.at(k, np.full(len(k), 0.5)))
@@ -132,13 +127,7 @@ class ToolPath:
 
     def _with(self, place: Array) -> ToolPath:
         q = joints_at(self.path, place)
-        poses = self.moved[0] @ pose(self.robot, q) @ self.moved[1]
-        return ToolPath(self.robot, self.task, self.path, place, q, poses, self.limits, self.moved)
-
-    def _time(self) -> Array:
-        times = self.path.time(*self.path.split(self.place))
-        assert times is not None
-        return times
+        return replace(self, place=place, q=q, poses=self.moved[0] @ pose(self.robot, q) @ self.moved[1])
 
     def _steps(self, q: Array) -> Array:
         return np.asarray(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1))
@@ -157,8 +146,7 @@ def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
     parts = np.maximum(1, np.ceil(length / _FINE)).astype(np.int64)
     if int(parts.sum()) > max(_MOST, 2 * len(parts)):
         parts = np.ones(len(parts), dtype=np.int64)
-    stretch = np.repeat(np.arange(len(parts)), parts)
-    part = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+    stretch, part = numbered(parts)
     place = np.append(stretch + part / parts[stretch], float(len(parts)))
     low, high = path.control.min(axis=(0, 1)), path.control.max(axis=(0, 1))
     limits = bool((low >= robot.lower - 1e-9).all() and (high <= robot.upper + 1e-9).all())
@@ -198,16 +186,15 @@ def joints_at(path: Curve, place: Array) -> Array:
 
 def _slope(values: Array, times: Array) -> Array:
     """(K, n) derivative by time, of second order."""
-    if len(times) > 2:
-        return np.asarray(np.gradient(values, times, axis=0, edge_order=2))
-    return np.asarray(np.gradient(values, times, axis=0))
+    return np.asarray(np.gradient(values, times, axis=0, edge_order=2 if len(times) > 2 else 1))
 
 
 def start_moved(tool: ToolPath) -> Array | None:
     """(n,) a configuration at the first pose as it is moved: followed to from the path's first one, else the one that
     Newton's method finds near it; None where neither gets there.
     """
-    lead = follow(tool.robot, tool.lead(), tool.q[0], tool.task, limits=tool.limits)
+    way = np.stack([pose(tool.robot, tool.q[0]), tool.poses[0]])
+    lead = follow(tool.robot, way, tool.q[0], tool.task, limits=tool.limits)
     if lead.complete:
         return np.asarray(lead.q[-1])
     found, arrived = Aim(tool.robot, tool.task).solve(tool.poses[:1], tool.q[:1])

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import ConfigurationError
+from rankdrop.motion.curve import Curve, curve
 from rankdrop.results.explanation.words import degrees_hint
-from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
+from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, MOST_ROWS, allowed_range
 from rankdrop.robot.model import Array, Joint, Robot
 
 ROW_SECONDS = 0.1  # between rows of a file without times
@@ -43,6 +45,10 @@ class Trajectory:
     velocities: Array | None = None
     accelerations: Array | None = None
     notes: tuple[str, ...] = ()
+
+    def curve(self, interpolate: str) -> Curve:
+        """The curve that a controller makes of the rows."""
+        return curve(self.q, self.times, self.velocities, self.accelerations, interpolate)
 
     def at(self, time: float) -> Array:
         """(n,) joint values at a time [s], straight between rows, held before the first and after the last."""
@@ -125,6 +131,61 @@ def checked_times(times: Array, where: list[str]) -> Array:
         raise TrajectoryError("time does not go on", where=where[i + 1], got=f"{times[i + 1]:g} after {times[i]:g}",
                               allowed="times that increase")  # fmt: skip
     return times
+
+
+def arranged(
+    where: str, robot: Robot, columns: Mapping[str, Array | None], names: list[str] | None = None, *, deg: bool = False
+) -> Trajectory:
+    """A trajectory of an arm from arrays: shapes, names, values and times checked, joints in the arm's order.
+
+    Args:
+        where: the file, for errors.
+        robot: the arm.
+        columns: q and, where there are any, qd and qdd, (T, columns) each, and t, (T,) times [s].
+        names: of the joints of q, qd and qdd; None: the arm's joints in order.
+        deg: angles are in degrees.
+
+    Raises:
+        TrajectoryError: with file and row.
+    """
+    wanted = [joint.name for joint in robot.variables]
+    width = robot.n if names is None else len(names)
+    q, times = columns["q"], columns.get("t")
+    if q is None or q.ndim != 2 or not len(q) or q.shape[1] != width:
+        raise TrajectoryError("the positions have another shape than the arm", where=where,
+                              got="none" if q is None else f"shape {q.shape}",
+                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
+    if len(q) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
+    chosen = list(range(robot.n))
+    if names is not None:
+        twice = sorted({name for name in names if names.count(name) > 1})
+        missing = [name for name in wanted if name not in names]
+        if twice or missing:
+            raise TrajectoryError(
+                "a joint is named twice" if twice else "joints are missing", where=where, got=", ".join(names),
+                allowed=", ".join(wanted),
+                mend=f"name {', '.join(twice)} once" if twice else f"add {', '.join(missing)}",
+            )  # fmt: skip
+        chosen = [names.index(name) for name in wanted]
+    factors = np.where(turning(robot), np.pi / 180 if deg else 1.0, 1.0)
+    parts = []
+    for key, what in (("q", "the position"), ("qd", "the velocity"), ("qdd", "the acceleration")):
+        part = columns.get(key)
+        if part is not None and part.shape != q.shape:
+            raise TrajectoryError(f"{what} has another shape than the positions", where=where,
+                                  got=f"shape {part.shape}", allowed=f"shape {q.shape}")  # fmt: skip
+        parts.append(None if part is None else checked(part[:, chosen], where, robot, what, factors=factors))
+    timed = times is not None
+    if times is None:
+        times = np.arange(len(q), dtype=np.float64) * ROW_SECONDS
+    if times.shape != (len(q),):
+        raise TrajectoryError("there is one time for each row", where=where, got=f"shape {times.shape}",
+                              allowed=f"shape ({len(q)},)")  # fmt: skip
+    checked_times(times, [f"{where}, row {row + 1}" for row in range(len(q))] if timed else [])
+    unused = tuple(name for name in names or () if name not in wanted)
+    positions = parts[0] if parts[0] is not None else q
+    return Trajectory(Path(where).name, times, positions, timed, unused, parts[1], parts[2])
 
 
 def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:

@@ -54,12 +54,11 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool, option: str = "--
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
-    words = split_values(text)
-    joints = robot.variables
+    words, joints, units = split_values(text), robot.variables, {"rad": "deg" if deg else "rad"}
     if len(words) != len(joints):
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
-            allowed=", ".join(f"{joint.name} [{_unit(joint.unit, deg=deg)}]" for joint in joints),
+            allowed=", ".join(f"{joint.name} [{units.get(joint.unit, joint.unit)}]" for joint in joints),
             mend=_pointed(text, len(joints)) or f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
     values = [
@@ -98,10 +97,6 @@ def _without_brackets(text: str) -> str:
         if depth == 0:
             return text[1:-1] if place == len(text) - 1 else text
     return text
-
-
-def _unit(unit: str, *, deg: bool) -> str:
-    return "deg" if deg and unit == "rad" else unit
 
 
 def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
@@ -250,7 +245,6 @@ def open_arm(name: str, options: ArmOptions, tcp: str | None = None, *, deg: boo
 
 
 def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
-    """x, y, z [m] and roll, pitch, yaw [rad] of a tool point."""
     words = split_values(text)
     if len(words) not in (3, 6):
         raise OptionError("a tool point is three lengths, then three angles if the tool is turned", where="--tcp",
@@ -316,7 +310,6 @@ def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, st
 
 
 def _first_sentence(text: str) -> str:
-    """Where numbers come from; how they were compared stands in the JSON of an analysis."""
     first = re.split(r"(?<![A-Z])\. (?=[A-Z])", text, maxsplit=1)[0]
     return first if first == text else f"{first}."
 
@@ -429,12 +422,10 @@ def _typed(hint: Any) -> Any:
 
 @cache
 def _group(title: str) -> Group:
-    """One group for each title; those of the command come first, the arm and the output last."""
     return Group(title, sort_key=_LAST.index(title) + 1 if title in _LAST else 0)
 
 
 def _parameter(hint: Any, default: object) -> Parameter:
-    """The option of one field."""
     kind, meta = plain_type(hint), meta_of(hint)
     unit = unit_of(hint)
     convert = {int: whole, float: _quantity(unit)}.get(kind)
@@ -455,7 +446,6 @@ def _help(words: str, unit: str, kind: Any) -> str:
 
 
 def _quantity(unit: str) -> Callable[[Any, Sequence[Token]], float]:
-    """The reader of a number with its unit: 5deg, 3mm, pi/2, 250mm/s."""
     measure = _MEASURES.get(unit.removesuffix("/s"), "number")
 
     def read(_type: Any, tokens: Sequence[Token]) -> float:

@@ -86,6 +86,7 @@ def explain(
     found; 3: none. 2: bad input.
     """
     from rankdrop import explain as run
+    from rankdrop.local import OrderedScrewSet, render, report
     from rankdrop.results import Analysis
     from rankdrop.tolerances import DEFAULT
     from rankdrop.verbs import here
@@ -102,15 +103,15 @@ def explain(
     )  # fmt: skip
     beside = None if made is None else here(made, found)
     proven = None if output.certificate is None and near is None else of_place(found, near, budget)
-    procedure = _procedure(found, options.seed) if output.lie else None
+    procedure = report(OrderedScrewSet.of(found.robot, found.q), options.seed) if output.lie else None
 
-    def show() -> None:
+    def to_stdout() -> None:
         certified = [] if proven is None or output.only != "nearest" else [Section("certificate", in_words(proven))]
         print_sections([*_sections(found, made, beside, output), *certified])
-        _print_procedure(procedure)
+        show(results(), [] if procedure is None else ["", render(procedure)])
 
     hand_over(
-        show,
+        to_stdout,
         (output.json, lambda target: write_json(_record(found, made, beside, procedure, output.only), target)),
         (output.certificate, lambda target: save_certificate(proven, target)),
     )
@@ -147,18 +148,6 @@ def _record(
         return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})
     nearby = {} if made is None or beside is None else {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
     return found.to_dict() | nearby
-
-
-def _procedure(found: Explanation, seed: int) -> Any:
-    from rankdrop.local import OrderedScrewSet, report
-
-    return report(OrderedScrewSet.of(found.robot, found.q), seed)
-
-
-def _print_procedure(procedure: Any) -> None:
-    from rankdrop.local import render
-
-    show(results(), [] if procedure is None else ["", render(procedure)])
 
 
 def _code(found: Explanation, only: str | None) -> int:

@@ -261,7 +261,6 @@ def _in_our_words(error: CycloptsError) -> str:
 
 
 def _missing(error: MissingArgumentError) -> str:
-    """Which option or argument is missing, or has no value, and what it is for."""
     argument = error.argument
     assert argument is not None
     what = f"{argument.name} is missing" if error.keyword is None else f"{error.keyword} needs a value"
@@ -270,7 +269,6 @@ def _missing(error: MissingArgumentError) -> str:
 
 
 def _options(command: str) -> list[str]:
-    """The options of a command; none where no command has this name."""
     if command.startswith("-") or command not in app:
         return []
     arguments = app[command].assemble_argument_collection()

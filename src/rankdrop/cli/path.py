@@ -186,14 +186,20 @@ def path(
     reading = FileReading(source.deg, source.topic, start)
     families = None if source.analysis is None else Analysis.load(source.analysis)
     if not several:
-        from rankdrop.motion import check_file
+        from rankdrop.motion import check_file, mend_path
 
         with reporter(quiet=output.quiet) as report:
             result = check_file(
                 model, found[0], task=task, analysis=families, options=check, reading=reading, say=say,
                 progress=lambda done, total: report(f"{found[0].name}: stretches decided", done, total),
             )  # fmt: skip
-            remedies = _remedies(result, mend, families, report) if mend.wanted and result.complete else None
+            remedies = None
+            if mend.wanted and result.complete:
+                remedies = mend_path(
+                    result, analysis=families, acceleration=mend.acceleration,
+                    options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
+                    progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
+                )  # fmt: skip
         return _hand_over_one(result, remedies, near, families, output, mend.fixed, found[0])
     with reporter(quiet=output.quiet) as report:
         checked = check_files(model, found, task=task, analysis=families, options=check, reading=reading, out=many.out,
@@ -238,21 +244,10 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
         raise OptionError("this option is for one path", where=name, mend="name one file, without --out")
 
 
-def _remedies(check: PathCheck, mend: Remedies, families: Analysis | None, report: Any) -> Mending:
-    from rankdrop.motion import mend_path
-
-    return mend_path(
-        check, analysis=families, acceleration=mend.acceleration,
-        options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
-        progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
-    )  # fmt: skip
-
-
 def _hand_over_one(
     result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None,
     output: PathOutput, fixed: str | None, file: Path,
 ) -> int:  # fmt: skip
-    """Print and write one path; the exit code."""
     from rankdrop.motion import path_certificate, path_rows, proven_for_near_arms, rows_file
 
     sections = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
@@ -292,7 +287,6 @@ def _hand_over_one(
 
 
 def _write_fixed(mending: Mending, target: str) -> None:
-    """The mended path as a file, and a line that says so."""
     from rankdrop.motion import trajectory_bytes
 
     one = mending.best or (mending.remedies[0] if mending.remedies else None)

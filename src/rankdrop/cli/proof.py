@@ -197,8 +197,6 @@ def verify(
 
 
 def _asked(about: VerifyOptions, arm: ArmOptions) -> Any:
-    """What the claim is compared with, as `rankdrop.certify.asked_about` gives it."""
-
     from rankdrop.certify import asked_about
     from rankdrop.motion import holds_poses, read_trajectory
 

@@ -125,7 +125,6 @@ def report(
 def _analysis(
     robot: str, arm: IdealOptions, options: ReportOptions, progress: Report
 ) -> tuple[Analysis, Idealised | None]:
-    """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop import analyze
     from rankdrop.results import Analysis, known_analysis
 
@@ -141,7 +140,6 @@ def _analysis(
 
 
 def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
-    """The files that were written."""
     from rankdrop.report.figures import figure_names, figures
     from rankdrop.report.page import page
 

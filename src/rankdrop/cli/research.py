@@ -172,7 +172,6 @@ def _stored(
 
 
 def _rule(step: str | None) -> float | None:
-    """The rule of the steps: None for the method's own, 0 for a line search, else a share."""
     if step is None or step.strip().lower() == _LINE:
         return None if step is None else 0.0
     try:
@@ -205,7 +204,6 @@ def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, d
 
 
 def _save(search: Search, target: str, *, history: bool) -> None:
-    """The outcome, or its history, in the format that the ending of the file names."""
     from rankdrop.codec import record_of
     from rankdrop.results import find_to_csv, find_to_npz, history_to_csv, history_to_npz
 
@@ -227,7 +225,6 @@ def _starts(search: Search, start: str | None) -> str:
 
 
 def _method(search: Search) -> str:
-    """The method with its settings."""
     words = [search.method]
     if search.method == "reciprocal":
         if search.corank == 1:
@@ -241,7 +238,6 @@ def _method(search: Search) -> str:
 
 
 def _outcome(search: Search, seconds: float) -> Section:
-    """How many starts converged, the first of them, and what became of the others."""
     import numpy as np
 
     from rankdrop.families import Outcome
@@ -269,7 +265,6 @@ def _outcome(search: Search, seconds: float) -> Section:
 
 
 def _drawn(search: Search, seconds: float) -> Section:
-    """What reciprocal wrenches gave: how many from each stratum, how exact."""
     from rankdrop.families import EXACT
 
     ratio = (search.sigma[:, search.rank] / search.sigma[:, 0]).max(initial=0.0)
@@ -283,7 +278,6 @@ def _drawn(search: Search, seconds: float) -> Section:
 
 
 def _table(search: Search, title: str, lines: list[str]) -> Section:
-    """The first few converged configurations, rad above deg, with the lines below."""
     from rankdrop.text import joint_symbol
 
     kinds = [str(joint.kind) for joint in search.robot.variables]
@@ -298,7 +292,6 @@ def _table(search: Search, title: str, lines: list[str]) -> Section:
 
 
 def _fixed(value: float, digits: int) -> str:
-    """A number with a fixed number of digits, and no sign on a zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 

@@ -72,7 +72,6 @@ def _print(entries: Sequence[CatalogEntry], text: str) -> None:
 
 
 def _similar(text: str) -> str:
-    """Names and makers that are written much like the text, else what else can be given."""
     from difflib import get_close_matches
 
     from rankdrop.robot import search_catalog

@@ -122,7 +122,6 @@ def _cell(column: Column, row: Family) -> Text:
 
 
 def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
-    """For windows too narrow for a table: one paragraph per family."""
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column()

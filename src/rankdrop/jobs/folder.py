@@ -191,7 +191,6 @@ _LARGEST = 1 << 30  # bytes of job.json: a plan holds the poses of its paths
 
 @cache
 def _note_table() -> Any:
-    """The entries of job.json."""
     job = table("job", kind=text(pattern="^[a-z ]{1,40}$"), work=str, plan=mapping(Any), chunks=whole(1, 10**_DIGITS),
                 version=str)  # fmt: skip
     return table("note", schema=Literal["rankdrop/job/1"], items=Count, sha256=str, job=job)

@@ -74,7 +74,6 @@ def run_limited(
 
 
 def _end_of(code: int, memory: int, cpu: int) -> str:
-    """How a child ended, as the rest of a sentence."""
     if code == _OUT_OF_MEMORY:
         return f"needs more than {memory / 2**30:g} GB of memory for the file"
     if code < 0 and signal.Signals(-code).name in ("SIGXCPU", "SIGKILL"):
@@ -83,7 +82,6 @@ def _end_of(code: int, memory: int, cpu: int) -> str:
 
 
 def _serve() -> None:
-    """Read a request, meet it within its limits, and write the answer."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what the parser prints goes nowhere
     request = json.loads(sys.stdin.buffer.read())

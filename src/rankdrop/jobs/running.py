@@ -113,7 +113,6 @@ def finish(
 
 
 def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, None]:
-    """The chunks as they are finished, in any order."""
     if engine.scheduler is not None:
         return _on_cluster(job, chunks, engine.scheduler)
     if engine.here:
@@ -150,7 +149,6 @@ def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, No
 
 
 def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.Queue[Made | Exception]) -> None:
-    """Feed one worker until nothing is left to do."""
     while True:
         try:
             chunk = todo.get_nowait()
@@ -164,8 +162,6 @@ def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.Queue[M
 
 
 class _Worker:
-    """A process that makes chunks; replaced where it dies."""
-
     def __init__(self, job: Job) -> None:
         self._job = job
         self._closed = False
@@ -253,7 +249,6 @@ def _distributed() -> Any:
 
 
 def _on_cluster(job: Job, chunks: list[int], address: str) -> Generator[Made, None, None]:
-    """The chunks from a Dask cluster, which makes those of a lost worker again by itself."""
     distributed = _distributed()
     try:
         client = distributed.Client(address, timeout=10)

@@ -98,13 +98,11 @@ class Drawing:
 
     @cached_property
     def _rows(self) -> list[dict[str, Any]] | None:
-        """The joints of a DH file; None for what is none."""
         is_table = self.text != "" and not self.text.lstrip("\ufeff \t\r\n").startswith("<")
         return list(parsed_toml(self.text, self.file)["joints"]) if is_table else None
 
     @cached_property
     def _keys(self) -> tuple[str, ...]:
-        """Keys of a joint that can be set."""
         if self._rows is not None:
             return (*_DH, *_LIMITS)
         return (*FRAME, *_LIMITS) if self.text else ()
@@ -166,8 +164,8 @@ class Drawing:
         found = self._with(inner) if inner else self.nominal
         for end in ENDS:
             given = {place.key: x for place, x in ends.items() if place.part == end}
-            if given:
-                found = _moved(found, end, _pose(given))
+            numbers = [given.get(key, 0.0) for key in FRAME]
+            found = _moved(found, end, from_xyz_rpy(numbers[:3], numbers[3:])) if given else found
         return found if name is None else replace(found, name=name)
 
     def _with(self, values: Mapping[Place, float]) -> Robot:
@@ -213,13 +211,7 @@ def _child(element: Element, tag: str) -> Element:
     return found
 
 
-def _pose(given: Mapping[str, float]) -> Array:
-    numbers = [given.get(key, 0.0) for key in FRAME]
-    return from_xyz_rpy(numbers[:3], numbers[3:])
-
-
 def _moved(robot: Robot, end: str, pose: Array) -> Robot:
-    """A robot with a further tool, or with its base at a pose."""
     if end == "tool":
         return replace(robot, home=times(robot.home, pose))
     joints = tuple(_carried(joint, pose) for joint in robot.joints)

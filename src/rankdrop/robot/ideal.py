@@ -15,7 +15,7 @@ import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from math import atan2, ceil, degrees, floor, log10, pi, radians, sqrt
+from math import atan2, ceil, degrees, floor, log10, pi, radians
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from rankdrop.robot.numbers import (
     Change,
     Numbers,
     along,
+    apart,
     astray,
     axis_lines,
     between,
@@ -76,7 +77,7 @@ def exact_rotation(turn: Array, angle: float) -> Array:
     found = np.zeros((3, 3))
     found[row, column] = sign
     found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
-    return found if _apart(found, turn) <= angle else nearest_rotation(turn)
+    return found if apart(found, turn) <= angle else nearest_rotation(turn)
 
 
 def exact_direction(direction: Array, angle: float) -> Array:
@@ -100,11 +101,6 @@ def tidy(lengths: Array, unit: float = 1.0) -> Array:
     step = 1e6 / unit  # a whole number, or what it divides: 0.24 comes out as it is written
     whole = np.rint(lengths * step) / step
     return np.asarray(np.where(np.abs(lengths - whole) < NOTHING * unit, whole, lengths)) + 0.0
-
-
-def _apart(one: Array, two: Array) -> float:
-    """Angle between two rotations that are near [rad]: ‖A − B‖ = 2 √2 sin(angle / 2)."""
-    return norm(one - two) / sqrt(2.0)
 
 
 _SAME = 1e-13
@@ -537,7 +533,6 @@ def _round_up(value: float, unit: float) -> float:
 
 
 def _holding(robot: Robot) -> list[_Fact]:
-    """Facts of exact structure: (what, joints from 1)."""
     numbers = numbers_of(robot, angle=NOTHING, length=NOTHING)
     slides = [joint.kind is JointKind.PRISMATIC for joint in robot.joints]
     found: list[_Fact] = []
@@ -565,7 +560,6 @@ def _point(numbers: Sequence[Numbers], i: int) -> bool:
 
 
 def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
-    """Facts in words; what follows from a point is left out."""
     points = [joints for what, joints in facts if what == "point"]
     names: dict[tuple[int, ...], str] = {(1, 2, 3): "a spherical shoulder"} if n > 3 else {}
     names[n - 2, n - 1, n] = "a spherical wrist"
@@ -585,7 +579,6 @@ def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
 
 
 def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    """Pairs (2, 3), (3, 4) as (2, 3, 4)."""
     found: list[tuple[int, ...]] = []
     for pair in sorted(pairs):
         if found and found[-1][-1] == pair[0]:

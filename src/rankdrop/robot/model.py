@@ -217,7 +217,6 @@ class Robot:
 
 
 def _fixed(values: list[Any]) -> NDArray[Any]:
-    """An array that is made once and never changes."""
     array = np.array(values)
     array.flags.writeable = False
     return array
@@ -239,7 +238,6 @@ def _sections(robot: Robot) -> tuple[Section, ...]:
 
 
 def _end(limit: float, unit: str) -> str:
-    """A limit for reading: degrees, or metres; "none" where there is none."""
     if not np.isfinite(limit):
         return "none"
     return (f"{np.degrees(limit):.4g}°" if unit == "rad" else f"{limit:.4g} m").replace("-", "−")
@@ -317,7 +315,6 @@ def coarse_fingerprint(robot: Robot, *, tip: bool = True) -> str:
 
 
 def _structure(robot: Robot) -> bytes:
-    """The kind of every joint and the joint it follows."""
     index = {joint.name: i for i, joint in enumerate(robot.joints)}
     parts = [(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]
     return repr(parts).encode()

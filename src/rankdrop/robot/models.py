@@ -628,7 +628,6 @@ def _motion(tree: Tree, joint: TreeJoint, step: dict[str, Any]) -> Motion:
 
 
 def _pose(position: Array, quaternion: Array) -> Array:
-    """(4, 4) pose from a position [m] and a unit quaternion (w, x, y, z)."""
     w, x, y, z = quaternion
     pose = translation(*position)
     with np.errstate(invalid="ignore"):  # `chain_robot` refuses numbers that are not finite

@@ -160,7 +160,6 @@ def _normal(
 
 
 def _feet(one: Line, two: Line) -> tuple[Array, Array]:
-    """Points of the two lines that are closest to each other."""
     (a, start), (b, end) = one, two
     gap = end - start
     lean, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)  # s − lean t = along_a, lean s − t = along_b
@@ -171,7 +170,6 @@ def _feet(one: Line, two: Line) -> tuple[Array, Array]:
 
 
 def _nearest(line: Line, point: Array) -> Array:
-    """The point of a line that is nearest to a point."""
     direction, start = line
     return start + direction * dot(point - start, direction)
 
@@ -331,7 +329,7 @@ def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> t
     """
     before = numbers_of(old, angle=angle, length=length)
     after = numbers_of(new, angle=angle, length=length)
-    first, last = (_apart(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
+    first, last = (apart(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
     found = [*_differences(before, after), Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
     return tuple(change for change in found if change.by > NOTHING)
 
@@ -356,8 +354,8 @@ def _ends(robot: Robot) -> tuple[Array, Array]:
     return direction, times(robot.joints[-1].frame[:3, :3].T, robot.home[:3, :3])
 
 
-def _apart(one: Array, two: Array) -> float:
-    """Angle between two directions or two rotations that are near [rad]."""
+def apart(one: Array, two: Array) -> float:
+    """Angle between two directions or two rotations that are near [rad]: ‖A − B‖ = 2 √2 sin(angle / 2)."""
     return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)
 
 

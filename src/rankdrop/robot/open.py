@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib import resources
+from importlib import import_module, resources
 from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
@@ -158,11 +158,16 @@ class Format:
     arguments: bool = False
 
 
-def _read_xacro(file: RobotFile) -> Robot:
-    from rankdrop.robot.xacro import from_xacro
+def _reader(name: str, *given: str) -> Callable[[RobotFile], Robot]:
+    """The reader "module.function" of a file: it takes a path, `as_written`, and what else of the file is `given`."""
 
-    return from_xacro(file.path, base=file.base, tip=file.tip, packages=file.packages, args=file.args,
-                      as_written=file.as_written)  # fmt: skip
+    def read(file: RobotFile) -> Robot:
+        module, _, function = name.partition(".")
+        reader = getattr(import_module(f"rankdrop.robot.{module}"), function)
+        robot: Robot = reader(file.path, as_written=file.as_written, **{key: getattr(file, key) for key in given})
+        return robot
+
+    return read
 
 
 def _read_toml(file: RobotFile) -> Robot:
@@ -174,18 +179,6 @@ def _holds_screws(file: RobotFile) -> bool:
     from rankdrop.robot.screws import is_screw_list
 
     return not file.root and file.suffix != ".toml" and is_screw_list(file.text)
-
-
-def _read_screws(file: RobotFile) -> Robot:
-    from rankdrop.robot.screws import from_screw_list
-
-    return from_screw_list(file.path, name=name_of_file(file.path), as_written=file.as_written)
-
-
-def _read_mjcf(file: RobotFile) -> Robot:
-    from rankdrop.robot.models import from_mjcf
-
-    return from_mjcf(file.path, base=file.base, tip=file.tip, as_written=file.as_written)
 
 
 def _read_urdf(file: RobotFile) -> Robot:
@@ -200,11 +193,9 @@ def _read_urdf(file: RobotFile) -> Robot:
     return from_urdf(file.text, base=file.base, tip=file.tip, file=str(file.path), as_written=file.as_written)
 
 
-def _refuse_sdf(file: RobotFile) -> Robot:
-    raise RobotError("SDF is not read", where=str(file.path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
-
-
 def _refuse_other(file: RobotFile) -> Robot:
+    if file.root:
+        raise RobotError("SDF is not read", where=str(file.path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
     if file.text.startswith(_POINTER):
         raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(file.path),
                          mend="fetch it: git lfs pull")  # fmt: skip
@@ -213,11 +204,12 @@ def _refuse_other(file: RobotFile) -> Robot:
 
 
 FORMATS = (
-    Format("xacro", lambda file: file.xacro or file.suffix == ".xacro", _read_xacro, arguments=True),
-    Format("MJCF", lambda file: file.root == "mujoco", _read_mjcf),
-    Format("SDF", lambda file: file.root == "sdf", _refuse_sdf),
+    Format("xacro", lambda file: file.xacro or file.suffix == ".xacro",
+           _reader("xacro.from_xacro", "base", "tip", "packages", "args"), arguments=True),
+    Format("MJCF", lambda file: file.root == "mujoco", _reader("models.from_mjcf", "base", "tip")),
+    Format("SDF", lambda file: file.root == "sdf", _refuse_other),
     Format("URDF", lambda file: file.root != "", _read_urdf),
-    Format("screws", _holds_screws, _read_screws, links=False),
+    Format("screws", _holds_screws, _reader("screws.from_screw_list"), links=False),
     Format("TOML", lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml, links=False),
     Format("", lambda _: True, _refuse_other),
 )
@@ -347,7 +339,6 @@ def _same_names(name: str) -> list[str]:
 
 
 def _close_names(name: str) -> list[str]:
-    """Names that may be meant: equal but for spelling, then inside name or description, then alike."""
     plain = _plain(name[:80])
     inside = [entry.name for entry in search_catalog(name[:80])]
     alike = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import described_robot, joint_kind
-from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, read_text
+from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, name_of_file, read_text
 from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, quantity
@@ -251,12 +251,12 @@ def is_screw_list(text: str) -> bool:
     return False
 
 
-def from_screw_list(path: Path, *, name: str, as_written: bool = False) -> Robot:
+def from_screw_list(path: Path, *, name: str | None = None, as_written: bool = False) -> Robot:
     """The arm whose screws a plain file lists, base to tip, at the configuration they were written down at: q = 0.
 
     Args:
         path: six numbers a line, direction first: (s; s_o), s_o = p × s for a line through p, about the base origin.
-        name: of the arm.
+        name: of the arm; None takes that of the file.
         as_written: keep noise of 2e-5 rad and 2 µm.
 
     Raises:
@@ -267,9 +267,8 @@ def from_screw_list(path: Path, *, name: str, as_written: bool = False) -> Robot
         try:
             from_screws(screw[None], order="angular-first")
         except RobotError as error:
-            raise RobotError(error.what, where=f"{path}, line {line}", got=error.got, allowed=error.allowed,
-                             mend=error.mend) from error  # fmt: skip
-    robot = from_screws(rows, order="angular-first", name=name, notes=(_NOTE,))
+            raise RobotError(**error.parts | {"where": f"{path}, line {line}"}) from error
+    robot = from_screws(rows, order="angular-first", name=name or name_of_file(path), notes=(_NOTE,))
     return as_intended(robot, Angles(as_written=as_written))
 
 

@@ -119,7 +119,6 @@ def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
 
 
 def _home(tree: Tree, link: str) -> Array:
-    """(4, 4) pose of a link below its root with every joint at zero."""
     pose = np.eye(4)
     while link in tree.above:
         joint = tree.above[link]
@@ -129,7 +128,6 @@ def _home(tree: Tree, link: str) -> Array:
 
 
 def _colours(root: Element) -> dict[str, tuple[float, float, float]]:
-    """Colours of the materials that the file names."""
     found: dict[str, tuple[float, float, float]] = {}
     for element in [root, *(visual for link in root.children for visual in link.children)]:
         for material in element.children:
@@ -322,7 +320,6 @@ def _unit(scene: Any) -> float:
 
 
 def _own_colour(part: Any) -> tuple[float, ...]:
-    """The main colour of a part, grey where it has none."""
     visual = getattr(part, "visual", None)
     if visual is None or not visual.defined:
         return GREY

@@ -216,7 +216,6 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
 
 
 def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
-    """The simple joints that one entry with an axis or a centre stands for."""
     word = joint.get("kind", "revolute")
     if word not in _KEYS_OF:
         joint_kind(word, where("kind"), ("cylindrical", "spherical"))

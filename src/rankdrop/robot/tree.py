@@ -89,7 +89,6 @@ class Tree:
         return path[::-1]
 
     def _carriers(self, link: str) -> list[str]:
-        """The links between `link` and its root, the root included."""
         carriers = []
         while link in self.above:
             link = self.above[link].parent
@@ -342,7 +341,6 @@ def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) ->
 
 
 def _moving(count: int) -> str:
-    """A count of moving joints in words."""
     return f"{count} moving joint{'' if count == 1 else 's'}"
 
 

@@ -280,7 +280,6 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
 
 
 def _expansion_error(reason: str, path: str, packages: dict[str, None], arguments: _Arguments) -> RobotError:
-    """Why a file cannot be expanded: a package or an argument is missing, or what xacro says."""
     for package in packages:
         if _NOWHERE + package in reason:
             return RobotError(

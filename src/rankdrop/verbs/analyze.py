@@ -91,7 +91,6 @@ def derive(
 def _tested(
     derivation: Derivation, derived: Conditions, rank: int, tables: Sequence[CorankFamilies], *, limits: bool
 ) -> Derivation:
-    """The record of a derivation with what the numerical tests show against it."""
     said = list(derived.disagreements)
     if derived.generic_rank != rank:
         said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
@@ -229,7 +228,6 @@ def analyze(
 
 
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
-    """What the searches took for singular and is not."""
     return tuple(
         f"corank {one.summary.corank}: {one.mistaken:,} points of the searches with "
         f"σ ≤ {DEFAULT.singular:g} are not singular: followed with 50 digits, σ does not vanish next to them"
@@ -251,7 +249,6 @@ def _prefixed(progress: Progress | None, label: str) -> Progress | None:
 
 
 def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:
-    """Say so when the arm is singular for the task at every configuration, or has too few joints for it."""
     if rank == task.m:
         return ()
     if rank < min(task.m, robot.n):

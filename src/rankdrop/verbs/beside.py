@@ -200,7 +200,6 @@ def _points(given: Robot, model: Robot, task: Task, family: Side, seed: int) -> 
 
 
 def _nearby(real: Robot, task: Task, rank: int, family: Side, q: Array, seed: int) -> Nearby:
-    """One family, at points q of it."""
     kept = rank - family.corank
     sigma = singular_values(real, q, task)[:, kept]
     searched = min(SEARCHED, len(q))

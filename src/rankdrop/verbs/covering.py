@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rankdrop.certify.covering import (
     BUDGET,
@@ -37,7 +36,7 @@ from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
 from rankdrop.options import takes
-from rankdrop.proof.boxes import Cells, Plan, plan_from_entries
+from rankdrop.proof.boxes import Plan, plan_from_entries
 from rankdrop.questions import CoverOptions
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
@@ -105,9 +104,11 @@ def cover(
     check_engine(engine)
     resolved = resolve_task(task, robot)
     families, source = known_families(robot, resolved, analysis, DEFAULT)
-    tell = report if report is not None else _silent
+    tell = report or (lambda label, done, total: None)
     plan = plan_of(robot, how.width, resolved, corank=how.corank, limits=how.limits)
-    found = _made(robot, resolved, plan, None if out is None else Path(out), how.budget, engine, tell)
+    file = None if out is None else Path(out)
+    with nullcontext() if file is None else alone(file):
+        found = _read_or_make(robot, resolved, plan, file, how.budget, engine, tell)
     if not found.complete or not how.explain:
         return Covered(robot, resolved, found, None)
     if source == "on the spot":
@@ -131,18 +132,6 @@ def how_far(out: str | Path) -> str:
 
 def _parts_of(out: Path) -> Path:
     return out.with_name(f"{out.name}.parts")
-
-
-def _silent(label: str, done: int, total: int) -> None:
-    return None
-
-
-def _made(
-    robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
-) -> Covering:
-    """The covering from its file, or made, chunk by chunk, in a folder beside it."""
-    with nullcontext() if out is None else alone(out):
-        return _read_or_make(robot, task, plan, out, budget, engine, tell)
 
 
 def _read_or_make(
@@ -242,9 +231,5 @@ def _account(
     stays = np.ones(len(left), dtype=np.bool_)
     stays[open_] = (judged == 1) | (judged == 2)
     explained = by_families + np.bincount(by[judged == 3], minlength=len(families))
-    groups = spots(found, robot, task, *_those(left, proven, stays))
+    groups = spots(found, robot, task, left[stays], proven[stays])
     return Account(families, source, explained, int((judged == 0).sum()), groups, explainer.diagonal)
-
-
-def _those(left: Cells, proven: NDArray[np.bool_], stays: NDArray[np.bool_]) -> tuple[Cells, NDArray[np.bool_]]:
-    return left[stays], proven[stays]

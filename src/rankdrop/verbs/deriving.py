@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import monotonic
+from typing import TypeVar
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
+Made = TypeVar("Made")
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
@@ -59,8 +61,16 @@ def derived(
     left = list(tree.left)
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, left)
-    first = _first(chain, tree, found, work, asked)
-    said = _said(chain, work) if asked.steps else None
+    first = _unless_interrupted(
+        work, "the method for corank 1",
+        lambda own: corank_one(
+            chain, asked.method, tree, found, own, steps=asked.steps, chosen=(asked.basic, asked.frame)
+        ),
+        CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",)),
+    )  # fmt: skip
+    determinants: Determinants | None = None
+    if asked.steps:
+        determinants = _unless_interrupted(work, "the determinant", lambda own: determinants_of(chain, own), None)
     hidden, unmet = _sets_without_points(chain, tree, found, asked.seed)
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
@@ -79,7 +89,7 @@ def derived(
         method=first.method,
         reason=first.reason,
         steps=first.steps,
-        determinants=said,
+        determinants=determinants,
         families=posed_exactly(robot, chain.task, found),
         lowest=lowest,
         assumptions=tuple(assumed),
@@ -106,7 +116,6 @@ def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> 
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
-    """Assumptions on lengths that the arm's own lengths break, in words."""
     told = ("conditions that are independent for general lengths are not for these: derived with numbers",)
     return (told if work.special else ()) + tuple(
         f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
@@ -162,32 +171,15 @@ def _families(
     return found, not_real, wrong
 
 
-def _first(
-    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, asked: ConditionSettings
-) -> CorankOne:
-    """Corank 1 by the method a person would take; left out where the user has asked to stop."""
+def _unless_interrupted(work: Work, label: str, make: Callable[[Work], Made], otherwise: Made) -> Made:
+    """What is made with a share of the work that is left; `otherwise` where the user has asked to stop."""
     if not work.interrupted:
-        work.show("the method for corank 1", 0, 1)
+        work.show(label, 0, 1)
         try:
-            own = Work(max(_SHARE * work.left, 0.1), work.seed)
-            return corank_one(
-                chain, asked.method, tree, families, own, steps=asked.steps, chosen=(asked.basic, asked.frame)
-            )
+            return make(Work(max(_SHARE * work.left, 0.1), work.seed))
         except KeyboardInterrupt:
             work.interrupt()
-    return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
-
-
-def _said(chain: Chain, work: Work) -> Determinants | None:
-    """The determinant, or the minors; None where the user has asked to stop."""
-    if work.interrupted:
-        return None
-    work.show("the determinant", 0, 1)
-    try:
-        return determinants_of(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
-    except KeyboardInterrupt:
-        work.interrupt()
-        return None
+    return otherwise
 
 
 def _unresolved(tree: Tree) -> list[str]:

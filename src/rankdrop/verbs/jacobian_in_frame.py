@@ -134,7 +134,6 @@ def _frame(chain: Chain, q: Array, k: int) -> Array:
 
 
 def _screwed(angle: float, slide: float, axis: int) -> Array:
-    """(4, 4) a turn about and a slide along one axis."""
     found, (i, j) = np.eye(4), ((axis + 1) % 3, (axis + 2) % 3)
     found[i, i] = found[j, j] = np.cos(angle)
     found[j, i], found[i, j] = np.sin(angle), -np.sin(angle)

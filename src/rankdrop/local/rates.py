@@ -41,7 +41,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb, inf, prod, sqrt
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -426,7 +426,7 @@ def joint_rates(
     motions = [(_AXES[row], np.eye(6)[row]) for row in rows]
     lengths = np.repeat([counted(robot), 1.0], 3)
     unit = lengths[rows]
-    gone = _gone(parts, rank, unit)
+    gone = np.linalg.qr((parts.u[:, rank:].T * parts.rows * unit).T)[0].T  # spans what cannot be made, orthonormal
     shares = np.einsum("ij,ij->j", gone, gone)
     shares[shares < _NOTHING] = 0.0
     left = [row for row, share in enumerate(shares) if share < 1.0 - _NOTHING]
@@ -450,11 +450,6 @@ def joint_rates(
     )  # fmt: skip
 
 
-def _gone(parts: Factored, rank: int, unit: Array) -> Array:
-    """(m − rank, m) orthonormal rows that span what cannot be made, twists divided by `unit` (m,)."""
-    return np.asarray(np.linalg.qr((parts.u[:, rank:].T * parts.rows * unit).T)[0].T)
-
-
 def _along(
     robot: Robot, parts: Factored, motions: list[tuple[str, Array]], task: Task, limits: Array, rank: int,
     tolerances: Tolerances,
@@ -476,18 +471,12 @@ def _along(
     for row, (name, twist) in enumerate(motions):
         mixed = twist[:3].any() and (twist[3:].any() or name == WEAKEST)  # of the weakest ℓ m/s is the unit
         unit = "1" if mixed else "m/s" if twist[:3].any() else "rad/s"
-        if not possible[row]:
-            found.append(
-                DirectionRates(name, tuple(twist.tolist()), unit, False, (), inf, None, None, 0.0, 0.0, True)
-            )
-            continue
-        norm, most, number = sqrt(float(sizes[row] @ sizes[row])), float(largest[row]), worst[row]
-        found.append(
-            DirectionRates(
-                name, tuple(twist.tolist()), unit, True, tuple(rates[row].tolist()), norm, number + 1,
-                robot.variables[number].name, 1.0 / most if most else inf, float(speeds[row]), exact,
-            )
-        )  # fmt: skip
+        costs: tuple[Any, ...] = (False, (), inf, None, None, 0.0, 0.0, True)
+        if possible[row]:
+            most, number, norm = float(largest[row]), worst[row], sqrt(float(sizes[row] @ sizes[row]))
+            costs = (True, tuple(rates[row].tolist()), norm, number + 1, robot.variables[number].name,
+                     1.0 / most if most else inf, float(speeds[row]), exact)  # fmt: skip
+        found.append(DirectionRates(name, tuple(twist.tolist()), unit, *costs))
     return found
 
 

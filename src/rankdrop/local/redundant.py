@@ -346,7 +346,6 @@ _STRAIGHT = 0.9  # cosine between two steps below which the step is halved
 _SHORTEST = 1e-4  # share of the step at which the tracer gives up
 _AT_LIMIT = 1e-6  # a step this short onto a limit counts as having reached it [rad]
 _MET = 1e-6  # a minimum of σ on the curve below this is a singular configuration [1]
-_GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True, slots=True)
@@ -535,42 +534,28 @@ class _Trace:
 
     def _crossed(self) -> bool:
         """Whether σ has passed through zero in the last two steps; if so the trace ends exactly there."""
-        if len(self.weakest) < 2:
+        if self.weakest[-1] <= WEAK or len(self.weakest) < 3:
             return self.weakest[-1] <= WEAK
-        if self.weakest[-1] <= WEAK:
-            return True
-        if len(self.weakest) < 3:
-            return False
         before, middle, after = self.weakest[-3:]
         if not (middle <= before and middle <= after and middle <= 2.0 * max(before - middle, after - middle)):
             return False
         point, sigma = self._lowest(self.points[-3], self.points[-1])
-        if point is None or sigma > _MET:
+        if sigma > _MET:
             return False
         self.points[-2:] = [point]
         return True
 
-    def _lowest(self, start: Array, end: Array) -> tuple[Array | None, float]:
-        """Minimum of σ on the curve between two of its points, by golden section."""
-        rank = int((self.where.split(start)[1] > WEAK).sum())
-
-        def look(share: float) -> tuple[Array | None, float]:
-            point, arrived = self.where.back(start + share * (end - start))
-            return (point, float(self.where.split(point)[1][rank - 1])) if arrived else (None, np.inf)
-
-        low, high = 0.0, 1.0
-        left, right = 1.0 - _GOLDEN, _GOLDEN
-        at_left, at_right = look(left), look(right)
-        while high - low > 1e-8:
-            if at_left[1] <= at_right[1]:
-                high, right, at_right = right, left, at_left
-                left = high - _GOLDEN * (high - low)
-                at_left = look(left)
-            else:
-                low, left, at_left = left, right, at_right
-                right = low + _GOLDEN * (high - low)
-                at_right = look(right)
-        return min(at_left, at_right, key=lambda found: found[1])
+    def _lowest(self, start: Array, end: Array) -> tuple[Array, float]:
+        """Where σ is least on the curve between two of its points, and its value: ever finer rows of points."""
+        rank, low, high = int((self.where.split(start)[1] > WEAK).sum()), 0.0, 1.0
+        while True:
+            shares = np.linspace(low, high, 9)
+            points, arrived = self.where.back(start + shares[:, None] * (end - start))
+            sigma = np.where(arrived, self.where.split(points)[1][:, rank - 1], np.inf)
+            best = int(sigma.argmin())
+            if high - low <= 1e-8:
+                return points[best], float(sigma[best])
+            low, high = shares[max(best - 1, 0)], shares[min(best + 1, 8)]
 
     def _closes(self, now: Array, unit: Array, first: Array, travelled: float) -> bool:
         """Whether the start lies just ahead, whole turns apart; if so it becomes the last point."""

@@ -102,10 +102,10 @@ class NearestOptions(Options):
         seed: of the starts; same seed, same result, on any number of threads and any processor.
     """
 
-    corank: Annotated[int, option("Freedoms that are lost at least", ge=1)] = 1
-    limits: Annotated[bool, option("Within the joint limits only")] = False
-    starts: Annotated[int, option("Random starts that walk", ge=1, le=1_000_000)] | None = None
-    seed: Annotated[int, option("Seed of the starts", ge=0, le=LARGEST_SEED)] = 0
+    corank: Annotated[int, option("Least corank", ge=1)] = 1
+    limits: Annotated[bool, option("Within joint limits")] = False
+    starts: Annotated[int, option("Random starts", ge=1, le=1_000_000)] | None = None
+    seed: Annotated[int, option("Seed", ge=0, le=LARGEST_SEED)] = 0
 
 
 @takes(NearestOptions)

@@ -267,8 +267,8 @@ def escape(
     return found if place is here else _out_of_metres(found, here.robot)
 
 
-_STEP = Annotated[float, option("of the motions that are compared", unit="rad", ge=1e-3, le=1.0)]
-_SEED = Annotated[int, option("of the random starts", ge=0)]
+_STEP = Annotated[float, option("Length of motions", unit="rad", ge=1e-3, le=1.0)]
+_SEED = Annotated[int, option("Seed", ge=0)]
 
 
 def _out_of_metres(escape: Escape, robot: Robot) -> Escape:

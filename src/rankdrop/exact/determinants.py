@@ -42,7 +42,7 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import P, complete, value_at
+from rankdrop.exact.algebra.field import P, random_point, residues, value_at
 from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -635,12 +635,8 @@ def _agrees(
     seed: int,
 ) -> bool:
     """Whether J · adj J = det J · 1 at a random point modulo the prime."""
-    rng, n = random.Random(seed), len(rows)
-    point = None
-    while point is None:
-        point = complete(ring, {name: rng.randrange(P) for name in ring.names}, {})
-    one = [[value_at(ring, x, point) for x in row] for row in rows]
-    two = [[value_at(ring, x, point) for x in row] for row in adjugate]
+    n, point = len(rows), random_point(ring, random.Random(seed))
+    (one, _), (two, _) = (residues(ring, matrix, [point])[0] for matrix in (rows, adjugate))
     middle = value_at(ring, whole, point)
     entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
     return all(value == (middle if i == j else 0) for i, j, value in entries)

@@ -28,7 +28,7 @@ from functools import cached_property, reduce
 from itertools import combinations, product
 from math import prod
 
-from rankdrop.exact.algebra.field import P, Point, complete, value_at
+from rankdrop.exact.algebra.field import P, random_point, value_at
 from rankdrop.exact.algebra.polynomial import (
     COS_SIN,
     SIMPLE,
@@ -454,7 +454,7 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     ring = stratum.ring
     if not shared or not stratum.regular:
         return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
-    point = _random_point(ring)
+    point = random_point(ring, random.Random(0))
     common = _times(ring, [f.whole for f in joined(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
@@ -525,13 +525,6 @@ def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
     return reduce(lambda one, two: ring.reduce(one * two), factors, ring.one)
-
-
-def _random_point(ring: Ring) -> Point:
-    rng = random.Random(0)
-    point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
-    assert point is not None  # −1 is not a square modulo P
-    return point
 
 
 Columns = Sequence[Sequence[Polynomial]]

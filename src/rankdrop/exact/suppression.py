@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.field import rank, value_at
+from rankdrop.exact.algebra.field import rank, residues
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
@@ -122,9 +122,7 @@ class Sampled:
         self.points: list[list[tuple[list[list[int]], int]]] = []
         for piece in stratum.pieces:
             drawn = piece.points(rng, MORE_SAMPLES if piece.several else SAMPLES)
-            screws = ([[value_at(stratum.ring, x, point) for x in column] for column in columns] for point in drawn)
-            self.points.append([(here, point.prime) for here, point in zip(screws, drawn, strict=True)])
-
+            self.points.append(residues(stratum.ring, columns, drawn))
         self._ranks: dict[tuple[int, ...], set[int]] = {}
 
     def ranks(self, joints: Sequence[int]) -> set[int]:

@@ -30,13 +30,14 @@ import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from itertools import combinations, islice
 from math import prod
 
 from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zero_where
-from rankdrop.exact.algebra.field import P, rank, roots_at, value_at
+from rankdrop.exact.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.exact.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
-from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.ring import Form, Ring, Terms, replace_angles
 from rankdrop.exact.algebra.work import OutOfTime, Work, spent, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
@@ -115,29 +116,18 @@ def _turned(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
     turns = [(t + u, 1 - t * u) for t in context.gens()[: ring.angles] for u in [rng.randrange(2, P)]]
 
     def turned(form: Form) -> Polynomial:
-        residues, degrees = image_modulo(form.f, roots_at(ring, P), P), form.degrees
+        image, degrees = image_modulo(form.f, roots_at(ring, P), P), form.degrees
         tick(20 + 12 * len(form.f) + 2 * prod(1 + degree for degree in degrees))
-        powers: dict[tuple[int, int], Polynomial] = {}
 
-        def nested(items: list[tuple[tuple[int, ...], int]], k: int) -> Polynomial:
-            """Σ c t^e with the angles from the k-th on turned: one power of each is multiplied in at a time."""
-            if k == ring.angles:
-                return context.from_dict({(0,) * k + e[k : ring.moving]: value for e, value in items})
-            groups: dict[int, list[tuple[tuple[int, ...], int]]] = {}
-            for item in items:
-                groups.setdefault(item[0][k], []).append(item)
-            total = context.constant(0)
-            for power, group in groups.items():
-                inner = nested(group, k + 1)
-                if degrees[k]:
-                    if (k, power) not in powers:
-                        top, bottom = turns[k]
-                        powers[k, power] = top**power * bottom ** (degrees[k] - power)
-                    inner = inner * powers[k, power]
-                total += inner
-            return total
+        @cache
+        def value(k: int, power: int) -> Polynomial:
+            return turns[k][0] ** power * turns[k][1] ** (degrees[k] - power)
 
-        return nested([(tuple(map(int, e)), int(value)) for e, value in residues.to_dict().items()], 0)
+        def rest(items: Terms) -> Polynomial:
+            return context.from_dict({(0,) * ring.angles + e[ring.angles : ring.moving]: number for e, number in items})
+
+        terms = [(tuple(map(int, e)), int(number)) for e, number in image.to_dict().items()]
+        return replace_angles(terms, ring.angles, lambda e, k: e[k], value, rest)
 
     return turned
 
@@ -454,15 +444,7 @@ def rank_on(columns: list[list[Polynomial]], piece: ZeroSet) -> int:
 
 
 def _ranks(columns: list[list[Polynomial]], piece: ZeroSet) -> list[int]:
-    return [rank(matrix, prime) for matrix, prime in _residues(columns, piece)]
-
-
-def _residues(columns: list[list[Polynomial]], piece: ZeroSet) -> list[tuple[list[list[int]], int]]:
-    """The columns at each sample of a set, and the prime that they are modulo."""
-    return [
-        ([[value_at(piece.ring, x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
-        for point in piece.samples
-    ]
+    return [rank(matrix, prime) for matrix, prime in residues(piece.ring, columns, piece.samples)]
 
 
 def _chosen(columns: list[list[Polynomial]], piece: ZeroSet, order: int, work: Work) -> list[Polynomial]:
@@ -483,9 +465,9 @@ def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iter
     ring = piece.ring
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
-    residues = _residues(here, piece)
+    known = residues(ring, here, piece.samples)
     for columns_used, rows_used in by_length(lengths, order):
-        if any(rank([[m[c][r] for r in rows_used] for c in columns_used], prime) == order for m, prime in residues):
+        if any(rank([[m[c][r] for r in rows_used] for c in columns_used], prime) == order for m, prime in known):
             yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
 
 

@@ -8,6 +8,7 @@ one prime and others modulo the next: a point knows which prime its values are r
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from math import prod
@@ -118,6 +119,16 @@ def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
     tick(3 + 0.12 * len(f))
     residues, names = _residues(ring, f, modulus(point))
     return int(residues(*(point.get(name, 0) for name in names)))
+
+
+def residues(
+    ring: Ring, columns: Sequence[Sequence[Polynomial]], points: Sequence[Point]
+) -> list[tuple[list[list[int]], int]]:
+    """A matrix at each of the points, and the prime that its entries are modulo."""
+    return [
+        ([[value_at(ring, x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
+        for point in points
+    ]
 
 
 def univariate(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
@@ -233,4 +244,11 @@ def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -
             inverse = pow(1 + t * t, -1, prime)
             cosine, sine = (1 - t * t) * inverse, 2 * t * inverse
         point[f"c{j}"], point[f"s{j}"] = cosine % prime, sine % prime
+    return point
+
+
+def random_point(ring: Ring, rng: random.Random) -> Point:
+    """A random point of the whole joint space modulo P, lengths random too."""
+    point = complete(ring, {name: rng.randrange(1, P) for name in ring.names}, {})
+    assert point is not None  # −1 is not a square modulo P
     return point

@@ -12,11 +12,12 @@ infinity of t_j: such a polynomial is a `Form` on a product of projective lines,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property, reduce
 from math import prod
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,37 @@ MANY = 20_000
 """Polynomials of more terms than this take minutes and gigabytes to factor."""
 
 _LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
+
+
+Terms = Sequence[tuple[tuple[int, ...], Any]]
+"""Powers of all variables and the number before them."""
+
+
+def replace_angles(
+    items: Terms,
+    angles: int,
+    key: Callable[[tuple[int, ...], int], Any],
+    value: Callable[[int, Any], Polynomial],
+    rest: Callable[[Terms], Polynomial],
+    place: int = 0,
+) -> Polynomial:
+    """Terms with the powers of every angle replaced; terms with the same ones are gathered, and multiplied at once.
+
+    Args:
+        items: the terms.
+        angles: how many there are.
+        key: of the powers of a term those of one angle, by its place.
+        value: what stands for these powers of an angle.
+        rest: terms without their angles, as a polynomial.
+        place: of the angle to begin with.
+    """
+    if place == angles or not items:
+        return rest(items)
+    groups: dict[Any, list[tuple[tuple[int, ...], Any]]] = {}
+    for item in items:
+        groups.setdefault(key(item[0], place), []).append(item)
+    inner = ((one, replace_angles(group, angles, key, value, rest, place + 1)) for one, group in groups.items())
+    return reduce(add, (value(place, one) * part for one, part in inner))
 
 
 class Ring:
@@ -139,28 +171,17 @@ class Ring:
         tick(20 + 20 * len(terms))
         n = self.angles
         degree = tuple(int(max((e[2 * k] + e[2 * k + 1] for e, _ in terms), default=0)) for k in range(n))
-        powers: dict[tuple[int, int, int], Polynomial] = {}
 
-        def power(k: int, sines: int, cosines: int) -> Polynomial:
-            key = (k, sines, cosines)
-            if key not in powers:
-                t = self.t[self.revolute[k]]
-                rest = degree[k] - sines - cosines
-                powers[key] = (2 * t) ** sines * (1 - t**2) ** cosines * (1 + t**2) ** rest
-            return powers[key]
+        @cache
+        def value(k: int, powers: tuple[int, int]) -> Polynomial:
+            (sines, cosines), t = powers, self.t[self.revolute[k]]
+            return (2 * t) ** sines * (1 - t**2) ** cosines * (1 + t**2) ** (degree[k] - sines - cosines)
 
-        def nested(items: list[tuple[tuple[int, ...], Any]], k: int) -> Polynomial:
-            if k == n:
-                return self.half.from_dict({(0,) * n + tuple(e[2 * n :]): value for e, value in items})
-            groups: dict[tuple[int, int], list[tuple[tuple[int, ...], Any]]] = {}
-            for item in items:
-                groups.setdefault((item[0][2 * k], item[0][2 * k + 1]), []).append(item)
-            total = self.half.constant(0)
-            for (sines, cosines), group in groups.items():
-                total += power(k, sines, cosines) * nested(group, k + 1)
-            return total
+        def rest(items: Terms) -> Polynomial:
+            return self.half.from_dict({(0,) * n + tuple(e[2 * n :]): number for e, number in items})
 
-        return Form(self, nested(terms, 0), tuple(2 * m for m in degree))
+        f = replace_angles(terms, n, lambda e, k: e[2 * k : 2 * k + 2], value, rest)
+        return Form(self, f, tuple(2 * m for m in degree))
 
     def form(self, f: Polynomial) -> Form:
         """A half-angle polynomial that counts for its own degrees: without a zero at θ = π for that."""
@@ -225,27 +246,17 @@ class Ring:
         if any(degrees[k] % 2 for k in range(n)):
             return None
         tick(20 + 20 * len(f))
-        powers: dict[tuple[int, int], Polynomial] = {}
 
-        def power(k: int, e: int) -> Polynomial:
-            if (k, e) not in powers:
-                s, c, odd = self.s[self.revolute[k]], self.c[self.revolute[k]], e % 2
-                value = (1 + c) ** ((degrees[k] - e - odd) // 2) * (1 - c) ** ((e - odd) // 2)
-                powers[k, e] = self.reduce(value * s if odd else value)
-            return powers[k, e]
+        @cache
+        def value(k: int, e: int) -> Polynomial:
+            s, c, odd = self.s[self.revolute[k]], self.c[self.revolute[k]], e % 2
+            found = (1 + c) ** ((degrees[k] - e - odd) // 2) * (1 - c) ** ((e - odd) // 2)
+            return self.reduce(found * s if odd else found)
 
-        def nested(items: list[tuple[tuple[int, ...], Any]], k: int) -> Polynomial:
-            if k == n:
-                return self.trig.from_dict({(0,) * (2 * n) + tuple(e[n:]): value for e, value in items})
-            groups: dict[int, list[tuple[tuple[int, ...], Any]]] = {}
-            for item in items:
-                groups.setdefault(item[0][k], []).append(item)
-            total = self.trig.constant(0)
-            for e, group in groups.items():
-                total += power(k, e) * nested(group, k + 1)
-            return total
+        def rest(items: Terms) -> Polynomial:
+            return self.trig.from_dict({(0,) * (2 * n) + tuple(e[n:]): number for e, number in items})
 
-        return primitive(self.reduce(nested(list(f.terms()), 0)))
+        return primitive(self.reduce(replace_angles(list(f.terms()), n, lambda e, k: e[k], value, rest)))
 
     def trig_zero_set(self, f: Polynomial) -> Polynomial:
         """A trigonometric polynomial with the zeros of f: `to_trig`, of f² where f itself has half angles."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue
+from rankdrop.exact.algebra.field import Point, modulus, random_point, rank, residue
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.family.record import Check
 from rankdrop.robot.model import JointKind
@@ -24,12 +24,7 @@ def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:
         seed: of the points.
     """
     rng = random.Random(seed)
-    found: list[Point] = []
-    while len(found) < count:
-        point = complete(chain.ring, {name: rng.randrange(1, P) for name in chain.ring.names}, {})
-        if point is not None:
-            found.append(point)
-    return found
+    return [random_point(chain.ring, rng) for _ in range(count)]
 
 
 def rank_modulo(chain: Chain, point: Point) -> int:

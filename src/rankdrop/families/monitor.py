@@ -21,7 +21,7 @@ from rankdrop.certify.ball import settings_of
 from rankdrop.certify.setting import Setting
 from rankdrop.errors import OptionError
 from rankdrop.families.batch_distance import Distances, Ruler
-from rankdrop.family.equation import Equation, equation_tables
+from rankdrop.family.equation import equation_tables
 from rankdrop.family.record import Family
 from rankdrop.kinematics import chain_of, check_robot, configurations, one_configuration, task_view
 from rankdrop.local.block import generic_rank, joint_scale
@@ -368,7 +368,11 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
     for family in families:
         held = {one.number for one in family.pinned}
         for equation in family.equations:
-            _check(equation, family, robot)
+            if equation.n != robot.n:
+                raise OptionError(
+                    "the family is of an arm with another number of joints", where=f"family {family.id}",
+                    got=equation.n, allowed=f"{robot.n}, as robot {robot.name!r} has",
+                )  # fmt: skip
             coupled.append(int(not held.issuperset(equation.joints)))
         equations.append(len(coupled))
         for one in family.pinned:
@@ -382,14 +386,6 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
         "scale": joint_scale(robot, task).tolist(), "periodic": robot.periodic.astype(int).tolist(),
         "coupled": coupled, "pins": pins, "pinned": pinned, "at": at, "values": values,
     }  # fmt: skip
-
-
-def _check(equation: Equation, family: Family, robot: Robot) -> None:
-    if equation.n != robot.n:
-        raise OptionError(
-            "the family is of an arm with another number of joints", where=f"family {family.id}", got=equation.n,
-            allowed=f"{robot.n}, as robot {robot.name!r} has",
-        )
 
 
 def _thresholds(start: float, stop: float) -> tuple[float, float]:
@@ -424,13 +420,15 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
         monitor: its arm, task, families, tolerances, thresholds and rates.
         mark: part of the constant's name; else made of the robot's.
     """
-    mark = _mark(monitor.robot.name if mark is None else mark)
+    name = monitor.robot.name
+    mark = re.sub(r"[^A-Za-z0-9]+", "_", name if mark is None else mark).strip("_").lower() or "arm"
+    plain = " ".join(name.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())
     fields: dict[str, Value] = _chain(monitor)
     arrays: dict[str, str] = {}
     for part in (_task(monitor), _families(monitor), _settings(monitor), _bounds(monitor)):
         fields |= part
     lines = [
-        f"/* {_plain(monitor.robot.name)} and its families of singular configurations, written by rankdrop. */",
+        f"/* {plain} and its families of singular configurations, written by rankdrop. */",
         f"#ifndef RANKDROP_ARM_{mark.upper()}_H", f"#define RANKDROP_ARM_{mark.upper()}_H", "",
         "#include <math.h>", "#include <rankdrop/monitor.h>", "",
     ]  # fmt: skip
@@ -544,11 +542,3 @@ def _one(value: Value) -> str:
 
 
 _LETTERS = {'"': r"\"", "\\": r"\\", "\n": " ", "\r": " ", "?": r"\?"}
-
-
-def _plain(text: str) -> str:
-    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())
-
-
-def _mark(text: str) -> str:
-    return re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_").lower() or "arm"

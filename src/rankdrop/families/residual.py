@@ -52,7 +52,10 @@ def minors(
     plain = all(robot.periodic[j] or robot.variables[j].kind is JointKind.PRISMATIC for j in joints)
     if not plain or problem.rank + 1 != task.m or robot.n < task.m or np.prod(steps) > GRID or not joints:
         return []
-    nodes = [_nodes(step, bool(robot.periodic[j])) for step, j in zip(steps, joints, strict=True)]
+    nodes: list[Array] = [
+        np.linspace(0.0, 2 * np.pi, step, endpoint=False) if robot.periodic[j] else np.linspace(-1.0, 1.0, step)
+        for step, j in zip(steps, joints, strict=True)
+    ]
     grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(joints))
     q = np.repeat(problem.random(1, rng), len(grid), axis=0)
     q[:, joints] = grid
@@ -64,11 +67,6 @@ def minors(
         if equation is not None and len(equation.terms) <= LONGEST:
             found.append(equation)
     return sorted(found, key=lambda equation: len(equation.terms))
-
-
-def _nodes(count: int, periodic: bool) -> Array:
-    nodes = np.arange(count) * (2 * np.pi / count) if periodic else np.linspace(-1.0, 1.0, count)
-    return np.asarray(nodes, dtype=np.float64)
 
 
 def _interpolated(

@@ -244,7 +244,8 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
     slope = np.asarray(slopes[:, min(row.signature.rank, slopes.shape[1]) - 1], dtype=np.float64)
     pins = dict(exact)
     for joint in row.signature.coupled:
-        values = Linear.of(problem.robot, [_unit(joint, problem.n)]).combinations(points, slope, SAME_VALUE)
+        alone = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
+        values = alone.combinations(points, slope, SAME_VALUE)
         if len(values) <= min(MOST_VALUES, len(points) // 4):
             pins[joint] = tuple(
                 sorted(_sharpened(problem, joint, value, points[met[0]]) for (value,), met in values.items())
@@ -274,10 +275,6 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     residual = tuple(normalised(one.terms) for one in rest)
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, "exact condition", family)
-
-
-def _unit(joint: int, n: int) -> tuple[int, ...]:
-    return tuple(int(i == joint) for i in range(n))
 
 
 TRIES = 64  # round configurations that are looked at

@@ -420,12 +420,6 @@ class System:
         rounding = np.array([_ROUNDING * sum(abs(term.coefficient) for term in one.terms) for one in self.equations])
         return np.asarray((np.abs(f) <= _NEAR * np.linalg.norm(slope, axis=-1) + rounding).all(axis=-1))
 
-    def rank(self, q: Array, tolerance: float = 1e-5) -> NDArray[np.int64]:
-        """(N,) rank of the Jacobian: the codimension the equations give, at regular points."""
-        if not self.equations:
-            return np.zeros(len(q), dtype=np.int64)
-        return np.asarray((np.linalg.svd(self.jacobian(q), compute_uv=False) > tolerance).sum(axis=-1))
-
     def solve(
         self, q: Array, *, along: Array | None = None, iterations: int = 40, step: float = 0.5, still: float = 1e-14
     ) -> tuple[Array, Mask]:

@@ -130,8 +130,9 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
         yield Fact(lambda s: _reach_stationary(structure, s), "own", (), "arm stretched or folded", ("elbow",))
     elif structure.shoulder and structure.wrist_point:
         # the same of the point that the wrist turns about, where its last axis passes it by
-        holds = _as_far_as_offsets_allow(structure)
-        yield Fact(holds, "own", (), NEARLY, ("elbow",), 0)
+        yield Fact(
+            lambda s: _reach_stationary(structure, s, structure.wrist_point), "own", (), NEARLY, ("elbow",), 0
+        )
     for bundle in structure.bundles:
         if structure.tight and (structure.tip_is_centre or structure.wrist):
             # two parallel axes both move the centre along the normal of that plane
@@ -147,7 +148,7 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
 
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
     text = f"axes {_list(axes)} and {structure.centre_name} coplanar"
-    return Fact(_coplanar_with_centre(structure, axes), "own", axes, text, ("elbow",))
+    return Fact(lambda s: s.coplanar(axes, structure.centre(s)), "own", axes, text, ("elbow",))
 
 
 def _aligned(structure: Structure, scene: Scene) -> Iterator[Fact]:
@@ -231,10 +232,6 @@ def _shoulder_plane(structure: Structure) -> str:
     return "plane of 1 parallel to 2" if any({1, 2} <= set(bundle) for bundle in structure.bundles) else ""
 
 
-def _as_far_as_offsets_allow(structure: Structure) -> Callable[[Scene], Verdicts]:
-    return lambda scene: _reach_stationary(structure, scene, structure.wrist_point)
-
-
 def _reach_stationary(structure: Structure, scene: Scene, at: tuple[int, ...] = ()) -> Verdicts:
     """Whether no joint before the wrist changes the distance from shoulder to wrist centre, or to the point `at`."""
     shoulder, wrist = scene.common_point(structure.shoulder)[0], scene.common_point(at or structure.wrist)[0]
@@ -265,10 +262,6 @@ def _fan(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
         return scene.coplanar(axes) & ~aligned
 
     return holds
-
-
-def _coplanar_with_centre(structure: Structure, axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
-    return lambda scene: scene.coplanar(axes, structure.centre(scene))
 
 
 def _centre_on(structure: Structure, i: int) -> Callable[[Scene], Verdicts]:

@@ -86,7 +86,8 @@ def families_at(
     for family in families:
         if not family.equations or not 1 <= family.corank <= corank:
             continue
-        length = _way(problem.at(family.corank), _system_of(family, robot), at)
+        system = _system(family.equations, robot) if metre_exponent(robot) else family.system
+        length = _way(problem.at(family.corank), system, at)
         if length < inf:
             met.append(Incidence(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
@@ -101,11 +102,6 @@ def on_one_of(
     return bool(problem.singular(at[None])[0]) and any(
         _way(problem, _system(equations, robot), at) < inf for equations in families
     )
-
-
-def _system_of(family: Family, robot: Robot) -> System:
-    """The family's own system where lengths are in metres: it is made once."""
-    return _system(family.equations, robot) if metre_exponent(robot) else family.system
 
 
 def _system(equations: Sequence[Equation], robot: Robot) -> System:

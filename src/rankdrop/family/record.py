@@ -428,22 +428,17 @@ def condition_words(robot: Robot, conditions: Sequence[Condition], coupled: Sequ
         coupled: numbers of the joints that further, unknown equations bind.
     """
     said = [
-        f"{_symbol(robot, one.number)} = {_value(robot, one)}" if isinstance(one, Pin)
+        _pin_words(robot, one) if isinstance(one, Pin)
         else f"{one.pretty()} = 0" if isinstance(one, Equation) else str(one)
         for one in conditions
     ]  # fmt: skip
     return (*said, f"coupled: joints {_listed(coupled)}") if coupled else tuple(said)
 
 
-def _symbol(robot: Robot, number: int) -> str:
-    slides = robot.variables[number - 1].kind is JointKind.PRISMATIC
-    return f"q{number}" if slides else f"θ{number}"
-
-
-def _value(robot: Robot, pin: Pin) -> str:
+def _pin_words(robot: Robot, pin: Pin) -> str:
     if robot.variables[pin.number - 1].kind is JointKind.PRISMATIC:
-        return f"{pin.values[0]:.4g} m".replace("-", "−")
-    return pretty_angle(pin.values[0])
+        return f"q{pin.number} = " + f"{pin.values[0]:.4g} m".replace("-", "−")
+    return f"θ{pin.number} = {pretty_angle(pin.values[0])}"
 
 
 def _listed(numbers: Sequence[int]) -> str:

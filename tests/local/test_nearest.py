@@ -11,7 +11,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import search
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
-from rankdrop.local.nearest import nearest_singularity
+from rankdrop.local.nearest import NearestOptions, nearest_singularity
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -284,3 +284,14 @@ def test_too_many_joints_for_a_high_corank_is_said() -> None:
     assert nearest_singularity(robot, [0.3] * 18) is not None
     with pytest.raises(OptionError, match="too many joints"):
         nearest_singularity(robot, [0.3] * 18, corank=2)
+
+
+def test_a_question_is_a_record_or_keywords() -> None:
+    arm, q = open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2]
+    asked = NearestOptions(corank=2, starts=40, seed=3)
+    assert nearest_singularity(arm, q, None, asked) == nearest_singularity(arm, q, corank=2, starts=40, seed=3)
+    other = nearest_singularity(arm, q, None, asked, corank=1)
+    assert other is not None
+    assert other.corank == 1
+    with pytest.raises(OptionError, match="no option has this name"):
+        nearest_singularity(arm, q, coranks=2)

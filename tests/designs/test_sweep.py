@@ -312,7 +312,7 @@ def test_records_satisfy_their_schema_which_describes_all_of_it(
 
 def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("rankdrop.designs.tables.ROWS", 3)
+    monkeypatch.setattr("rankdrop.designs.outcome.ROWS", 3)
     variants, _ = write_tables(planar[1], tmp_path)
     assert sorted(path.name for path in variants.iterdir()) == ["part-00000.parquet", "part-00001.parquet"]
     assert parquet.read_table(variants)["variant"].to_pylist() == [1, 2, 3, 4]

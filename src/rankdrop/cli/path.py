@@ -159,7 +159,16 @@ def path(
             with poses.
     """
     from rankdrop.jobs import progress_of
-    from rankdrop.motion import FORMATS, WRITTEN, FileReading, check_files, check_format, many_section, paths_to_dict
+    from rankdrop.motion import (
+        FORMATS,
+        WRITTEN,
+        FileReading,
+        PathQuestion,
+        check_files,
+        check_format,
+        many_section,
+        paths_to_dict,
+    )
     from rankdrop.results import Analysis
 
     if many.status is not None:
@@ -183,14 +192,14 @@ def path(
         if source.start is None
         else tuple(parse_configuration(source.start, model, deg=source.deg, option="--start"))
     )
-    reading = FileReading(source.deg, source.topic, start)
     families = None if source.analysis is None else Analysis.load(source.analysis)
+    question = PathQuestion(task, families, check, FileReading(source.deg, source.topic, start))
     if not several:
         from rankdrop.motion import check_file, mend_path
 
         with reporter(quiet=output.quiet) as report:
             result = check_file(
-                model, found[0], task=task, analysis=families, options=check, reading=reading, say=say,
+                model, found[0], question, say=say,
                 progress=lambda done, total: report(f"{found[0].name}: stretches decided", done, total),
             )  # fmt: skip
             remedies = None
@@ -202,8 +211,8 @@ def path(
                 )  # fmt: skip
         return _hand_over_one(result, remedies, near, families, output, mend.fixed, found[0])
     with reporter(quiet=output.quiet) as report:
-        checked = check_files(model, found, task=task, analysis=families, options=check, reading=reading, out=many.out,
-                              workers=many.workers, scheduler=many.scheduler, report=report)  # fmt: skip
+        checked = check_files(model, found, question, out=many.out, workers=many.workers, scheduler=many.scheduler,
+                              report=report)  # fmt: skip
     for line in (line for one in checked for line in one["said"]):
         say(line)
 

@@ -196,7 +196,12 @@ def measured(
     """
     record: Record = {"measures": {}, "error": None}
     try:
-        found = _families(robot, task, asks, nominal, limits, seed, record, known)
+        asked, found = asks["families"], known
+        if known is None and any(asks[ask] is not None for ask in ("families", "near", "paths")):
+            starts, fresh = (STARTS, FRESH) if asked is None else (asked["starts"], asked["fresh"])
+            found = families_of(robot, task, Effort(starts, fresh, limits, seed), nominal)
+        if asked is not None and found is not None:
+            _report_families(found, record)
         if asks["near"] is not None and found is not None:
             _near(found, asks["near"], limits, seed, record)
         if asks["region"] is not None:
@@ -210,22 +215,12 @@ def measured(
     return record
 
 
-def _families(
-    robot: Robot, task: Task, asks: Mapping[str, Any], nominal: Conditions | None, limits: bool, seed: int,
-    record: Record, known: Analysis | None,
-) -> Analysis | None:
-    asked = asks["families"]
-    if asked is None and asks["near"] is None and asks["paths"] is None:
-        return None
-    starts, fresh = (asked["starts"], asked["fresh"]) if asked is not None else (STARTS, FRESH)
-    found = families_of(robot, task, Effort(starts, fresh, limits, seed), nominal) if known is None else known
-    if asked is not None:
-        record["verdict"] = found.verdict.word
-        record["sentence"] = found.verdict.sentence
-        record["rank"] = found.generic_rank
-        record["families"] = [_family(one, robot) for one in found.families]
-        record["measures"]["families"] = len(found.families)
-    return found
+def _report_families(found: Analysis, record: Record) -> None:
+    record["verdict"] = found.verdict.word
+    record["sentence"] = found.verdict.sentence
+    record["rank"] = found.generic_rank
+    record["families"] = [_family(one, found.robot) for one in found.families]
+    record["measures"]["families"] = len(found.families)
 
 
 def _family(family: Family, robot: Robot) -> Record:
@@ -269,8 +264,8 @@ def _share(share: NearShare) -> Record:
 def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
     rpy = None if asked["rpy"] is None else np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
-    sigma, q, lowest = reached(robot, task, generic_rank(robot, task), targets, oriented=rpy is not None,
-                               starts=asked["starts"], seed=seed, limits=limits)  # fmt: skip
+    sigma, q, lowest = reached(robot, task, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed,
+                               limits=limits)  # fmt: skip
     there = np.isfinite(sigma)
     worst = int(np.nanargmin(sigma)) if there.any() else None
     record["region"] = {
@@ -336,14 +331,13 @@ def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: 
 
 
 def reached(
-    robot: Robot, task: Task, rank: int, targets: Array, *, oriented: bool, starts: int, seed: int, limits: bool
+    robot: Robot, task: Task, targets: Array, *, oriented: bool, starts: int, seed: int, limits: bool
 ) -> tuple[Array, Array, float]:
     """The best posture found at every pose.
 
     Args:
         robot: the arm.
         task: whose σ counts.
-        rank: r, of its Jacobian almost everywhere.
         targets: (P, 4, 4) [m].
         oriented: the orientation is meant too, as far as the task has rows for it; else places alone.
         starts: random starts for each pose.
@@ -363,7 +357,8 @@ def reached(
     if limits:
         q, inside = _inside(robot, q)
         good &= inside
-    sigma = np.where(good, singular_values(robot, q, task)[:, rank - 1], -np.inf).reshape(count, starts)
+    sigma = np.where(good, singular_values(robot, q, task)[:, generic_rank(robot, task) - 1], -np.inf)
+    sigma = sigma.reshape(count, starts)
     best = sigma.argmax(axis=1)
     top = sigma[np.arange(count), best]
     lowest = sigma[np.isfinite(sigma)]

@@ -1,12 +1,19 @@
 """What a sweep found: every variant with its measures, what differs between neighbours, the Pareto-optimal variants.
 
-Of a Pareto-optimal variant, every better value of one measure costs something else.
+Of a Pareto-optimal variant, every better value of one measure costs something else. As Parquet a sweep is two tables,
+in partitions that pandas, DuckDB and others read as one, each written whole or not at all:
+
+    variants/part-00000.parquet    a row for each variant: number, its parameters, its measures
+    families/part-00000.parquet    a row for each family of each variant
+
+Every column has its meaning and its unit in the metadata of its field.
 """
 
 from __future__ import annotations
 
+import io
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
@@ -17,7 +24,8 @@ from rankdrop.codec import Result
 from rankdrop.designs.changes import Change, Structure, changes, structures
 from rankdrop.designs.ranking import Ranking, rank
 from rankdrop.designs.spec import Parameter
-from rankdrop.errors import OptionError
+from rankdrop.disk import replace_file
+from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
@@ -273,3 +281,105 @@ def measure_text(name: str, value: float | None) -> str:
     if UNITS[name] == "share":
         return f"{100 * value:.3g} %"
     return f"{int(value)}" if UNITS[name] == "" else f"{value:.4g}{' rad' if UNITS[name] == 'rad' else ''}"
+
+
+ROWS = 1000
+"""Variants of a partition."""
+SCHEMA = "rankdrop/sweep-rows/1"
+Column = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
+_FAMILY_COLUMNS: list[Column] = [
+    ("variant", "int64", "number of the variant, from 1", lambda one: one["variant"]),
+    ("family", "string", "id of the family in its variant", lambda one: one["id"]),
+    ("key", "string", "what it is, apart from the arm's lengths", lambda one: one["key"]),
+    ("name", "string", "its name", lambda one: one["name"]),
+    ("corank", "int64", "rank lost on it", lambda one: one["corank"]),
+    ("dimension", "int64", "of it in joint space", lambda one: one["dimension"]),
+    ("conditions", "string", "of its coupled joints, one a line", lambda one: "\n".join(one["conditions"])),
+    ("sound", "int64", "solutions of its conditions that are singular", lambda one: one["sound"][0]),
+    ("tested", "int64", "solutions of its conditions", lambda one: one["sound"][1]),
+    ("share", "float64", "share of the joint space near it; null where not asked for",
+     lambda one: None if one["share"] is None else one["share"]["share"]),
+    ("share_error", "float64", "standard error of the share",
+     lambda one: None if one["share"] is None else one["share"]["error"]),
+]  # fmt: skip
+
+
+def write_tables(designs: Designs, folder: str | Path) -> tuple[Path, Path]:
+    """Write the two tables of a sweep.
+
+    Args:
+        designs: the sweep.
+        folder: in which `variants` and `families` are made.
+
+    Returns:
+        The two folders.
+
+    Raises:
+        MissingExtraError: pyarrow is not installed.
+        ResultFileError: the folder cannot be written.
+    """
+    arrow, parquet = _pyarrow()
+    made = []
+    for name, columns, rows in (
+        ("variants", _variant_columns(designs), iter),
+        ("families", _FAMILY_COLUMNS, _family_rows),
+    ):
+        target = Path(folder) / name
+        try:
+            target.mkdir(parents=True, exist_ok=True)
+            for number, first in enumerate(range(0, len(designs.records), ROWS)):
+                content = _table(arrow, parquet, columns, list(rows(designs.records[first : first + ROWS])), designs)
+                replace_file(target / f"part-{number:05}.parquet", content)
+        except OSError as error:
+            raise ResultFileError(f"cannot write: {error.strerror or error}", where=str(target)) from error
+        made.append(target)
+    return made[0], made[1]
+
+
+def check_tables() -> None:
+    """Find out before a long run whether tables can be written.
+
+    Raises:
+        MissingExtraError: pyarrow is not installed.
+    """
+    _pyarrow()
+
+
+def _pyarrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise MissingExtraError("pyarrow", "parquet", "a Parquet file") from error
+    return pyarrow, parquet
+
+
+def _family_rows(records: Sequence[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    for record in records:
+        shares = {one["id"]: one for one in record.get("near", {}).get("families", [])}
+        for family in record.get("families", []):
+            yield {**family, "variant": record["number"] + 1, "share": shares.get(family["id"])}
+
+
+def _variant_columns(designs: Designs) -> list[Column]:
+    return [
+        ("variant", "int64", "number of the variant, from 1", lambda one: one["number"] + 1),
+        *((f"{one.name}_{one.unit}", "float64", f"parameter, sets {', '.join(map(str, one.places))}",
+           lambda record, k=k: record["values"][k]) for k, one in enumerate(designs.parameters)),
+        *((name, "float64", MEANINGS[name] + (f"; {UNITS[name]}" if UNITS[name] else ""),
+           lambda record, name=name: record["measures"].get(name)) for name in designs.measures),
+        ("verdict", "string", "of its families; null where they were not asked for", lambda one: one.get("verdict")),
+        ("error", "string", "why it could not be measured as a whole; null where it was", lambda one: one["error"]),
+    ]  # fmt: skip
+
+
+def _table(
+    arrow: Any, parquet: Any, columns: Sequence[Column], rows: Sequence[Mapping[str, Any]], designs: Designs
+) -> bytes:
+    types = {"int64": arrow.int64(), "float64": arrow.float64(), "string": arrow.string()}
+    fields = [arrow.field(name, types[kind], metadata={"meaning": meaning}) for name, kind, meaning, _ in columns]
+    arrays = [arrow.array([take(row) for row in rows], types[kind]) for _, kind, _, take in columns]
+    schema = arrow.schema(fields, metadata={"schema": SCHEMA, "robot": designs.robot, "task": designs.task})
+    out = io.BytesIO()
+    parquet.write_table(arrow.table(arrays, schema=schema), out, compression="zstd")
+    return out.getvalue()

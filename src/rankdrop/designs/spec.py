@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import isfinite, prod
 from os.path import isfile
 from pathlib import Path
 from typing import Any
@@ -135,8 +135,7 @@ def spec_of(
     Raises:
         OptionError, RobotError: a key or a value cannot be used.
     """
-    reader = _Reader(document, file, folder or Path("."), lines)
-    return reader.spec()
+    return _Reader(document, file, folder or Path("."), lines).spec()
 
 
 def asks_of(document: Mapping[str, Any], *, file: str = "options", folder: Path | None = None) -> Asks:
@@ -173,22 +172,22 @@ class _Reader:
             if name in self.document and not isinstance(self.document[name], Mapping):
                 raise self.refuse(f"{name} is a table", "", name, got=repr(self.document[name]), allowed=f"[{name}]")
         drawing = self._drawing()
-        limits, seed = self._flag("limits"), self._whole(self.document, "seed", "", 0, 0, 2**63 - 1)
+        limits, seed = self._flag(self.document, "limits"), self._whole(self.document, "seed", "", 0, 0, 2**63 - 1)
         task = self._task(drawing)
         parameters = self._parameters(drawing)
         kind, count, listed = self._sample(parameters)
         asks = self.asks()
         return Spec(drawing, task, limits, seed, parameters, kind, count, listed, asks, self._pareto(asks))
 
-    def _keys(self, table: Mapping[str, Any], allowed: Sequence[str], name: str) -> None:
+    def _keys(self, table: Mapping[str, Any], allowed: Sequence[str], name: str, entry: str = "") -> None:
         for key in table:
             if key not in allowed:
-                raise self.refuse("unknown key", name, key, got=repr(key), allowed=", ".join(allowed))
+                raise self.refuse("unknown key", name, entry or key, got=repr(key), allowed=", ".join(allowed))
 
-    def _flag(self, key: str) -> bool:
-        value = self.document.get(key, False)
+    def _flag(self, table: Mapping[str, Any], key: str, name: str = "", *, default: bool = False) -> bool:
+        value = table.get(key, default)
         if not isinstance(value, bool):
-            raise self.refuse(f"{key} is true or false", "", key, got=repr(value), allowed="true, false")
+            raise self.refuse(f"{key} is true or false", name, key, got=repr(value), allowed="true, false")
         return value
 
     def _text(self, key: str) -> str | None:
@@ -220,7 +219,7 @@ class _Reader:
         try:
             return Drawing.of(
                 str(beside) if isfile(beside) else name, self._text("tip"), self._text("base"),
-                as_written=self._flag("as_written"),
+                as_written=self._flag(self.document, "as_written"),
             )
         except RankdropError as error:
             place = self.where("", "robot")
@@ -255,10 +254,7 @@ class _Reader:
         if not isinstance(entry, Mapping):
             raise self.refuse("a parameter is a table", "parameters", name, got=repr(entry),
                               allowed='{ sets = "JOINT.a", lower = …, upper = …, steps = … }')  # fmt: skip
-        for key in entry:
-            if key not in ("sets", "lower", "upper", "steps", "values"):
-                raise self.refuse("unknown key", "parameters", name, got=repr(key),
-                                  allowed="sets, lower, upper, steps, values")  # fmt: skip
+        self._keys(entry, ("sets", "lower", "upper", "steps", "values"), "parameters", name)
         sets = entry.get("sets")
         texts = [sets] if isinstance(sets, str) else sets
         if not isinstance(texts, list) or not texts or not all(isinstance(one, str) for one in texts):
@@ -313,10 +309,10 @@ class _Reader:
             rows = self._variants(listed, parameters)
             return kind, len(rows), rows
         if kind == "grid":
-            self._grid(parameters)
-            count = 1
             for one in parameters:
-                count *= len(one.values)
+                if not one.values:
+                    raise self.refuse("a grid needs the values", "parameters", one.name, allowed="steps, or values")
+            count = prod(len(one.values) for one in parameters)
             if count > MOST_VARIANTS:
                 raise self.refuse("the grid has too many variants", "parameters", got=count, allowed=MOST_VARIANTS)
             return kind, count, ()
@@ -325,11 +321,6 @@ class _Reader:
                 raise self.refuse(f"a {kind} sample draws from a range", "parameters", one.name,
                                   allowed="lower and upper, without steps or values")  # fmt: skip
         return kind, self._whole(table, "variants", "sample", 0, 1, MOST_VARIANTS), ()
-
-    def _grid(self, parameters: tuple[Parameter, ...]) -> None:
-        for one in parameters:
-            if not one.values:
-                raise self.refuse("a grid needs the values", "parameters", one.name, allowed="steps, or values")
 
     def _variants(self, listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
         names = [one.name for one in parameters]
@@ -348,21 +339,13 @@ class _Reader:
         asked = {name: self.document[name] for name in ASKS if name in self.document}
         if not asked:
             raise self.refuse("nothing is asked of the variants", "", allowed=", ".join(f"[{name}]" for name in ASKS))
-        return Asks(
-            families=self._families(asked["families"]) if "families" in asked else None,
-            near=self._near(asked["near"]) if "near" in asked else None,
-            region=self._region(asked["region"]) if "region" in asked else None,
-            paths=self._paths(asked["paths"]) if "paths" in asked else None,
-            certified=self._certified(asked["certified"]) if "certified" in asked else None,
-        )
+        return Asks(**{name: getattr(self, f"_{name}")(table) for name, table in asked.items()})
 
     def _families(self, table: Mapping[str, Any]) -> dict[str, Any]:
         self._keys(table, ("starts", "fresh", "exact"), "families")
-        exact = table.get("exact", True)
-        if not isinstance(exact, bool):
-            raise self.refuse("exact is true or false", "families", "exact", got=repr(exact), allowed="true, false")
         return {"starts": self._whole(table, "starts", "families", 300, 10, MOST_STARTS),
-                "fresh": self._whole(table, "fresh", "families", 300, 10, 20_000), "exact": exact}  # fmt: skip
+                "fresh": self._whole(table, "fresh", "families", 300, 10, 20_000),
+                "exact": self._flag(table, "exact", "families", default=True)}  # fmt: skip
 
     def _near(self, table: Mapping[str, Any]) -> dict[str, Any]:
         self._keys(table, ("within", "samples"), "near")
@@ -374,9 +357,7 @@ class _Reader:
 
     def _region(self, table: Mapping[str, Any]) -> dict[str, Any]:
         self._keys(table, ("lower", "upper", "rpy", "points", "starts"), "region")
-        corners = {}
-        for key in ("lower", "upper"):
-            corners[key] = self._three(table.get(key), "length", key)
+        corners = {key: self._three(table.get(key), "length", key) for key in ("lower", "upper")}
         if not all(low <= high for low, high in zip(corners["lower"], corners["upper"], strict=True)):
             raise self.refuse("lower is not below upper", "region", "lower", got=repr(table.get("lower")))
         rpy = self._three(table["rpy"], "angle", "rpy") if "rpy" in table else None

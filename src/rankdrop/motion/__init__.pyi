@@ -14,6 +14,7 @@ from .files import WRITTEN as WRITTEN
 from .files import read_trajectory as read_trajectory
 from .files import trajectories_in as trajectories_in
 from .files import trajectory_bytes as trajectory_bytes
+from .many import PathQuestion as PathQuestion
 from .many import check_file as check_file
 from .many import check_files as check_files
 from .many import many_section as many_section

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import file_digest, sha256
 from pathlib import Path
@@ -30,32 +31,42 @@ _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
 
 
-PLAIN_READING, PLAIN_CHECK = FileReading(), PathOptions()
+@dataclass(frozen=True)
+class PathQuestion:
+    """What is asked of a path in a file.
+
+    Attributes:
+        task, analysis, options: as for `check_path`.
+        reading: how the file is read.
+    """
+
+    task: Task | str | None
+    analysis: Analysis | None
+    options: PathOptions
+    reading: FileReading
 
 
 def check_file(
     robot: Robot,
     file: Path,
+    question: PathQuestion,
     *,
-    task: Task | None = None,
-    analysis: Analysis | None = None,
-    options: PathOptions = PLAIN_CHECK,
-    reading: FileReading = PLAIN_READING,
     say: Callable[[str], None] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
     """Check one file: joint values, or poses of the tip.
 
     Args:
-        robot, task, analysis, options: as for `check_path`.
+        robot: the arm.
         file: trajectory or poses.
-        reading: how it is read.
+        question: what is asked of it.
         say: called with what a reader of the file should know: columns that are ignored, angles in the wrong unit.
         progress: called with (stretches decided, stretches).
 
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
+    reading, analysis, options = question.reading, question.analysis, question.options
     poses = reading.topic is None and holds_poses(file, robot)
     if not poses and reading.start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
@@ -69,11 +80,12 @@ def check_file(
     if isinstance(read, Trajectory):
         return check_path(
             robot, read.q, read.times if read.timed else None, velocities=read.velocities,
-            accelerations=read.accelerations, task=task, analysis=analysis, options=options, progress=progress,
+            accelerations=read.accelerations, task=question.task, analysis=analysis, options=options,
+            progress=progress,
         )  # fmt: skip
-    asked = resolve_task(task, robot)
-    if not read.turned and max(asked.rows) >= 3:
-        raise TaskError("the file has positions alone, and the task wants orientations", got=asked.name,
+    task = resolve_task(question.task, robot)
+    if not read.turned and max(task.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", got=task.name,
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:
@@ -102,11 +114,8 @@ def _remarks(read: Trajectory | Poses, robot: Robot, reading: FileReading) -> It
 def check_files(
     robot: Robot,
     files: Sequence[str | Path],
+    question: PathQuestion,
     *,
-    task: Task | str | None = None,
-    analysis: Analysis | None = None,
-    options: PathOptions = PLAIN_CHECK,
-    reading: FileReading = PLAIN_READING,
     out: str | Path | None = None,
     workers: int = 0,
     scheduler: str | None = None,
@@ -115,9 +124,9 @@ def check_files(
     """Every file checked, worst first, each for itself, so that one that cannot be read does not stop the others.
 
     Args:
-        robot, task, analysis: as for `check_path`.
+        robot: the arm.
         files: trajectories, or poses of the tip (`check_file`).
-        options, reading: how they are checked and read.
+        question: what is asked of each.
         out: folder in which what is finished is kept, with a journal; the same call goes on there after an
             interruption of any kind, and ends with the same result. None: in memory.
         workers: local processes; 0 for one of every processor. The result does not depend on it.
@@ -134,13 +143,13 @@ def check_files(
         MissingExtraError: a scheduler, and Dask's distributed is not installed.
         ResultFileError: `out` holds another job (other files, or their bytes changed), or cannot be written.
     """
-    there, names = resolve_task(task, robot), [Path(one) for one in files]
+    there, names = resolve_task(question.task, robot), [Path(one) for one in files]
     plan = {
         "robot": robot_to_dict(robot, there, generic_rank(robot, there)),
         "length_scale": there.length_scale,
-        "analysis": None if analysis is None else analysis.to_dict(),
-        "options": plain(options),
-        "reading": plain(reading),
+        "analysis": None if question.analysis is None else question.analysis.to_dict(),
+        "options": plain(question.options),
+        "reading": plain(question.reading),
         "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
     }
     job = Job("paths", "rankdrop.motion.many:check_chunk", plan, len(names), len(names))
@@ -179,8 +188,8 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
     robot, task, analysis = _asked(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
     said: list[str] = []
     try:
-        found = check_file(robot, Path(place), task=task, analysis=analysis, say=said.append,
-                           options=PathOptions(**plan["options"]), reading=FileReading(**plan["reading"]))  # fmt: skip
+        question = PathQuestion(task, analysis, PathOptions(**plan["options"]), FileReading(**plan["reading"]))
+        found = check_file(robot, Path(place), question, say=said.append)
     except RankdropError as error:
         sentence = error.on_command_line().replace(place, name)
         record = {"verdict": _BAD, "sentence": sentence, "rows": None, "free_share": None, "met": None,

@@ -17,7 +17,7 @@ from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
 from rankdrop.report.svg import Chart, plain_ticks
 from rankdrop.robot import Array
-from rankdrop.sections import html
+from rankdrop.sections import Section, html
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -193,15 +193,12 @@ def _swatch(share: float) -> str:
 def _table(designs: Designs) -> str:
     names = designs.measures
     heads = ["variant", *(one.name for one in designs.parameters), *names, ""]
-    rows = []
-    best = set(designs.pareto)
+    rows, best = [], set(designs.pareto)
     for record in designs.records[:_LISTED]:
         values = [shown(x, one) for x, one in zip(record["values"], designs.parameters, strict=True)]
         told = [measure_text(name, record["measures"].get(name)) for name in names]
         note = record["error"] or ("Pareto-optimal" if record["number"] in best else "")
-        cells = [str(record["number"] + 1), *values, *told, note]
-        rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
+        rows.append((str(record["number"] + 1), *values, *told, note))
     left = len(designs.records) - _LISTED
-    more = f"<p>and {left:,} more, in the JSON and the Parquet files</p>" if left > 0 else ""
-    head = "".join(f"<th>{escape(name)}</th>" for name in heads)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>{more}"
+    more = (f"and {left:,} more, in the JSON and the Parquet files",) if left > 0 else ()
+    return html([Section("", columns=tuple(heads), rows=tuple(rows), after=more)])

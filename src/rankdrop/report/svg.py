@@ -76,22 +76,20 @@ class Chart:
         parts = [f'<rect class="frame" x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}"/>']
         for value, word in ticks[0]:
             at = _n(self.place(np.array([[value, self.y[0]]]))[0, 0])
-            parts.append(f'<line class="tick" x1="{at}" x2="{at}" y1="{self.top}" y2="{bottom + 4}"/>')
-            parts.append(f'<text x="{at}" y="{bottom + 16}" text-anchor="middle">{escape(word)}</text>')
+            parts.append(f'<line class="tick" x1="{at}" x2="{at}" y1="{self.top}" y2="{bottom + 4}"/>'
+                         f'<text x="{at}" y="{bottom + 16}" text-anchor="middle">{escape(word)}</text>')  # fmt: skip
         for value, word in ticks[1]:
-            at = self.place(np.array([[self.x[0], value]]))[0, 1]
-            parts.append(f'<line class="tick" x1="{self.left - 4}" x2="{right}" y1="{_n(at)}" y2="{_n(at)}"/>')
-            parts.append(f'<text x="{self.left - 7}" y="{_n(at + 4)}" text-anchor="end">{escape(word)}</text>')
-        middle = self.left + self.width / 2
-        parts.append(
-            f'<text class="name" x="{middle}" y="{bottom + 34}" text-anchor="middle">{escape(names[0])}</text>'
+            y = self.place(np.array([[self.x[0], value]]))[0, 1]
+            parts.append(
+                f'<line class="tick" x1="{self.left - 4}" x2="{right}" y1="{_n(y)}" y2="{_n(y)}"/>'
+                f'<text x="{self.left - 7}" y="{_n(y + 4)}" text-anchor="end">{escape(word)}</text>'
+            )
+        return (
+            f"{''.join(parts)}"
+            f'<text class="name" x="{self.left + self.width / 2}" y="{bottom + 34}" text-anchor="middle">'
+            f'{escape(names[0])}</text><text class="name" text-anchor="middle" '
+            f'transform="translate(12 {self.top + self.height / 2}) rotate(-90)">{escape(names[1])}</text>'
         )
-        height = self.top + self.height / 2
-        parts.append(
-            f'<text class="name" text-anchor="middle" transform="translate(12 {height}) rotate(-90)">'
-            f"{escape(names[1])}</text>"
-        )
-        return "".join(parts)
 
     def svg(self, parts: Iterable[str], label: str) -> str:
         """The whole picture."""

@@ -16,6 +16,7 @@ from .explanation.text import lost_text as lost_text
 from .explanation.words import angle as angle
 from .explanation.words import angle_below as angle_below
 from .explanation.words import motion as motion
+from .explanation.words import numbers as numbers
 from .explanation.words import short as short
 from .explanation.words import tolerant_sections as tolerant_sections
 from .findings import find_to_csv as find_to_csv

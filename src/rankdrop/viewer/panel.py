@@ -11,7 +11,7 @@ from html import escape
 from math import isfinite
 
 from rankdrop.family import Family
-from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, short
+from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, numbers, short
 from rankdrop.viewer.scene import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
@@ -54,7 +54,7 @@ def status_html(
         _bars(now, generic_rank),
     ]
     if now.outside:
-        lines.append(f"<b>beyond a limit:</b> joint {_numbers(now.outside)}")
+        lines.append(f"<b>beyond a limit:</b> joint {numbers(now.outside)}")
     return lines_html(lines)
 
 
@@ -86,10 +86,6 @@ def _found_line(now: Now, known: int, found: Explanation) -> str:
 def name_html(family: Family) -> str:
     """Number and name of a family; of another set its name."""
     return escape(f"{family.id} {family.name}".strip() if isinstance(family, Family) else family.name)
-
-
-def _numbers(numbers: tuple[int, ...]) -> str:
-    return ", ".join(str(number) for number in numbers)
 
 
 def bar_share(sigma: float, largest: float) -> float:
@@ -130,7 +126,7 @@ def details_html(found: Explanation) -> str:
         lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
-        f"<b>joints {_numbers(one.numbers)}</b>{': ' + escape(one.words) if one.words else ''}"
+        f"<b>joints {numbers(one.numbers)}</b>{': ' + escape(one.words) if one.words else ''}"
         for i, one in enumerate(found.blame.smallest)
     ]
     if found.certified_radius:

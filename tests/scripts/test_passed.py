@@ -39,7 +39,7 @@ WHOLE = {
     "jobs": (4, 5),
     "kinematics": (1, 1),
     "local": (17, 50),
-    "motion": (27, 47),
+    "motion": (27, 46),
     "options": (1, 1),
     "configuration": (1, 3),
     "problem": (1, 2),

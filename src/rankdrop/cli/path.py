@@ -162,7 +162,6 @@ def path(
     from rankdrop.motion import (
         FORMATS,
         WRITTEN,
-        FileReading,
         PathQuestion,
         check_files,
         check_format,
@@ -193,7 +192,7 @@ def path(
         else tuple(parse_configuration(source.start, model, deg=source.deg, option="--start"))
     )
     families = None if source.analysis is None else Analysis.load(source.analysis)
-    question = PathQuestion(task, families, check, FileReading(source.deg, source.topic, start))
+    question = PathQuestion(task, families, check, source.deg, source.topic, start)
     if not several:
         from rankdrop.motion import check_file, mend_path
 

@@ -20,7 +20,6 @@ from .many import check_files as check_files
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .options import AspectsOptions as AspectsOptions
-from .options import FileReading as FileReading
 from .options import PathOptions as PathOptions
 from .options import RemedyOptions as RemedyOptions
 from .pose_file import Poses as Poses

@@ -15,7 +15,7 @@ from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
 from rankdrop.motion.check import check_path, check_poses
 from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.options import FileReading, PathOptions
+from rankdrop.motion.options import PathOptions
 from rankdrop.motion.pose_file import Poses, holds_poses, length_hint, read_poses
 from rankdrop.motion.record import CROSSING, FREE, TOUCHING, VERDICTS, PathCheck
 from rankdrop.motion.trajectory import Trajectory, unit_hint
@@ -37,13 +37,17 @@ class PathQuestion:
 
     Attributes:
         task, analysis, options: as for `check_path`.
-        reading: how the file is read.
+        deg: angles without a unit are in degrees.
+        topic: of a bag in which several have joint values.
+        start: configuration near the first pose, which decides the branch of the inverse kinematics.
     """
 
     task: Task | str | None
     analysis: Analysis | None
     options: PathOptions
-    reading: FileReading
+    deg: bool = False
+    topic: str | None = None
+    start: tuple[float, ...] | None = None
 
 
 def check_file(
@@ -66,16 +70,16 @@ def check_file(
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    reading, analysis, options = question.reading, question.analysis, question.options
-    poses = reading.topic is None and holds_poses(file, robot)
-    if not poses and reading.start is not None:
+    deg, start, analysis, options = question.deg, question.start, question.analysis, question.options
+    poses = question.topic is None and holds_poses(file, robot)
+    if not poses and start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
-                          got=", ".join(f"{x:.6g}" for x in reading.start))  # fmt: skip
-    read: Poses | Trajectory = read_poses(file, deg=reading.deg) if poses else read_trajectory(
-        file, robot, deg=reading.deg, topic=reading.topic
+                          got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
+    read: Poses | Trajectory = read_poses(file, deg=deg) if poses else read_trajectory(
+        file, robot, deg=deg, topic=question.topic
     )
     if say is not None:
-        for line in _remarks(read, robot, reading):
+        for line in _remarks(read, robot, deg=deg):
             say(line)
     if isinstance(read, Trajectory):
         return check_path(
@@ -89,20 +93,20 @@ def check_file(
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:
-        return check_poses(robot, read.matrices, read.times, start=reading.start, task=task, analysis=analysis,
+        return check_poses(robot, read.matrices, read.times, start=start, task=task, analysis=analysis,
                            options=options, progress=progress)  # fmt: skip
     except ConfigurationError as error:
         raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
                                  mend=error.mend, typed=error.typed) from error  # fmt: skip
 
 
-def _remarks(read: Trajectory | Poses, robot: Robot, reading: FileReading) -> Iterator[str]:
+def _remarks(read: Trajectory | Poses, robot: Robot, *, deg: bool) -> Iterator[str]:
     """What a reader of a file should know of it."""
     if isinstance(read, Poses):
         hint = length_hint(read, reach(robot))
     else:
-        hint = unit_hint(read.q, robot, deg=reading.deg)
-        hint = hint and f"{hint}{'' if reading.deg else '; --deg reads them as degrees'}"
+        hint = unit_hint(read.q, robot, deg=deg)
+        hint = hint and f"{hint}{'' if deg else '; --deg reads them as degrees'}"
     if hint is not None:
         yield f"warning: {read.name}: {hint}"
     if isinstance(read, Trajectory):
@@ -149,7 +153,7 @@ def check_files(
         "length_scale": there.length_scale,
         "analysis": None if question.analysis is None else question.analysis.to_dict(),
         "options": plain(question.options),
-        "reading": plain(question.reading),
+        "reading": {"deg": question.deg, "topic": question.topic, "start": plain(question.start)},
         "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
     }
     job = Job("paths", "rankdrop.motion.many:check_chunk", plan, len(names), len(names))
@@ -188,7 +192,9 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
     robot, task, analysis = _asked(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
     said: list[str] = []
     try:
-        question = PathQuestion(task, analysis, PathOptions(**plan["options"]), FileReading(**plan["reading"]))
+        start = plan["reading"]["start"]
+        read = plan["reading"] | {"start": None if start is None else tuple(start)}
+        question = PathQuestion(task, analysis, PathOptions(**plan["options"]), **read)
         found = check_file(robot, Path(place), question, say=said.append)
     except RankdropError as error:
         sentence = error.on_command_line().replace(place, name)

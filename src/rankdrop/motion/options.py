@@ -1,4 +1,4 @@
-"""What may be asked of a path: how it is checked, which remedies are tried, how its file is read; and of aspects."""
+"""What may be asked of a path: how it is checked, which remedies are tried; and of aspects."""
 
 from __future__ import annotations
 
@@ -49,19 +49,6 @@ class RemedyOptions(Options):
     blend: Annotated[
         float, option("Where a corner is cut the tool point may leave the path by up to this length", unit="m", ge=0)
     ] = 0.0  # fmt: skip
-
-
-@dataclass(frozen=True)
-class FileReading(Options):
-    """How the file of a path is read."""
-
-    deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
-    topic: Annotated[
-        str | None, option("Of a bag in which several have joint values (JointState, JointTrajectory)")
-    ] = None  # fmt: skip
-    start: Annotated[
-        tuple[float, ...] | None, option("Configuration near the first pose: which branch of the inverse kinematics")
-    ] = None  # fmt: skip
 
 
 @dataclass(frozen=True)

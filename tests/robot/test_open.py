@@ -225,7 +225,7 @@ def test_a_new_format_is_a_reader_and_an_entry_of_the_table(tmp_path: Path, monk
     def read(file: opening.RobotFile) -> Robot:
         return from_dh([(float(word), 0, 0, 0) for word in file.text.split()], convention="standard", name="links")
 
-    entry = opening.Format("lengths", lambda file: file.suffix == ".lengths", read, links=False)
+    entry = opening.Format(lambda file: file.suffix == ".lengths", read, links=False)
     monkeypatch.setattr(opening, "FORMATS", (entry, *opening.FORMATS))
     path = tmp_path / "arm.lengths"
     path.write_text("0.4 0.3 0.2", encoding="utf-8")

@@ -427,10 +427,10 @@ def _group(title: str) -> Group:
 
 def _parameter(hint: Any, default: object) -> Parameter:
     kind, meta = plain_type(hint), meta_of(hint)
-    unit = unit_of(hint)
+    unit, words = unit_of(hint), meta.description or "" if meta else ""
     convert = {int: whole, float: _quantity(unit)}.get(kind)
     return Parameter(
-        name=_name(hint), help=_help(meta.description or "" if meta else "", unit, kind), converter=convert,
+        name=_name(hint), help=f"{words} [{unit}]." if unit and kind is not str else f"{words}.", converter=convert,
         negative=None if kind is bool and default is not False else (),
         show_default=None if default not in (None, False, (), "") else False, allow_leading_hyphen=kind is str,
     )  # fmt: skip
@@ -439,10 +439,6 @@ def _parameter(hint: Any, default: object) -> Parameter:
 def _name(hint: Any) -> str | None:
     meta = meta_of(hint)
     return ((meta.extra if meta else None) or {}).get("name")
-
-
-def _help(words: str, unit: str, kind: Any) -> str:
-    return f"{words} [{unit}]." if unit and kind is not str else f"{words}."
 
 
 def _quantity(unit: str) -> Callable[[Any, Sequence[Token]], float]:

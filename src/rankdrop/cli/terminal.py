@@ -98,11 +98,6 @@ def verdict_line(verdict: Verdict) -> Text:
     return Text(verdict.sentence, style=TONES["good" if verdict.holds else "bad"])
 
 
-def status() -> Console:
-    """Console for progress: stderr."""
-    return _console(stderr=True)
-
-
 def _console(*, stderr: bool) -> Console:
     """A console that shows control characters of names and texts as signs; its own colours are no part of a text."""
     from rich.console import Console, ConsoleOptions
@@ -128,7 +123,7 @@ _SECONDS_BETWEEN_LINES = 10.0
 @contextmanager
 def reporter(*, quiet: bool) -> Iterator[Report]:
     """Give a `report(label, done, total)` that shows each label as one line of progress."""
-    console = status()
+    console = _console(stderr=True)
     if quiet:
         yield lambda label, done, total: None
     elif console.is_terminal:

@@ -137,8 +137,8 @@ class Folder:
             if note.exists():
                 if note.read_bytes() != found._note():
                     raise ResultFileError(
-                        "the folder holds another job", where=str(path), got=_told(note), allowed=_line_of(job),
-                        mend="name another folder, or remove this one",
+                        "the folder holds another job", where=str(path), got=_told(note),
+                        allowed=f"{job.kind} {job.sha256[:12]}", mend="name another folder, or remove this one",
                     )  # fmt: skip
             else:
                 replace_file(note, found._note())
@@ -284,7 +284,3 @@ def _read_note(note: Path) -> Any:
         return decode(_note_table(), msgspec.json.decode(note.read_bytes()))
     except (ValueError, RecursionError, msgspec.MsgspecError) as error:
         raise ResultFileError("this is not JSON that can be read", where="$", got=str(error)[:80]) from error
-
-
-def _line_of(job: Job) -> str:
-    return f"{job.kind} {job.sha256[:12]}"

@@ -145,13 +145,11 @@ class Format:
     """A format of robot files. A new one is a module that reads it, and an entry of `FORMATS`.
 
     Attributes:
-        name: for people.
         holds: whether a file has this format, by a look at its name and its text.
         read: the robot of a file; imports the reader, since an arm of the catalogue needs none.
         links, arguments: whether its files have links to name as base and tip; arguments.
     """
 
-    name: str
     holds: Callable[[RobotFile], bool]
     read: Callable[[RobotFile], Robot]
     links: bool = True
@@ -204,14 +202,14 @@ def _refuse_other(file: RobotFile) -> Robot:
 
 
 FORMATS = (
-    Format("xacro", lambda file: file.xacro or file.suffix == ".xacro",
+    Format(lambda file: file.xacro or file.suffix == ".xacro",
            _reader("xacro.from_xacro", "base", "tip", "packages", "args"), arguments=True),
-    Format("MJCF", lambda file: file.root == "mujoco", _reader("models.from_mjcf", "base", "tip")),
-    Format("SDF", lambda file: file.root == "sdf", _refuse_other),
-    Format("URDF", lambda file: file.root != "", _read_urdf),
-    Format("screws", _holds_screws, _reader("screws.from_screw_list"), links=False),
-    Format("TOML", lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml, links=False),
-    Format("", lambda _: True, _refuse_other),
+    Format(lambda file: file.root == "mujoco", _reader("models.from_mjcf", "base", "tip")),
+    Format(lambda file: file.root == "sdf", _refuse_other),
+    Format(lambda file: file.root != "", _read_urdf),
+    Format(_holds_screws, _reader("screws.from_screw_list"), links=False),
+    Format(lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml, links=False),
+    Format(lambda _: True, _refuse_other),
 )
 """The first that holds a file reads it."""
 

@@ -18,7 +18,7 @@ from rankdrop.robot.files import DOTS, LARGEST_TABLE
 from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
-from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
+from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, spherical
 from rankdrop.robot.transform import from_xyz_rpy
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?")
@@ -230,14 +230,10 @@ def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
         if word == "spherical":
             turns = spherical(point, _axes(joint.get("axes", [[1, 0, 0], [0, 1, 0], [0, 0, 1]]), where))
             return [(JointKind.REVOLUTE, turn, f"_{number}") for number, turn in enumerate(turns, 1)]
-        if word == "prismatic":
-            return [(JointKind.PRISMATIC, prismatic(axis), "")]
-        if word == "revolute":
-            return [(JointKind.REVOLUTE, revolute(axis, point), "")]
-        if "pitch" not in joint:
+        if word == "helical" and "pitch" not in joint:
             raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
-        pitch = quantity(joint["pitch"], "length", where=where("pitch"))
-        return [(JointKind.HELICAL, helical(axis, point, pitch), "")]
+        pitch = quantity(joint.get("pitch", 0.0), "length", where=where("pitch"))
+        return [(JointKind(word), prismatic(axis) if word == "prismatic" else helical(axis, point, pitch), "")]
     except RobotError as error:
         raise (error if error.where is not None else relocate(error, where(""))) from None
 

@@ -337,16 +337,13 @@ def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) ->
     depths = [1 + most[joint.child] for joint in branches]
     depth = max(depths, default=0)
     hand = 0 < depth < passed and (depths.count(depth) > 1 or len(branches) > 2)
-    return hand or (depth == 1 and len(branches) == 1 and passed >= 4 and _is_jaw(branches[0]))
+    names = f"{branches[0].name} {branches[0].child}" if len(branches) == 1 else ""
+    jaw = _JAW.search(names) is not None and _WRIST.search(names) is None
+    return hand or (depth == 1 and passed >= 4 and jaw)
 
 
 def _moving(count: int) -> str:
     return f"{count} moving joint{'' if count == 1 else 's'}"
-
-
-def _is_jaw(joint: TreeJoint) -> bool:
-    names = f"{joint.name} {joint.child}"
-    return _JAW.search(names) is not None and _WRIST.search(names) is None
 
 
 def _fixed_together(tree: Tree, link: str) -> dict[str, int]:

@@ -97,7 +97,7 @@ def _below(folder: Path, down: int, left: list[int]) -> Iterator[Path]:
     for depth in range(down + 1):
         yield from level
         if depth < down:
-            parents = [place for place in level if depth == 0 or not _has_package(place)]
+            parents = [place for place in level if depth == 0 or not (place / "package.xml").is_file()]
             level = [child for place in parents for child in _inside(place, left)]
 
 
@@ -114,10 +114,6 @@ def _inside(folder: Path, left: list[int]) -> list[Path]:
     except OSError:
         return []
     return [folder / name for name in sorted(names)]
-
-
-def _has_package(folder: Path) -> bool:
-    return (folder / "package.xml").is_file()
 
 
 def _is_package(folder: Path, name: str) -> bool:

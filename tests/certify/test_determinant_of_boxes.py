@@ -18,6 +18,7 @@ from rankdrop.certify.covering import write_covering
 from rankdrop.certify.setting import middle_of
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.reciprocal import drawn
+from rankdrop.problem import Problem
 from rankdrop.proof import covers, determinant
 from rankdrop.proof.arm import BITS, Arm
 from rankdrop.proof.boxes import digest
@@ -117,7 +118,7 @@ def test_no_box_around_a_singular_configuration_is_free(name):
     """Boxes of five sizes that hold one of 1000 exact singular configurations, at whatever place."""
     made = found_for(name)
     robot = in_units(robot_of(name))
-    q = drawn(robot, resolve_task(None, robot), 1000, 1).q[:, PLACES]
+    q = drawn(Problem(robot, resolve_task(None, robot)), 1000, 1).q[:, PLACES]
     with flint.ctx.workprec(BITS):
         for level in (3, 5, 7, 8):
             width = 2 * np.pi / 2**level

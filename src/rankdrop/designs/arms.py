@@ -76,10 +76,6 @@ class SideBySide(Result):
         records = [{**one, "error": None} for one in self.records]
         return tuple(rank(records, {measure: GOALS[measure]}).best)
 
-    def _error(self, measure: str, i: int) -> float:
-        """Standard error of a measure that is a share of samples, else 0."""
-        return float(self.records[i]["near"]["any"]["error"]) if measure == "near" else 0.0
-
     @property
     def sentence(self) -> str:
         """What was found, in one sentence."""
@@ -114,8 +110,8 @@ class SideBySide(Result):
         yield Section("", lines=(self.sentence,))
 
     def _doubt(self, measure: str) -> str:
-        most = max((self._error(measure, i) for i, one in enumerate(self.records)
-                    if one["measures"].get(measure) is not None), default=0.0)  # fmt: skip
+        most = max((float(one["near"]["any"]["error"]) for one in self.records
+                    if measure == "near" and one["measures"].get(measure) is not None), default=0.0)  # fmt: skip
         larger = any(one.get("near", {}).get("any", {}).get("bound") for one in self.records)
         more = ", and may be larger where joints are coupled" if larger else ""
         return f", by samples: ± {APART * 100 * most:.2g} %{more}" if most else ""

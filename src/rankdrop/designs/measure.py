@@ -437,6 +437,5 @@ def line_of(record: Record) -> bytes:
 
 @lru_cache(maxsize=1)
 def _nominal(key: str) -> Conditions | None:
-    """The derivation of the nominal arm: the same in every worker."""
     drawing, task = json.loads(key)
     return nominal_conditions(Drawing(**drawing).nominal, restored(Task, task))

@@ -24,7 +24,6 @@ from rankdrop.designs.outcome import Designs
 from rankdrop.designs.spec import Asks, Parameter, Spec, goals, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array
 from rankdrop.verbs.conditions import conditions
 
@@ -151,7 +150,7 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
 
     The letters stand for the lengths of other variants too: where a family is real is told for all of them.
     """
-    found = []
+    found: list[Mapping[str, Any]] = []
     sets = structures(records)[:DERIVED]
     for done, one in enumerate(sets):
         tell("exact conditions", done, len(sets))
@@ -167,21 +166,15 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
         except RankdropError:  # an arm that cannot be derived exactly has no such entry
             continue
         if derived.complete:
-            found.append(_derived(number, derived))
+            found.append({
+                "variant": number + 1,
+                "letters": {name: float(value) for name, value in derived.letters.items()},
+                "families": [{"id": family.id, "name": family.name, "corank": family.corank,
+                              "conditions": list(family.texts), "real": family.reality} for family in derived.families],
+                "not_real": list(derived.not_real),
+            })  # fmt: skip
     tell("exact conditions", len(sets), len(sets))
     return tuple(found)
-
-
-def _derived(number: int, derived: Conditions) -> dict[str, Any]:
-    return {
-        "variant": number + 1,
-        "letters": {name: float(value) for name, value in derived.letters.items()},
-        "families": [
-            {"id": one.id, "name": one.name, "corank": one.corank, "conditions": list(one.texts), "real": one.reality}
-            for one in derived.families
-        ],
-        "not_real": list(derived.not_real),
-    }  # fmt: skip
 
 
 def variants_of(spec: Spec) -> Array:
@@ -197,21 +190,17 @@ def variants_of(spec: Spec) -> Array:
     if spec.kind == "grid":
         axes = np.meshgrid(*(one.values for one in spec.parameters), indexing="ij")
         return np.stack([axis.reshape(-1) for axis in axes], axis=1)
-    qmc, count = _qmc(), len(spec.parameters)
+    try:
+        from scipy.stats import qmc
+    except ImportError as error:
+        raise MissingExtraError("scipy", "sweep", "a Latin hypercube or Sobol sample") from error
+    count = len(spec.parameters)
     if spec.kind == "latin-hypercube":
         unit = qmc.LatinHypercube(count, rng=spec.seed).random(spec.count)
     else:
         unit = qmc.Sobol(count, rng=spec.seed).random_base2(ceil(np.log2(spec.count)))
     low, high = box(spec.parameters)
     return np.asarray(low + unit[: spec.count] * (high - low))
-
-
-def _qmc() -> Any:
-    try:
-        from scipy.stats import qmc
-    except ImportError as error:
-        raise MissingExtraError("scipy", "sweep", "a Latin hypercube or Sobol sample") from error
-    return qmc
 
 
 def box(parameters: tuple[Parameter, ...]) -> tuple[Array, Array]:

@@ -235,8 +235,6 @@ def aspects_of(
 
 
 class _Search:
-    """The poses one after another, and the best way met."""
-
     def __init__(self, robot: Robot, task: Task, options: AspectsOptions, decision: Decision) -> None:
         self.robot, self.task, self.options, self.decision = robot, task, options, decision
         self.change: Change | None = None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -96,16 +97,12 @@ def ranked(candidates: Iterable[Candidate], count: int, report: Progress) -> Ran
             ranking.ended[reason] = ranking.ended.get(reason, 0) + 1
             continue
         ranking.found.append(
-            Other(tool, _following(start, pull), words, parameters,
+            Other(tool, partial(ToolPath.followed, start=start, pull=pull), words, parameters,
                   float(room(tool.robot, tool.task, found.q, rank).min()), bool((start == tool.q[0]).all()))
         )  # fmt: skip
     ranking.found.sort(key=lambda one: -one.room)
     report(count, count)
     return ranking
-
-
-def _following(start: Array, pull: Pull | None) -> Run:
-    return lambda tool: tool.followed(start, pull)
 
 
 def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
@@ -188,7 +185,8 @@ def _self_motion(tool: ToolPath) -> Array | None:
     robot, task = tool.robot, tool.task
     if robot.n - generic_rank(robot, task) != 1:
         return None
-    null = _null(robot, task, tool.q[0])
+    aim = Aim(robot, task)
+    null = np.asarray(aim.joints * np.linalg.svd(aim.jacobian(tool.q[:1])[0])[2][aim.rank])
     parts = []
     for direction in (null, -null):
         try:
@@ -199,12 +197,6 @@ def _self_motion(tool: ToolPath) -> Array | None:
         if traced.ended == CLOSED:
             break
     return np.concatenate(parts)
-
-
-def _null(robot: Robot, task: Task, q: Array) -> Array:
-    """(n,) the first null motion [rad, m]."""
-    aim = Aim(robot, task)
-    return np.asarray(aim.joints * np.linalg.svd(aim.jacobian(q[None])[0])[2][aim.rank])
 
 
 def _pull(robot: Robot, task: Task, strength: float) -> Pull | None:

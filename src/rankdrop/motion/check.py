@@ -104,7 +104,8 @@ def margin(
             return int(stretch[0]), spent
         done = _kept(robot, setting, centre, rho, distance)
         for i in np.flatnonzero(~done & (rho < _SHORT * distance)):
-            ball = certified_radius(robot, centre[i], task, at_most=_radius(distance, rho[i]), evaluations=_BALL)
+            radius = min((distance + float(rho[i])) * (1 + _OUTRIGHT), LARGEST)
+            ball = certified_radius(robot, centre[i], task, at_most=radius, evaluations=_BALL)
             spent += ball.evaluations
             done[i] = ball.radius == ball.at_most
             if spent > evaluations or (not done[i] and rho[i] < _SHORTEST * distance):
@@ -117,10 +118,6 @@ def _ball(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
     """Middles of boxes, and how far their corners are [rad; slides scaled]."""
     centre, half = centred(low, high, setting)
     return centre, np.linalg.norm(half[:, setting.matters], axis=1)
-
-
-def _radius(distance: float, rho: float) -> float:
-    return min((distance + float(rho)) * (1 + _OUTRIGHT), LARGEST)
 
 
 def _kept(robot: Robot, setting: Setting, centre: Array, rho: Array, distance: float) -> NDArray[np.bool_]:

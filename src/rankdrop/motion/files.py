@@ -324,7 +324,6 @@ def _has_time(point: Any) -> bool:
 
 
 def _time(point: Any, where: str) -> float:
-    """Seconds from the start."""
     value = point.get("time_from_start") if isinstance(point, dict) else None
     if value is None:
         return 0.0

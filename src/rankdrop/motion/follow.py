@@ -137,8 +137,6 @@ def poses_at(poses: Array, place: Array) -> Array:
 
 @dataclass(eq=False)
 class _Walk:
-    """One tool path, followed once."""
-
     robot: Robot
     poses: Array
     task: Task

@@ -101,7 +101,6 @@ def check_file(
 
 
 def _remarks(read: Trajectory | Poses, robot: Robot, *, deg: bool) -> Iterator[str]:
-    """What a reader of a file should know of it."""
     if isinstance(read, Poses):
         hint = length_hint(read, reach(robot))
     else:

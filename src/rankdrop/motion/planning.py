@@ -125,7 +125,6 @@ def _room(tool: ToolPath, aim: Aim, q: Array) -> Array:
 
 
 def _onward(tool: ToolPath, aim: Aim, now: Layer, k: int) -> Layer:
-    """Layer k, from the one before."""
     before, paid, _ = now
     guess, origin = _moved(aim, before)
     q, arrived = aim.solve(np.broadcast_to(tool.poses[k], (len(guess), 4, 4)), guess)

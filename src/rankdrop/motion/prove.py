@@ -246,8 +246,6 @@ class Proof:
 
 @dataclass(eq=False)
 class _Spent:
-    """What is spent, and what is left over."""
-
     budget: int
     stretches: int
     progress: Progress | None
@@ -437,7 +435,6 @@ def _give_up(pieces: Pieces, work: _Spent, *, finished: bool) -> None:
 
 
 def _joined(left: list[tuple[int, float, float, bool]]) -> Iterator[Sliver]:
-    """Neighbouring pieces as one sliver."""
     run: list[tuple[int, float, float, bool]] = []
     for piece in sorted(left):
         if run and not _follows(run[-1], piece):

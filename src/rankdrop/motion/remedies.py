@@ -258,8 +258,6 @@ def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Ar
 
 @dataclass(eq=False)
 class _Mender:
-    """Remedies of one path, as they are found."""
-
     found: PathCheck
     analysis: Analysis | None
     limits: tuple[Array, Array]
@@ -337,9 +335,8 @@ class _Mender:
     def in_new_time(self) -> None:
         """The path itself inside its limits."""
         self._report(RETIME, 0, 1)
-        made = self._named(retimed(self.found.curve, *self.limits, self.scale))
-        took = self._taken(made)
-        if took.slower > 1.0 + _KEPT:
+        made = retimed(self.found.curve, *self.limits, self.scale)
+        if usage(made.curve(self.interpolate), *self.limits).slower > 1.0 + _KEPT:
             self.notes.append(f"{RETIME}: the limits could not be kept everywhere")
             return
         words = "the same path in a new time, never faster than before and slower where a limit asks for it"
@@ -349,17 +346,10 @@ class _Mender:
 
     def _in_time(self, made: Trajectory) -> tuple[Trajectory, bool]:
         """A path in time that breaks a limit gets another time law."""
-        if not made.timed or not np.isfinite(np.concatenate(self.limits)).any():
-            return self._named(made), False
-        if self._taken(made).slower <= 1.0 + _KEPT:
-            return self._named(made), False
-        return self._named(retimed(made.curve(self.interpolate), *self.limits, self.scale)), True
-
-    def _named(self, made: Trajectory) -> Trajectory:
-        return replace(made, name="mended")
-
-    def _taken(self, made: Trajectory) -> Usage:
-        return usage(made.curve(self.interpolate), *self.limits)
+        limited = made.timed and bool(np.isfinite(np.concatenate(self.limits)).any())
+        if not limited or usage(made.curve(self.interpolate), *self.limits).slower <= 1.0 + _KEPT:
+            return made, False
+        return retimed(made.curve(self.interpolate), *self.limits, self.scale), True
 
     def _checked_again(self, made: Trajectory) -> PathCheck:
         check = check_path(
@@ -382,8 +372,9 @@ class _Mender:
             gains["speed"] = 1 / before.slower, 1 / took.slower
             gains["duration"] = _duration(self.found), _duration(check)
         self.remedies.append(
-            Remedy(kind, words, parameters, gains, made, self.interpolate, check, took, off, again)
-        )
+            Remedy(kind, words, parameters, gains, replace(made, name="mended"), self.interpolate, check, took, off,
+                   again)
+        )  # fmt: skip
 
 
 def _distance(check: PathCheck) -> float:

@@ -221,7 +221,6 @@ class Survey:
             start = end
 
     def _free(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> list[Stretch]:
-        """Free stretches with their closest approach."""
         best = self._zoomed(parts)
         found = []
         without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
@@ -281,7 +280,6 @@ class Survey:
         return number, name, foot, nearest.distance
 
     def _singular(self, part: Crossing, *, with_lost: bool) -> Stretch:
-        """A crossing, a touch, or a part that is undecided."""
         name, number, null = "", "", np.nan
         lost: tuple[str, ...] = ()
         if part.corank:

@@ -126,7 +126,6 @@ def _violation(one: Violation, check: PathCheck) -> str:
 
 
 def _open(check: PathCheck) -> Iterator[str]:
-    """What is not proven."""
     if check.margin == "not proven":
         yield f"a distance of {angle(check.options.min_distance)} could not be proven"
     if any(one.verdict == "undecided" for one in check.stretches):

@@ -54,7 +54,7 @@ from math import prod
 from operator import mul
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Equality, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
@@ -270,7 +270,7 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
         return [] if frozenset() in known else [one.equal for one in conjunctions(map(equality_of, known))]
     here = conditions_on(piece)
     found = []
-    for atom in sorted(first, key=order):
+    for atom in sorted(first, key=lambda atom: atom.key):
         for part in meet(piece, atom, {}):
             own = tuple(one for one in conditions_on(part) if one not in here)
             found += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]

@@ -367,19 +367,19 @@ def _joined(turns: Sequence[tuple[int, int]]) -> bool:
 
 
 class Text:
-    """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves, powers and signs their own way.
-
-    Args:
-        most: sums of more characters are told by what they hold; None for none.
-    """
+    """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves and powers their own way."""
 
     times = " "
     minus = "−"
     exact = False  # whether numbers are written to the last digit
     most: int | None = None
 
-    def __init__(self, most: int | None = None) -> None:
-        self.most = most
+    @classmethod
+    def folding(cls, most: int | None) -> Text:
+        """Text in which sums of more characters are told by what they hold; None for none."""
+        text = cls()
+        text.most = most
+        return text
 
     def number(self, value: Fraction) -> str:
         """A positive number: whole, or six digits."""

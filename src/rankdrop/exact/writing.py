@@ -414,11 +414,21 @@ class AnglePin(NamedTuple):
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
         """The numeric equation Π sin((θ_j − value) / 2) = 0 in q; arguments as in `Condition.equation`."""
-        values, ring = _checked(self.values), Ring([self.joint])
-        finite = [ring.half_of(ring.pin(self.joint, value)) for value in values if value != "pi"]
-        form = Form(ring, prod(finite, start=number_of(Fraction(1), ring)), (len(values),))
-        waves = sorted(parts_of(fourier(form)), key=_highest)
-        return _equation(waves, letters, n, shifts)
+        size = len(self.angles)
+        coefficients = np.array([1.0 + 0.0j])
+        for angle in self.angles:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
+            turn = np.exp(0.5j * angle)
+            coefficients = np.convolve(coefficients, np.array([-turn, 0, 1 / turn]) / 2j)
+        shift = 0.0 if shifts is None else float(shifts[self.joint - 1])
+        terms = []
+        for power in range(size, -1, -1):
+            value = coefficients[power + size] * (2 if power else 1)
+            harmonics = tuple(power * (i == self.joint - 1) for i in range(n))
+            phase = -power * shift / 2 + 0.0
+            for kind, part in (("cos", value.real), ("sin", -value.imag)):
+                if kind == "cos" or power:
+                    terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
+        return normalised(terms)
 
     def _factors(self, notation: Python) -> list[tuple[str, str, bool]]:
         """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
@@ -568,11 +578,6 @@ def _equation(
     )
 
 
-def _highest(part: Product) -> int:
-    """Sort key of terms in one angle: the highest multiple first."""
-    return -sum(m for factor, _ in part.factors if isinstance(factor, Wave) for _, m in factor.turns)
-
-
 def _largest(waves: Sequence[Product]) -> Fraction:
     """The power of two next to the largest number of a Fourier form: whole numbers of a thousand digits are no floats,
     and with a power of two every ratio keeps its last bit.
@@ -714,7 +719,7 @@ class Value:
         Args:
             most: factors of more characters than that are told by their size; None for none.
         """
-        return Text(most).value(self.form)
+        return Text.folding(most).value(self.form)
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -791,7 +796,7 @@ class Quotient:
             most: sums of more characters are told by their size; None for none.
         """
         above, below = self.forms
-        return _joined(Text(most), above, below, " / ")
+        return _joined(Text.folding(most), above, below, " / ")
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""

@@ -280,15 +280,18 @@ def _candidates(
 def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> Array:
     """(N, n) each pinned joint at its nearest value within the limits, nan where there is none; others in the limits.
     """
-    feet = np.clip(q, box[0], box[1])
+    feet, rows, bounded = np.clip(q, box[0], box[1]), np.arange(len(q)), np.isfinite(box).any(axis=0)
     for one in pinned:
         j, values = one.number - 1, np.array(one.values)
         at, options = q[:, j, None], np.broadcast_to(values, (len(q), len(values)))
         if robot.periodic[j]:
             turns = np.round((at - values) / (2 * np.pi))[:, None] + np.arange(-2, 3)[:, None]
             options = (values + 2 * np.pi * turns).reshape(len(q), -1)
-        inside = (options >= box[0, j] - _ROUNDING) & (options <= box[1, j] + _ROUNDING)
-        far = np.where(inside, np.abs(options - at), np.inf)
-        rows, best = np.arange(len(q)), far.argmin(axis=1)
-        feet[:, j] = np.where(np.isfinite(far[rows, best]), options[rows, best], np.nan)
+        far = np.abs(options - at)
+        if bounded[j]:
+            far[(options < box[0, j] - _ROUNDING) | (options > box[1, j] + _ROUNDING)] = np.inf
+        best = far.argmin(axis=1)
+        feet[:, j] = options[rows, best]
+        if bounded[j]:
+            feet[np.isinf(far[rows, best]), j] = np.nan
     return feet

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 from fractions import Fraction
 from math import prod
@@ -239,3 +240,14 @@ def test_real_points_that_are_not_all_separated_are_reported(
     left = []
     real_sets(chain, [Drop(piece, 2)], Work(), left)
     assert any("the real points of a set were not all taken apart" in text for text in left)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_points_of_a_set_satisfy_a_condition_that_was_added_to_it(seed: int) -> None:
+    """Both tool translations across the flange are lost where θ2 = ±π/2; θ6 = const fulfils all conditions but one."""
+    derived = conditions(open_robot("puma560"), "across-tool-axis", coranks=2, points=0, seed=seed)
+    added = [piece for family in derived.of_corank(2) for piece in family.pieces]
+    points = [(piece, point) for piece in added for point in piece.points(random.Random(seed), 10)]
+    assert len(points) == 10 * len(added) > 0
+    assert all(piece.holds_at([point]) for piece, point in points)
+    assert not derived.disagreements

@@ -191,16 +191,21 @@ def separated(
     for f in islice((f for f in _candidates(chain, piece, rank, known, work)), _ENOUGH + len(known)):
         away = _away(chain, f, strays)
         if away and any(f is one for one in known):
-            return replace(piece, equations=(*piece.equations, f))
+            best = ((-away, len(f)), f)
+            break
         if away and (best is None or (-away, len(f)) < best[0]):
             best = ((-away, len(f)), f)
-    return None if best is None else replace(piece, equations=(*piece.equations, best[1]))
+    # in `zero`, too: random points modulo a prime would else be met beside the set
+    return best and replace(
+        piece, equations=(*piece.equations, best[1]), zero=(*piece.zero, chain.ring.trig_zero_set(best[1]))
+    )
 
 
 def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
     """At how many configurations a condition does not hold."""
-    condition = Condition(chain.ring, chain.own_polynomial(f))
-    equation = condition.equation(chain.own_numbers, chain.n, chain.shifts.tolist())
+    equation = Condition(chain.ring, chain.own_polynomial(f)).equation(
+        chain.own_numbers, chain.n, chain.shifts.tolist()
+    )
     return int((np.abs(equation(strays)) > CONDITION_FAILS).sum())
 
 

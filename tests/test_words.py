@@ -55,8 +55,8 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 
 SENTENCES = {
-    "certify": 2, "designs": 49, "exact": 179, "families": 21, "family": 10, "jobs": 7, "local": 91,
-    "motion": 138, "proof": 37, "results": 221, "robot": 59, "units": 2, "verbs": 44,
+    "certify": 2, "designs": 49, "exact": 177, "families": 13, "family": 10, "jobs": 7, "local": 91,
+    "motion": 134, "proof": 37, "results": 221, "robot": 59, "units": 2, "verbs": 44,
 }  # fmt: skip
 """Room -> sentences in it today."""
 
@@ -106,25 +106,25 @@ def modules_with_patterns() -> set[str]:
 
 
 PHRASES = {
-    r"\b(?:is|are|was|were|be|been) told\b": 129,
-    r"\btells\b": 62,
-    r"\b(?:held|hold|holds) against\b": 26,
-    r"\blook(?:ed|s|ing)? into\b": 20,
+    r"\b(?:is|are|was|were|be|been) told\b": 113,
+    r"\btells\b": 57,
+    r"\b(?:held|hold|holds) against\b": 25,
+    r"\blook(?:ed|s|ing)? into\b": 16,
     r"\blook(?:ed|s|ing)? through\b": 1,
-    r"\blooked at\b": 60,
+    r"\blooked at\b": 52,
     r"\btaken as\b": 28,
     r"\bas it is meant\b": 1,
-    r"\bbeside\b": 116,
+    r"\bbeside\b": 111,
     r"\bwhose own\b": 1,
     r"\bgoes on there\b": 9,
-    r"\bhand(?:s|ed)? over\b": 5,
-    r"\basked about\b": 21,
+    r"\bhand(?:s|ed)? over\b": 4,
+    r"\basked about\b": 20,
     r"\bis there twice\b": 6,
     r"\bparts the\b": 4,
     r"\bno other one\b": 12,
     r"\babsence of a find\b": 2,
     r"\bderived apart\b": 1,
-    r"\bin whose axes\b": 4,
+    r"\bin whose axes\b": 3,
     r"\bthere is no place\b": 0,
 }
 """Phrase (docs, output, docstrings; as a pattern) -> how often it may stand there."""
@@ -140,7 +140,9 @@ def texts() -> Iterator[str]:
         for node in nodes(path):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
+    made = {ROOT / "docs" / folder for folder in ("atlas", "commands", "gallery")}  # by a build of the site, from above
     pages = [path for path in (ROOT / "docs").rglob("*.md") if path.name != "reproduced.md"]
+    pages = [path for path in pages if not made & set(path.parents)]
     for path in [*pages, ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md"]:
         yield path.read_text(encoding="utf-8")
 

@@ -113,6 +113,12 @@ def test_no_line_that_is_called_free_breaks_a_rate_or_leaves_its_line(name: str)
     assert sum(hold(name, 10, 2).values()) == 10
 
 
+@pytest.mark.by_hand
+@pytest.mark.parametrize("name", ARMS)
+def test_no_line_of_a_thousand_that_is_called_free_breaks_a_rate_or_leaves_its_line(name: str) -> None:
+    assert sum(hold(name, 100, 3).values()) == 100
+
+
 @pytest.mark.slow
 def test_the_line_of_the_issue_is_not_possible_at_the_programmed_speed() -> None:
     """0.2 m that pass the UR5e's wrist at 0.005°: the joint path of rows 0.02 reaches apart left it by 29 mm."""

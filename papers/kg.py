@@ -213,7 +213,7 @@ def families(sheet: Sheet) -> None:
     ours = derivation()
     sheet.numbers("section 3.4", "families of singular configurations", "5", len(ours.families),
                   layout="five families of singular configurations")  # fmt: skip
-    whole = all(int(x.q) == 1 for f in ours.families for p in f.equalities + f.inequalities for x in p.coeffs())
+    whole = all(int(x.q) == 1 for f in ours.families for p in f.equalities + f.stratum.open for x in p.coeffs())
     sheet.claim("section 3.4", "denominators in the equations", "no denominators",
                 "all coefficients are whole numbers", whole)
     both = {pair: _meeting(*pair) for pair in combinations(kg.FAMILIES, 2)}
@@ -244,7 +244,7 @@ def efficiency(sheet: Sheet) -> None:
     ours = derivation()
     chain = exact_chain(arm(), lengths=kg.LENGTHS)
     other = derive(chain, "reciprocity", 20.0, frame=5, basic=tuple(range(2, 8)))
-    terms = sum(len(p) for family in ours.families for p in (*family.equalities, *family.inequalities))
+    terms = sum(len(p) for family in ours.families for p in (*family.equalities, *family.stratum.open))
     groups = [(*one.equal, *(e for group in one.unequal for e in group)) for one in other.conditions]
     read = sum(equality.terms for group in groups for equality in group)
     sheet.claim(

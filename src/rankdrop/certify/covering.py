@@ -227,10 +227,10 @@ def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "") ->
         finished[chunk * size : (chunk + 1) * size] = True
     ordered = [batches[chunk] for chunk in sorted(batches)]
     tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
-    return Covering(plan, _joined(shape, finished, ordered), tested, freed, stopped)
+    return Covering(plan, _join_trees(shape, finished, ordered), tested, freed, stopped)
 
 
-def _joined(shape: Shape, finished: NDArray[np.bool_], batches: list[Batch]) -> BitTree:
+def _join_trees(shape: Shape, finished: NDArray[np.bool_], batches: list[Batch]) -> BitTree:
     """One tree of bits from those of the boxes of level `top` that are finished, in their order."""
     parts = shape.levels - shape.top + 1
     pieces: list[list[Masks]] = [[np.zeros(0, shape.kind)] for _ in range(parts)]

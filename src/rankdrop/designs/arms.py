@@ -96,7 +96,7 @@ class SideBySide(Result):
         yield Section("", lines=(self.sentence,))
         rows = [("joints", *map(str, self.joints)), ("reach", *(f"{far:.4g} m" for far in self.reaches))]
         rows += [
-            (name, *(measure_text(name, one["measures"].get(name)) + ("  ←" if i in self._told(name) else "")
+            (name, *(measure_text(name, one["measures"].get(name)) + ("  ←" if i in self._ranked_best(name) else "")
                      for i, one in enumerate(self.records)))
             for name in self.measures
         ]  # fmt: skip
@@ -116,7 +116,7 @@ class SideBySide(Result):
         more = ", and may be larger where joints are coupled" if larger else ""
         return f", by samples: ± {APART * 100 * most:.2g} %{more}" if most else ""
 
-    def _told(self, measure: str) -> tuple[int, ...]:
+    def _ranked_best(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)
         return best if measure != "families" and len(best) < len(self.names) else ()
 

@@ -213,7 +213,7 @@ def order_of(spec: Spec, values: Array) -> list[int]:
     if spec.kind == "list":
         return list(range(len(values)))
     if spec.kind == "grid":
-        return _ploughed([len(one.values) for one in spec.parameters])
+        return _order_boustrophedon([len(one.values) for one in spec.parameters])
     low, high = box(spec.parameters)
     unit = (values - low) / np.where(high > low, high - low, 1.0)
     strips = max(1, round(sqrt(len(values) / 4)))
@@ -223,7 +223,7 @@ def order_of(spec: Spec, values: Array) -> list[int]:
     return [int(i) for i in np.lexsort((np.arange(len(values)), along, strip))]
 
 
-def _ploughed(counts: list[int]) -> list[int]:
+def _order_boustrophedon(counts: list[int]) -> list[int]:
     """Indices into the grid (first axis slowest), every second row backwards."""
     order = [0]
     for count in counts:

@@ -266,20 +266,20 @@ def real_sets(
             break
         waiting = [*waiting[1:], *thinner]
         if work.without_points or len(work.unresolved) > systems:
-            left.append(f"the real points of a set were not all taken apart: {_named(piece)}")
+            left.append(f"the real points of a set were not all taken apart: {_set_text(piece)}")
             work.without_points.clear()
         if found.real:
             kept.append((Drop(piece, drop.rank), found))
             if len(found.strays):
                 left.append(
                     f"the conditions of a set of rank {drop.rank} hold at configurations of higher rank, too, and no "
-                    f"further condition was found that tells them apart: {_named(piece)}"
+                    f"further condition was found that tells them apart: {_set_text(piece)}"
                 )
         elif found.proof:
             left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
         elif not thinner and (found.unclear or (len(piece.equations) > 1 and len(found.points))):
             left.append(
-                f"a set has real points, but its conditions are dependent at all that were found: {_named(piece)}"
+                f"a set has real points, but its conditions are dependent at all that were found: {_set_text(piece)}"
             )
         elif not thinner:
             left_out.setdefault(f"no real point was found from {REAL_STARTS} random starts", []).append(piece)
@@ -314,7 +314,7 @@ def _sharp(
     return piece, found
 
 
-def _named(piece: ZeroSet) -> str:
+def _set_text(piece: ZeroSet) -> str:
     """A set for people: its conditions, or how long they are."""
     terms = sum(map(len, piece.equations))
     return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"

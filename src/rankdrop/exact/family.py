@@ -249,8 +249,8 @@ def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
     groups: dict[tuple[str, ...], list[Row]] = {}
     for piece in pieces:
         groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(alone(piece))
-    rows = [row for group in groups.values() for row in _joined(group, _angles_joined)]
-    return sorted(_joined(rows, _sums_joined), key=_order)
+    rows = [row for group in groups.values() for row in _merge_rows(group, _angles_joined)]
+    return sorted(_merge_rows(rows, _sums_joined), key=_order)
 
 
 def alone(piece: ZeroSet) -> Row:
@@ -258,7 +258,7 @@ def alone(piece: ZeroSet) -> Row:
     return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
 
 
-def _joined(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row]:
+def _merge_rows(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row]:
     while True:
         for one, two in combinations(rows, 2):
             both = join(one, two)

@@ -283,7 +283,7 @@ def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     kept = [one for i, one in enumerate(kept) if not any(other < one or (other == one and j < i)
                                                          for j, other in enumerate(kept))]  # fmt: skip
     while True:
-        pairs = ((one, other, _joined(one, other)) for one, other in combinations(kept, 2))
+        pairs = ((one, other, _merge_equalities(one, other)) for one, other in combinations(kept, 2))
         pair = next((pair for pair in pairs if pair[2] is not None), None)
         if pair is None:
             break
@@ -291,7 +291,7 @@ def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     return [tuple(sorted(one, key=lambda equality: (equality.terms, [a.key for a in equality.atoms]))) for one in kept]
 
 
-def _joined(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[Equality] | None:
+def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[Equality] | None:
     mine, theirs = one - other, other - one
     if len(mine) != 1 or len(theirs) != 1:
         return None

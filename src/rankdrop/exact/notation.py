@@ -362,7 +362,7 @@ def _spelled(turns: Sequence[tuple[int, int]], name: str, minus: str, half: str)
     return text
 
 
-def _joined(turns: Sequence[tuple[int, int]]) -> bool:
+def _are_short_half_turns(turns: Sequence[tuple[int, int]]) -> bool:
     return all(m == 2 and j < 10 for j, m in turns)
 
 
@@ -391,7 +391,7 @@ class Text:
 
     def wave(self, wave: Wave) -> str:
         """sin or cos of a combination of angles: c23, s(θ1 − θ2), cos(θ4/2)."""
-        if _joined(wave.turns):
+        if _are_short_half_turns(wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
         name = wave.kind if wave.halved else wave.kind[0]
         text = _spelled(wave.turns, "θ{}", self.minus, "{}/2")
@@ -494,7 +494,7 @@ class Latex(Text):
 
     def wave(self, wave: Wave) -> str:
         """c_{23}, or the name in full."""
-        if _joined(wave.turns):
+        if _are_short_half_turns(wave.turns):
             return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
         text = _spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}")
         text = re.sub(r"_(\d\d+)", r"_{\1}", text)

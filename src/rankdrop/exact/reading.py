@@ -358,7 +358,7 @@ class Meaning:
     def relation(self, left: Node, rights: Sequence[Node]) -> Parsed:
         """Σ m_j θ_j = value, modulo 2π."""
         value = self.number(self.ring.half.constant(1))
-        for right in [signed for one in rights for signed in _both(one)] or [Node("number", left.place)]:
+        for right in [signed for one in rights for signed in _both_signs(one)] or [Node("number", left.place)]:
             angle = _combined(self.angle(left), self.angle(right), Fraction(-1))
             turns = [m for j, m in angle.items() if j > PI]
             if not turns or any(m.denominator != 1 for m in turns):
@@ -556,7 +556,7 @@ class Meaning:
         return Parsed(form, kept[0].root)
 
 
-def _both(node: Node) -> list[Node]:
+def _both_signs(node: Node) -> list[Node]:
     """±x as x and −x."""
     if node.kind == "±":
         return [node.parts[0], Node("-", node.place, (node.parts[0],))]

@@ -393,7 +393,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]
     written = _with_powers(ring, common)
     if any(rests):
-        rest = _rest(stratum, without_letters(p, powers), shared, rests)
+        rest = _combine(stratum, without_letters(p, powers), shared, rests)
         factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
         written.append((rest, 1))
     factors.sort(key=lambda f: _length(f.whole))
@@ -449,7 +449,7 @@ def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
 
 
-def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
+def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
     """One polynomial that vanishes on each piece where its own remaining atoms do."""
     ring = stratum.ring
     if not shared or not stratum.regular:

@@ -796,7 +796,7 @@ class Quotient:
             most: sums of more characters are told by their size; None for none.
         """
         above, below = self.forms
-        return _joined(Text.folding(most), above, below, " / ")
+        return _join_fraction(Text.folding(most), above, below, " / ")
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -810,7 +810,7 @@ class Quotient:
 
     def code(self, notation: Python) -> str:
         """An expression in q and the lengths."""
-        return _joined(notation, *self.forms, "/")
+        return _join_fraction(notation, *self.forms, "/")
 
     def at(self, theta: Array, letters: Mapping[str, float]) -> float:
         """Its value at one configuration θ (n,), with values of the lengths [m]; inf or nan where below is zero."""
@@ -834,7 +834,7 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
     return found
 
 
-def _joined(notation: Text, above: Product, below: Product, line: str) -> str:
+def _join_fraction(notation: Text, above: Product, below: Product, line: str) -> str:
     if below == Product(Fraction(1)):
         return notation.value(above)
     upper, lower = notation.sum([notation.readable(above)]), notation.product(notation.readable(below))

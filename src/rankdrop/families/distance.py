@@ -280,7 +280,8 @@ def _candidates(
 def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> Array:
     """(N, n) each pinned joint at its nearest value within the limits, nan where there is none; others in the limits.
     """
-    feet, rows, bounded = np.clip(q, box[0], box[1]), np.arange(len(q)), np.isfinite(box).any(axis=0)
+    feet, rows = np.clip(q, box[0], box[1]), np.arange(len(q))
+    bounded = [bool(np.isfinite(ends).any()) for ends in box.T]
     for one in pinned:
         j, values = one.number - 1, np.array(one.values)
         at, options = q[:, j, None], np.broadcast_to(values, (len(q), len(values)))
@@ -289,7 +290,8 @@ def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> A
             options = (values + 2 * np.pi * turns).reshape(len(q), -1)
         far = np.abs(options - at)
         if bounded[j]:
-            far[(options < box[0, j] - _ROUNDING) | (options > box[1, j] + _ROUNDING)] = np.inf
+            outside = (options < box[0, j] - _ROUNDING) | (options > box[1, j] + _ROUNDING)
+            far = np.where(outside, np.inf, far)
         best = far.argmin(axis=1)
         feet[:, j] = options[rows, best]
         if bounded[j]:

@@ -185,7 +185,7 @@ def _from_circuits(
     return chosen, spare
 
 
-def _told(equations: list[Equation], strangers: Array) -> list[int]:
+def _separating_equations(equations: list[Equation], strangers: Array) -> list[int]:
     """Equations that tell most strangers from the family, in their own order."""
     share = [float(np.mean(np.abs(equation(strangers)) > 1e-4)) for equation in equations]
     return [i for i, s in enumerate(share) if s > 0.2 and s > 0.8 * max(share)]
@@ -228,7 +228,7 @@ def _selected(source: FamilyPoints, chosen: list[Equation], spare: list[Equation
             return None
         if not len(strangers):
             return tuple(chosen)
-        told = _told(spare, strangers)
+        told = _separating_equations(spare, strangers)
         if not told:
             return None
         chosen.append(spare.pop(told[0]))

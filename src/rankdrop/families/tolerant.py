@@ -229,7 +229,7 @@ def _polished(
     turned = _settled(robot, found.q[order] * scale, box, scale, free)
     kept: list[tuple[Array, float, float]] = []
     for at, value, slope in zip(turned, -found.value[order], found.slope[order], strict=True):
-        near = (_apart(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
+        near = (_angle_difference(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
         if not any(near):
             kept.append((at, float(value), float(slope)))
     return kept[:show]
@@ -239,13 +239,13 @@ def _different(robot: Robot, q: Array, free: Mask, near: float) -> Array:
     """Rows of q, in order, that are not within `near` of one before in the joints that matter."""
     kept: list[Array] = []
     for row in q:
-        apart = (np.where(free, 0.0, _apart(robot, row, other)).max() > near for other in kept)
+        apart = (np.where(free, 0.0, _angle_difference(robot, row, other)).max() > near for other in kept)
         if all(apart):
             kept.append(row)
     return np.array(kept).reshape(-1, q.shape[1])
 
 
-def _apart(robot: Robot, q: Array, other: Array) -> Array:
+def _angle_difference(robot: Robot, q: Array, other: Array) -> Array:
     """|q − other|, angles modulo whole turns."""
     gap = np.abs(q - other)
     turn = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi)))

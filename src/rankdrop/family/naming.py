@@ -232,7 +232,7 @@ _REWORDED: tuple[tuple[int, str, str | Callable[[re.Match[str]], str]], ...] = (
     (2, r"axes \d+, \d+ and wrist centre coplanar", "arm stretched or folded"),
     (4, "with a condition on", "a condition on"),
     (8, r"(concurrent|parallel) and coplanar", r"\1"),
-    (12, r"\d+\.\d+(?=°)", lambda found: _whole(found[0])),
+    (12, r"\d+\.\d+(?=°)", lambda found: _whole_degrees(found[0])),
     (14, r"with a condition on [^(]*\b(?= \(|$)", "with a condition"),
 )
 """(cost, words, what says nearly as much in fewer characters)."""
@@ -264,7 +264,7 @@ def _shorter(name: str) -> list[str]:
     return list(dict.fromkeys(text for _, text in sorted(found, key=lambda one: one[0])))
 
 
-def _whole(degrees: str) -> str:
+def _whole_degrees(degrees: str) -> str:
     """In whole degrees, unless that would be a right angle."""
     whole = round(float(degrees))
     return str(whole) if whole % 90 else degrees
@@ -349,7 +349,7 @@ def _details(facts: Sequence[Fact]) -> str:
         own = [one for one in own if one.roles != ("elbow",) or one.text == NEARLY]  # else the word "elbow" says it
     details = [fact.text for fact in own if fact.roles]
     if aligned:
-        details.append(f"axes {_both(aligned)} aligned")
+        details.append(f"axes {_join_groups(aligned)} aligned")
     for bundle in dict.fromkeys(joints[1:] for joints in against):
         first = [joints[0] for joints in against if joints[1:] == bundle]
         details.append(f"{'axis' if len(first) == 1 else 'axes'} {_numbers(first)} parallel to {_numbers(bundle)}")
@@ -358,11 +358,11 @@ def _details(facts: Sequence[Fact]) -> str:
         for fact in facts:
             if fact.kind == kind and not any(fact.joints == other.joints for other in own):
                 relation = sign.join(str(i + 1) for i in fact.joints)
-                details.append(relation if details else f"axes {_both([fact.joints])} {kind}")
+                details.append(relation if details else f"axes {_join_groups([fact.joints])} {kind}")
     return ", ".join(details)
 
 
-def _both(groups: Sequence[Sequence[int]]) -> str:
+def _join_groups(groups: Sequence[Sequence[int]]) -> str:
     """ "1 and 3" for one pair, "1, 3, 5" for one group, "1, 3 and 5, 7" for two."""
     if len(groups) == 1 and len(groups[0]) == 2:
         return " and ".join(str(i + 1) for i in groups[0])

@@ -137,7 +137,7 @@ class Folder:
             if note.exists():
                 if note.read_bytes() != found._note():
                     raise ResultFileError(
-                        "the folder holds another job", where=str(path), got=_told(note),
+                        "the folder holds another job", where=str(path), got=_describe_note(note),
                         allowed=f"{job.kind} {job.sha256[:12]}", mend="name another folder, or remove this one",
                     )  # fmt: skip
             else:
@@ -263,7 +263,7 @@ def progress_of(path: str | Path) -> Progress:
     return Progress(kind, done, chunks, items, seconds, max(0.0, time.time() - last), left)
 
 
-def _told(note: Path) -> str:
+def _describe_note(note: Path) -> str:
     try:
         found = _read_note(note)
     except (ResultFileError, OSError):

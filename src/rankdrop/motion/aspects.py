@@ -230,7 +230,7 @@ def aspects_of(
     change = search.change
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    solved = tuple(_named(robot, one, signs) for one in solved)
+    solved = tuple(_name_solutions(robot, one, signs) for one in solved)
     return Postures(robot, resolved, how, decision, solved, change, notes, complete)
 
 
@@ -312,7 +312,7 @@ def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[st
     return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
 
 
-def _named(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
+def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
     """In the arm's unit, solutions named by the signs of their factors."""
     q = out_of_metres(robot, solved.q)
     if signs is None:

@@ -57,7 +57,7 @@ def path_certificate(
         start, end = _place(one.start, last), _place(one.end, last)
         if at != start:
             spans.append({"from": at, "to": start, "kind": CLEAR})
-        spans.append(_met(one, square, last))
+        spans.append(_stretch_record(one, square, last))
         at = end
     if at != [last - 1, 1.0]:
         spans.append({"from": at, "to": [last - 1, 1.0], "kind": CLEAR})
@@ -108,7 +108,7 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     return not len(control)
 
 
-def _met(stretch: Stretch, square: bool, last: int) -> Record:
+def _stretch_record(stretch: Stretch, square: bool, last: int) -> Record:
     start, end = _place(stretch.start, last), _place(stretch.end, last)
     low, high = (_place(place, last) for place in stretch.bracket)
     if stretch.verdict == CROSSES and square and not stretch.lies and start <= low < high <= end:

@@ -167,7 +167,7 @@ class _Judge:
         places = self._places()
         q = self._at(places)
         parts: list[Crossing] = []
-        wide = self._widened(places)
+        wide = self._widen(places)
         samples = self._at(wide)
         for condition, function in self.functions.items():
             for low, high in self._brackets(wide, function(samples), function):
@@ -213,7 +213,7 @@ class _Judge:
             places = np.concatenate([places, np.arange(1, last - first + 1, dtype=np.float64)])
         return np.unique(np.clip(places, start, end))
 
-    def _widened(self, places: Array) -> Array:
+    def _widen(self, places: Array) -> Array:
         """With a place beside each end, in what is proven free: a zero at an end has no certain sign on both sides."""
         if not self.sliver.finished:
             return places

@@ -197,7 +197,7 @@ class _Walk:
         first = float(np.linalg.norm((guess - now) / self.aim.joints))
         if first > _LONGEST:
             return None
-        guess = guess + self._pulled(now, first)
+        guess = guess + self._null_space_pull(now, first)
         found, arrived = self.aim.solve(target, guess[None])
         if not arrived[0]:
             return None
@@ -232,7 +232,7 @@ class _Walk:
             at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
         return None
 
-    def _pulled(self, now: Array, length: float) -> Array:
+    def _null_space_pull(self, now: Array, length: float) -> Array:
         """(n,) the part of the pull in the null space, for a step of some length."""
         if self.pull is None:
             return np.zeros_like(now)

@@ -188,7 +188,7 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
     if _digest(Path(place)) != digest:
         raise ResultFileError("the file is not what it was when the job began", where=name,
                               mend="begin again; workers of a cluster see files under the same names")  # fmt: skip
-    robot, task, analysis = _asked(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
+    robot, task, analysis = _decode_question(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
     said: list[str] = []
     try:
         start = plan["reading"]["start"]
@@ -207,7 +207,7 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
 
 
 @lru_cache(1)
-def _asked(text: str) -> tuple[Robot, Task, Analysis | None]:
+def _decode_question(text: str) -> tuple[Robot, Task, Analysis | None]:
     record, length_scale, analysis = json.loads(text)
     return robot_from_dict(record), task_from_dict(record, length_scale), (
         None if analysis is None else Analysis.from_dict(analysis)

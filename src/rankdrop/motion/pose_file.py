@@ -66,7 +66,7 @@ def holds_poses(path: Path, robot: Robot) -> bool:
     except RankdropError:
         return False
     joints = {joint.name for joint in robot.variables}
-    return {_named(word) for word in words} >= _LENGTHS and not joints <= set(words)
+    return {_column_name(word) for word in words} >= _LENGTHS and not joints <= set(words)
 
 
 def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
@@ -123,7 +123,7 @@ def turned_by(quaternion: Array, where: list[str]) -> NDArray[np.float64]:
     return np.asarray(np.moveaxis(np.array(rows), 2, 0))
 
 
-def _named(word: str) -> str:
+def _column_name(word: str) -> str:
     """A column's name, without its unit, as it is known here."""
     plain = name_and_unit(word.strip())[0].lower()
     return _OTHER.get(plain, plain)
@@ -131,7 +131,7 @@ def _named(word: str) -> str:
 
 def _measure(name: str) -> tuple[str, str] | None:
     """A column of a pose, and what it measures."""
-    key = _named(name)
+    key = _column_name(name)
     kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(_ANGLES, "angle"),
              **dict.fromkeys(_QUATERNION, "number")}  # fmt: skip
     return (key, kinds[key]) if key in kinds else None

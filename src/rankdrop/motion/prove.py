@@ -293,8 +293,8 @@ def prove(
     work = _Spent(evaluations, len(path.control), progress)
     left = _runs(robot, setting, path, work)
     work.report(len(left))
-    _halve(Along(robot, setting), _whole(path, left), work, singular)
-    return Proof(tuple(_joined(work.left)), work.spent, setting, not work.interrupted)
+    _halve(Along(robot, setting), _whole_stretches(path, left), work, singular)
+    return Proof(tuple(_join_neighbours(work.left)), work.spent, setting, not work.interrupted)
 
 
 def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
@@ -362,7 +362,7 @@ def _batches(rows: Index) -> Iterator[Index]:
     return (rows[i : i + _BATCH] for i in range(0, len(rows), _BATCH))
 
 
-def _whole(path: Curve, stretches: Index) -> Pieces:
+def _whole_stretches(path: Curve, stretches: Index) -> Pieces:
     count = len(stretches)
     return Pieces(stretches, np.zeros(count), np.ones(count), path.control[stretches])
 
@@ -434,7 +434,7 @@ def _give_up(pieces: Pieces, work: _Spent, *, finished: bool) -> None:
     work.left += [(*row, finished) for row in rows]
 
 
-def _joined(left: list[tuple[int, float, float, bool]]) -> Iterator[Sliver]:
+def _join_neighbours(left: list[tuple[int, float, float, bool]]) -> Iterator[Sliver]:
     run: list[tuple[int, float, float, bool]] = []
     for piece in sorted(left):
         if run and not _follows(run[-1], piece):

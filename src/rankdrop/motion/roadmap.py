@@ -141,7 +141,7 @@ class Roadmap:
         """The way through corners, the joints that do not matter going evenly from start to end; None if not proven."""
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
         share = length / length[-1] if length[-1] > 0 else np.linspace(0.0, 1.0, len(corners))
-        free = start + share[:, None] * self._apart(start, end)
+        free = start + share[:, None] * self._difference(start, end)
         q = np.where(self.matters, corners, free) * self.scale
         found = prove(self.robot, settings_of(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
                       evaluations=EVALUATIONS)  # fmt: skip
@@ -153,7 +153,7 @@ class Roadmap:
 
     def _unwound(self, corners: Array) -> Array:
         """The corners one after another, each the short way from the one before."""
-        steps = [self._apart(one, other) for one, other in pairwise(corners)]
+        steps = [self._difference(one, other) for one, other in pairwise(corners)]
         return np.asarray(corners[0] + np.concatenate([np.zeros((1, corners.shape[1])), np.cumsum(steps, axis=0)]))
 
     def _shortened(self, corners: Array) -> Array:
@@ -169,7 +169,7 @@ class Roadmap:
 
     def _near(self, q: Array, sign: Array, others: Array, signs: Array, *, skip: int) -> Index:
         """Indices of the nearest configurations of the same sign."""
-        gap = np.linalg.norm(self._apart(q, others)[:, self.matters], axis=1)
+        gap = np.linalg.norm(self._difference(q, others)[:, self.matters], axis=1)
         gap[signs != sign] = np.inf
         if skip >= 0:
             gap[skip] = np.inf
@@ -179,7 +179,7 @@ class Roadmap:
     def _kept(self, nodes: Array, edges: Index) -> tuple[Index, Array]:
         """The edges on which the sign is kept, and their smallest |det J|."""
         start = nodes[edges[:, 0]]
-        weights = self._least(start, start + self._apart(start, nodes[edges[:, 1]]))
+        weights = self._least(start, start + self._difference(start, nodes[edges[:, 1]]))
         return edges[weights > 0.0], weights[weights > 0.0]
 
     def _least(self, start: Array, end: Array) -> Array:
@@ -207,7 +207,7 @@ class Roadmap:
     def _determinants(self, nodes: Array) -> Array:
         return np.asarray(np.linalg.det(task_jacobian(self.robot, nodes * self.scale, self.task) * self.scale))
 
-    def _apart(self, one: Array, other: Array) -> Array:
+    def _difference(self, one: Array, other: Array) -> Array:
         gap = other - one
         if self.limits:
             return gap

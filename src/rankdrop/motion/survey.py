@@ -276,14 +276,14 @@ class Survey:
         if nearest is None:
             return "", "", np.zeros(0), np.inf
         foot = np.array(nearest.q)
-        number, name = self._named(foot, nearest.corank)
+        number, name = self._name_singularity(foot, nearest.corank)
         return number, name, foot, nearest.distance
 
     def _singular(self, part: Crossing, *, with_lost: bool) -> Stretch:
         name, number, null = "", "", np.nan
         lost: tuple[str, ...] = ()
         if part.corank:
-            number, name = self._named(part.q, part.corank)
+            number, name = self._name_singularity(part.q, part.corank)
             null = self._null_share(part)
             if with_lost:
                 framed = lost_seen_from(self.robot, part.q, self.task, part.corank, self.options.frame)
@@ -320,7 +320,7 @@ class Survey:
             slowest,
         )  # fmt: skip
 
-    def _named(self, q: Array, corank: int) -> tuple[str, str]:
+    def _name_singularity(self, q: Array, corank: int) -> tuple[str, str]:
         """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
         tolerances = self.tolerances
         found = families_at(self.families, self.robot, q, self.task, tolerances, self.source)

@@ -232,13 +232,13 @@ class _Path:
         lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
         self.outside = lost if abs(lost) > _NOTHING else 0.0
 
-    def _found(self, kind: str, *rest: Any) -> Through:
+    def _through(self, kind: str, *rest: Any) -> Through:
         return Through(self.robot, self.task, self.q, self.along, self.bend, kind, self.outside, *rest)
 
     def classified(self) -> Through:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
-            return self._found(REGULAR, 1)
+            return self._through(REGULAR, 1)
         return self._leaving() if self.outside else self._tangent()
 
     def _leaving(self) -> Through:
@@ -253,14 +253,14 @@ class _Path:
         alone = self._alone(values, vectors)  # else other directions of the kernel may do what this one does not
         if order is None:
             still = float(np.abs(s).max()) * self.size < _CLOSE * 1e3
-            return self._found(NOT if still and alone else UNDECIDED)
+            return self._through(NOT if still and alone else UNDECIDED)
         if order % 2 == 0 and not alone:
-            return self._found(UNDECIDED)
+            return self._through(UNDECIDED)
         exponent = _exponent(s, joints / self.scale)
         rate = float(np.abs(np.gradient(joints / self.scale, sigma, axis=0)).max())
         kind = PASSES if order % 2 else TURNS
         side = 0 if order % 2 else int(np.sign(s[-1]))
-        return self._found(kind, order, side, sigma, s, joints, off, rate, exponent)
+        return self._through(kind, order, side, sigma, s, joints, off, rate, exponent)
 
     def _alone(self, values: Array, vectors: Array) -> bool:
         """Whether the terms of second order, or a kernel of one dimension, say how s goes in every direction.
@@ -287,7 +287,7 @@ class _Path:
         times, s = np.concatenate([-t0[::-1], t1[1:]]), np.concatenate([s0[::-1], s1[1:]])
         joints = np.concatenate([q0[::-1], q1[1:]])
         rate = float(np.abs(np.diff(joints / self.scale, axis=0) / np.diff(times)[:, None]).max())
-        return self._found(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
+        return self._through(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
 
     def _tangent(self) -> Through:
         """u·ξ = 0: the quadric decides."""
@@ -302,7 +302,7 @@ class _Path:
             found = self._at_speed(particular + self.kernel @ mu)
             if found is not None:
                 return found
-        return self._found(NOT if _none(self._quadric(), b, g) else UNDECIDED)
+        return self._through(NOT if _none(self._quadric(), b, g) else UNDECIDED)
 
     def _at_speed(self, slope: Array) -> Through | None:
         """The path followed at constant speed from a first guess of dq/ds; None where it is not followed."""
@@ -324,7 +324,7 @@ class _Path:
         rates = np.diff(joints, axis=0) / np.diff(s)[:, None]
         if np.abs(np.diff(rates, axis=0)).max() > 0.5 * (1.0 + np.abs(rates).max()):
             return None  # another branch was caught
-        return self._found(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()))
+        return self._through(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()))
 
     def _solved(self, q: Array, s: float) -> Array | None:
         """Configuration at s near a first guess, by Newton's method with least change."""

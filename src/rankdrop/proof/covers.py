@@ -134,7 +134,7 @@ class Boxes:
             return self._all()
         for place, box in enumerate(self._chosen(sample)):
             work.report(place, sample)
-            self._one(*box)
+            self._check_box(*box)
         raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not looked at")
 
     def _chosen(self, sample: int) -> Iterator[tuple[int, list[int]]]:
@@ -166,7 +166,7 @@ class Boxes:
             half[j - 1] = width + _SEAM
         return Region(centre, half)
 
-    def _one(self, level: int, cell: list[int]) -> None:
+    def _check_box(self, level: int, cell: list[int]) -> None:
         if not self._free(self._check, level, cell):
             raise Unproven("a box that the covering leaves out could not be proven free again")
 
@@ -222,7 +222,7 @@ class Boxes:
                 free = split.free([min(level, most) for most in depth], cells.astype(np.int64))
                 remaining += int((~free).sum())
             for number, place in enumerate(np.flatnonzero(~free).tolist(), start=1):
-                self._one(level, cells[place].tolist())
+                self._check_box(level, cells[place].tolist())
                 if split is None:
                     work.report(begin + place + 1, self.tree.free_boxes)
                     if journal is not None and number % _OFTEN == 0:

@@ -70,20 +70,20 @@ class Determinant:
             levels: how often the range of each variable was halved.
             cells: which of the 2^level equal parts.
         """
-        found = self._whole(levels, cells)
+        found = self._prove_whole_boxes(levels, cells)
         owner = np.flatnonzero(~found)
         parts, corners = cells[owner], np.array(list(product((0, 1), repeat=cells.shape[1])))
         for halvings in range(1, _HALVINGS + 1):
             if not len(parts) or len(parts) << cells.shape[1] > _PARTS:
                 break
             parts = (parts[:, None, :] * 2 + corners).reshape(-1, cells.shape[1])
-            left = ~self._whole([level + halvings for level in levels], parts)
+            left = ~self._prove_whole_boxes([level + halvings for level in levels], parts)
             parts, owner = parts[left], np.repeat(owner, len(corners))[left]
         found[:] = True
         found[owner] = False
         return found
 
-    def _whole(self, levels: list[int], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _prove_whole_boxes(self, levels: list[int], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
         if not len(cells) or not all(self._half(j, level) < _WIDEST for j, level in enumerate(levels)):
             return np.zeros(len(cells), dtype=np.bool_)
         least, most, lost = self.bounds(levels, cells)

@@ -224,16 +224,16 @@ def _check_tiles(spans: list[Record], count: int) -> None:
         start, end = span["from"], span["to"]
         if max(start[0], end[0]) >= count:
             raise Unproven(f"a segment of the path is missing: span {place} is on stretch {end[0] + 1} of {count}")
-        if not _same(at, start):
+        if not _is_same_place(at, start):
             raise Unproven(f"a segment of the path is missing before span {place}")
         if end < start:
             raise Unproven(f"span {place} ends before it begins")
         at = end
-    if not _same(at, (count - 1, 1.0)):
+    if not _is_same_place(at, (count - 1, 1.0)):
         raise Unproven("a segment of the path is missing behind the last span")
 
 
-def _same(a: Place, b: Place) -> bool:
+def _is_same_place(a: Place, b: Place) -> bool:
     return a == b or (a[0] + 1 == b[0] and a[1] == 1.0 and b[1] == 0.0)
 
 

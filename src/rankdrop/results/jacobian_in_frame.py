@@ -152,7 +152,7 @@ class LinkJacobian(Result):
         if self.numbers is not None:
             yield from _numbers(self.numbers, rows, joints)
         if self.checks:
-            yield Section("Checks", "", tuple(_told(check) for check in self.checks))
+            yield Section("Checks", "", tuple(_agreement_text(check) for check in self.checks))
 
     def _frames(self) -> Iterator[str]:
         here = [(terms, k) for terms, k, at in self.shortest if at == self.at]
@@ -173,7 +173,7 @@ def _point(at: int | None) -> str:
     return "the tip" if at is None else f"the origin of link {at}"
 
 
-def _told(check: Agreement) -> str:
+def _agreement_text(check: Agreement) -> str:
     size = "" if check.worst is None else f" (largest difference {check.worst:.1e})".replace("-", "−")
     return f"{'' if check.holds else 'FAILS: '}{check.what}{size}"
 

@@ -79,12 +79,12 @@ def of_conditions(derived: Conditions, tested: str = "exact") -> Verdict:
     """
     ranks = sum(family.rank_check.tested for family in derived.families)
     exactly, rounded = _exactness(derived.chain)
-    sampled = derived.explained.tested > 0 and _met(derived)
+    sampled = derived.explained.tested > 0 and _explains_all(derived)
     claims = ((EXACT,) if derived.complete and not rounded else ()) + ((SAMPLED,) if sampled else ())
     if derived.interrupted:
         return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
     wrong = [(CONTRADICTED, text) for text in derived.disagreements]
-    if not _met(derived) and not wrong and derived.complete:
+    if not _explains_all(derived) and not wrong and derived.complete:
         left = derived.explained.tested - derived.explained.agree
         wrong.append((CONTRADICTED, f"{left:,} configurations found numerically lie on no family"))
     wrong += [(INCOMPLETE, f"no rank was tried on {row.id}") for row in derived.families if not row.rank_check.tested]
@@ -177,7 +177,7 @@ def _all(analysis: Analysis, derived: Conditions | None) -> str:
     return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points; {exactly}"
 
 
-def _met(derived: Conditions) -> bool:
+def _explains_all(derived: Conditions) -> bool:
     return derived.explained.tested == derived.explained.agree
 
 

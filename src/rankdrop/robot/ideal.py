@@ -138,10 +138,10 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
     found = robot
     for _ in range(_PASSES):
         before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
-        if _same(before, found):
+        if _have_same_home(before, found):
             found = before
             break
-    if _same(robot, found):
+    if _have_same_home(robot, found):
         return robot, ()
     return found, changes_between(robot, found, angle=angle, length=limit)
 
@@ -242,7 +242,7 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     at_tip = _pose_squared(times(inverse(robot.joints[-1].frame), robot.home), unit, min(angle, SQUARE))
     home = times(joints[-1].frame, at_tip)
     found = replace(robot, joints=tuple(joints), home=home)
-    return robot if _same(robot, found) else found
+    return robot if _have_same_home(robot, found) else found
 
 
 def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
@@ -266,7 +266,7 @@ def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -
     return found
 
 
-def _same(first: Robot, two: Robot) -> bool:
+def _have_same_home(first: Robot, two: Robot) -> bool:
     pairs = [(first.home, two.home)]
     for mine, other in zip(first.joints, two.joints, strict=True):
         pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]

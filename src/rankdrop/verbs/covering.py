@@ -200,7 +200,7 @@ def part(plan: Record, chunk: int) -> bytes:
     Raises:
         OptionError: it alone takes more than `BUDGET` enclosures.
     """
-    robot, task = _asked(json.dumps([plan["robot"], plan["length_scale"]]))
+    robot, task = _decode_question(json.dumps([plan["robot"], plan["length_scale"]]))
     try:
         return batch_to_bytes(chunk_of(robot, task, plan_from_entries(plan["covering"]), chunk, threads=1))
     except BudgetSpent as error:
@@ -210,7 +210,7 @@ def part(plan: Record, chunk: int) -> bytes:
 
 
 @lru_cache(1)
-def _asked(text: str) -> tuple[Robot, Task]:
+def _decode_question(text: str) -> tuple[Robot, Task]:
     record, length_scale = json.loads(text)
     return robot_from_dict(record), task_from_dict(record, length_scale)
 

@@ -279,7 +279,7 @@ def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> An
                 arrived(request.path)
         if response is not None:
             _label(response)
-            _harden(response.headers, cookie)
+            _set_security_headers(response.headers, cookie)
         return response
 
     return process_request
@@ -340,7 +340,7 @@ def _label(response: Any) -> None:
         response.headers["Content-Length"] = str(len(response.body))
 
 
-def _harden(headers: Any, cookie: str | None) -> None:
+def _set_security_headers(headers: Any, cookie: str | None) -> None:
     """No other page may frame this one, and nothing is loaded from elsewhere."""
     headers["X-Frame-Options"] = "DENY"
     headers["Referrer-Policy"] = "no-referrer"

@@ -114,7 +114,7 @@ class Session:
         """Move to a configuration, slowly at both ends; joints move together."""
         start, end = self.q, np.array(target, dtype=np.float64)
         size = float(np.linalg.norm((end - start) / joint_scale(self.live.robot, self.live.task)))
-        self.follow(_eased(start, end, min(max(size / _RATE, _LEAST), _MOST)), source)
+        self.follow(_ease(start, end, min(max(size / _RATE, _LEAST), _MOST)), source)
 
     def follow(self, path: Iterable[Array], source: object = None, done: Callable[[], None] | None = None) -> None:
         """Follow configurations, 30 a second, until they end or something else moves the arm.
@@ -212,7 +212,7 @@ class Session:
             traceback.print_exception(error)
 
 
-def _eased(start: Array, end: Array, seconds: float) -> Iterator[Array]:
+def _ease(start: Array, end: Array, seconds: float) -> Iterator[Array]:
     """start … end in 30 steps a second, smooth: 3s² − 2s³."""
     count = max(2, round(seconds * FRAMES))
     for i in range(1, count + 1):

@@ -220,7 +220,7 @@ class EscapeTab:
             self._pair = controls.button("best two joints", lambda: self._along("best_pair"))
             self._still = controls.button("with the tool held still", self._keep_still)
             self._single = [
-                controls.button(f"joint {number} {joint.name}", partial(self._one, number))
+                controls.button(f"joint {number} {joint.name}", partial(self._move_joint, number))
                 for number, joint in enumerate(controls.robot.variables, start=1)
             ]
             controls.button("stop", controls.session.stop)
@@ -253,7 +253,7 @@ class EscapeTab:
         live = self.controls.live
         return escape(live.robot, self.controls.session.q, live.task)
 
-    def _one(self, number: int) -> None:
+    def _move_joint(self, number: int) -> None:
         session = self.controls.session
         one = next(one for one in self._now().single if one.number == number)
         target = session.q

@@ -105,7 +105,7 @@ class PathTab:
             )
         upload.on_upload(lambda event: controls.attempt(lambda: self._uploaded(event.target.value)))
         self._time.on_update(self._dragged)
-        self._buttons.on_click(lambda _: controls.attempt(self._pressed))
+        self._buttons.on_click(lambda _: controls.attempt(self._toggle_playing))
 
     def _uploaded(self, file: Any) -> None:
         text = file.content.decode("utf-8-sig", errors="replace")
@@ -166,7 +166,7 @@ class PathTab:
         marker[int(np.abs(self._times - self._time.value).argmin())] = float(values.max())
         return marker
 
-    def _pressed(self) -> None:
+    def _toggle_playing(self) -> None:
         if self.trajectory is None or self._track is None:
             return
         if self._buttons.value.startswith("■"):

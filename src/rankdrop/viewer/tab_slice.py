@@ -142,7 +142,7 @@ class SliceTab:
                 scene.remove_by_name("/slice/points")
         self._drawn = box, q.copy()
         self._mark(q)
-        self._told.content = panel.lines_html(_said(live.families, families, found.corank, starts))
+        self._told.content = panel.lines_html(_slice_notes(live.families, families, found.corank, starts))
 
     def _frame(self, box: SliceBox) -> None:
         scene, size = self.controls.server.scene, self.controls.stage.size
@@ -187,7 +187,7 @@ def _colour(index: int) -> str:
     return UNKNOWN if index < 0 else COLOURS[index % len(COLOURS)]
 
 
-def _said(
+def _slice_notes(
     known: Sequence[Family], families: NDArray[np.int32], corank: NDArray[np.int64], starts: int
 ) -> list[str]:
     """How many points of which family, as HTML, and what a missing one does not prove."""

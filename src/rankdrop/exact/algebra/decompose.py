@@ -182,12 +182,12 @@ def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomia
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
             equations=(*(primitive(h) for h, _ in factor(f)[1] if place in used(h)), *piece.equations),
-            known=(*piece.known, *(_there(piece, others) if used(parts[1]) else ())),
+            known=(*piece.known, *(_at_pins(piece, others) if used(parts[1]) else ())),
         )
     ]
 
 
-def _there(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
+def _at_pins(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
     """Conditions with the joints that a set pins at their angles; those that say nothing there are left out."""
     here = [piece.ring.form(f).at(piece.pins).f for f in conditions]
     return [f for f in here if f != 0]
@@ -201,7 +201,7 @@ def _reduced(
         work.check()
         others = [ring.form(h) for h in system if h is not g]
         pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
-        return [replace(piece, known=(*piece.known, *_there(piece, [g]))) for piece in pieces]
+        return [replace(piece, known=(*piece.known, *_at_pins(piece, [g]))) for piece in pieces]
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()

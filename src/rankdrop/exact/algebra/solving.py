@@ -225,7 +225,7 @@ def binds_more(
     if most < 1:
         return bool(system)
     lengths = lengths or {}
-    if any(_apart(part, moving, lengths) for part in _in_two_variables(system, moving)):
+    if any(_have_no_common_zero(part, moving, lengths) for part in _in_two_variables(system, moving)):
         return True
     variables = {place for f in system for place in used(f) if place < moving}
     dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
@@ -248,7 +248,7 @@ def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[lis
             yield part
 
 
-def _apart(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
+def _have_no_common_zero(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
     """Whether conditions on two variables have no common zero at all."""
     return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0], lengths) is False
 

@@ -9,6 +9,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 _SECTION = re.compile(r"^(Args|Attributes|Returns|Raises|Example|Examples|Yields|Note|Source):\s*$")
+_NAMES = re.compile(r"^\s+\w+(?:, \w+)+(?=:\s)")
 _CODE = re.compile(r"(`[^`]+`)")
 _SPECIAL = re.compile(r"([\\*|]|(?<=\w)_(?!\w))")
 
@@ -40,6 +41,8 @@ def converted(lines: list[str]) -> list[str]:
             if literal and found[-1].strip():
                 found.append("")
             literal = False
+        if in_section:  # "robot, task: …" is one entry of two names, not the name task of type robot
+            line = _NAMES.sub(lambda names: names[0].replace(", ", ",\u200b"), line)
         found.append(line if literal or doctest else plain(line))
     return found
 

@@ -15,7 +15,7 @@ from rankdrop.motion import crossings as module
 from rankdrop.motion.check import _ball, check_path
 from rankdrop.motion.crossings import crossings, signs, signs_at
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.prove import ROUNDED, Along, Sliver, _free, _joined, _Spent
+from rankdrop.motion.prove import ROUNDED, Along, Sliver, _free, _join_neighbours, _Spent
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -80,9 +80,9 @@ def test_what_is_left_of_an_unfinished_sliver_is_undecided_and_no_part_of_its_cr
 
 def test_an_unfinished_sliver_is_not_joined_to_a_finished_one_beside_it() -> None:
     pieces = [(0, 0.0, 0.5, True), (0, 0.5, 1.0, False), (1, 0.0, 0.25, False), (1, 0.25, 0.5, True)]
-    joined = [(one.stretches, one.shares, one.finished) for one in _joined(pieces)]
+    joined = [(one.stretches, one.shares, one.finished) for one in _join_neighbours(pieces)]
     assert joined == [((0, 0), (0.0, 0.5), True), ((0, 1), (0.5, 0.25), False), ((1, 1), (0.25, 0.5), True)]
-    apart = _joined([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
+    apart = _join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
     assert [one.stretches for one in apart] == [(0, 0), (2, 2)]
 
 

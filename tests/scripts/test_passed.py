@@ -75,7 +75,7 @@ def test_every_room_has_a_bound() -> None:
     assert rooms - set(WHOLE) == set()
 
 
-TOTALS = {"statements": 40_355, "files": 240, "classes": 394, "functions of 8 arguments and more": 12}
+TOTALS = {"statements": 40_357, "files": 240, "classes": 394, "functions of 8 arguments and more": 12}
 """Of the whole package; the aim is 32,000, 235, 260, 10."""
 
 

@@ -381,9 +381,7 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     if not len(found):
         return family
     faults = fault(robot, found) + _SHARED * _shared(beside, found)
-    away = np.where(robot.periodic, np.abs(found) / np.pi, 0.0)
-    turned = away.sum(axis=1) + away[:, 0]  # how far from zero joints stand, as a share of half a turn, the first twice
-    best = int((faults - 0.3 * gap / gap.max() + 0.1 * turned).argmin())
+    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
     if faults[best] > least:
         return family
     directions, words = lost_motions(problem, found[best], found[:_POINTS])
@@ -407,3 +405,9 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
     return into_limits(robot, points[Problem(robot, task, family.corank).singular(points)])
+
+
+def _turned(robot: Robot, q: Array) -> Array:
+    """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
+    away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
+    return np.asarray(away.sum(axis=1) + away[:, 0])

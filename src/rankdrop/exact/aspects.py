@@ -256,7 +256,7 @@ ROLES = ("shoulder", "elbow", "wrist")
 
 
 Seen = tuple[str, Array, tuple[str, ...]]
-"""(name, points, lost) of a part: as `analyze` names such a family, "" where no configuration is real, or singular of
+"""(name, points, lost) of a part, as `analyze` names such a family, "" where no configuration is real, or singular of
 corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 where there are such; one sentence on each
 direction lost, in a frame where it stands still or at the first point."""
 

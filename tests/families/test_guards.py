@@ -117,7 +117,7 @@ def test_regular_solutions_at_special_places_count_against_a_derived_family() ->
     wide = replace(wrist, pinned=(), coupled=(1, 3, 5), free=(2, 4, 6), equations=equations)
     cloud = search(robot, 1, starts=200)
     for one, holds in ((wrist, True), (wide, False)):
-        found = families_module.families(cloud, known=[one], wanted=100)
+        found = families_module.families(cloud, known=[one], fresh=100)
         row = found.families[0]
         assert (row.id, row.name) == (wrist.id, wrist.name)
         assert row.soundness.holds == holds

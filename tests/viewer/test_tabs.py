@@ -60,11 +60,11 @@ def test_a_path_plays_to_its_end_through_the_singularity(viewer: Viewer) -> None
     viewer.stage.show = show  # type: ignore[method-assign,assignment]
     viewer.path._speed.value = 3.0
     viewer.path._buttons.value = "▶ play"
-    viewer.path._pressed()
+    viewer.path._toggle_playing()
     until(lambda: bool(np.allclose(viewer.session.q, viewer.path.trajectory.q[-1])))
     assert min(seen) < 0 < max(seen)
     viewer.path._buttons.value = "worst"
-    viewer.path._pressed()
+    viewer.path._toggle_playing()
     until(lambda: not viewer.session.moving)
 
 

@@ -261,7 +261,7 @@ def _sharpened(problem: Problem, joint: int, value: float, q: Array) -> float:
     Where the conditions are all but flat, 1e-16 in their coefficients moves their solutions by 1e-10.
     """
     end, sigma = min(descents(problem, q), key=lambda one: one[1])
-    sharp = canonical(end[joint]) if problem.robot.periodic[joint] else float(end[joint])
+    sharp = canonical(end[joint]) if problem.robot.periodic[joint] else round(float(end[joint]), 13) + 0.0
     off = abs(float(wrap(np.array(sharp - value)))) if problem.robot.periodic[joint] else abs(sharp - value)
     return sharp if sigma <= ROUNDING and off <= SAME_VALUE else value
 

@@ -45,6 +45,7 @@ from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.families import Search
+    from rankdrop.motion import Postures, Through
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
@@ -295,6 +296,17 @@ def _fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
+def _hand_over_path(found: Postures | Through, path: str | None, output: Output, none: str, *, deg: bool) -> None:
+    csv = found.path_csv()
+    hand_over(
+        lambda: print_sections(found.sections(deg=deg)),
+        (path if csv else None, lambda target: write_text(csv, target)),
+        (output.json, lambda target: write_json(found.to_dict(), target)),
+    )
+    if path is not None and not csv:
+        say(f"{path} is not written: {none}")
+
+
 @command
 def aspects(
     robot: str,
@@ -338,14 +350,7 @@ def aspects(
             model, task, q=start, options=search,
             progress=lambda done, total: report("poses solved", done, total),
         )  # fmt: skip
-    csv = found.path_csv()
-    hand_over(
-        lambda: print_sections(found.sections(deg=deg)),
-        (path if csv else None, lambda target: write_text(csv, target)),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
-    if path is not None and not csv:
-        say(f"{path} is not written: there is no path")
+    _hand_over_path(found, path, output, "there is no path", deg=deg)
     if not found.complete:
         return exits.INTERRUPTED
     return exits.UNEXPLAINED if found.verdict == NOT_FOUND else exits.FINE
@@ -393,14 +398,7 @@ def through(
     at = parse_configuration(q, model, deg=deg)
     direction = numbers_of(along, "--along")
     found = judge(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
-    csv = found.path_csv()
-    hand_over(
-        lambda: print_sections(found.sections(deg=deg)),
-        (path if csv else None, lambda target: write_text(csv, target)),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
-    if path is not None and not csv:
-        say(f"{path} is not written: there is no motion")
+    _hand_over_path(found, path, output, "there is no motion", deg=deg)
     return exits.FINE if found.trackable else exits.UNEXPLAINED
 
 

@@ -172,7 +172,9 @@ class _Reader:
             if name in self.document and not isinstance(self.document[name], Mapping):
                 raise self.refuse(f"{name} is a table", "", name, got=repr(self.document[name]), allowed=f"[{name}]")
         drawing = self._drawing()
-        limits, seed = self._flag(self.document, "limits"), self._count(self.document, "seed", "", 0, 0, 2**63 - 1)
+        limits, seed = (
+            self._flag(self.document, "limits"), self._whole_number(self.document, "seed", "", 0, 0, 2**63 - 1),
+        )  # fmt: skip
         task = self._task(drawing)
         parameters = self._parameters(drawing)
         kind, count, listed = self._sample(parameters)
@@ -196,7 +198,7 @@ class _Reader:
             raise self.refuse(f"{key} is a text", "", key, got=repr(value))
         return value
 
-    def _count(
+    def _whole_number(
         self, table: Mapping[str, Any], key: str, name: str, default: int, least: int, most: int, *, entry: str = ""
     ) -> int:
         value = table.get(key, default)
@@ -277,7 +279,7 @@ class _Reader:
         lower, upper = (self._number(entry[key], measure, "parameters", name) for key in ("lower", "upper"))
         if not lower < upper:
             raise self.refuse("lower is not below upper", "parameters", name, got=f"lower {lower:g}, upper {upper:g}")
-        steps = self._count(entry, "steps", "parameters", 0, 2, 100_000, entry=name) if "steps" in entry else 0
+        steps = self._whole_number(entry, "steps", "parameters", 0, 2, 100_000, entry=name) if "steps" in entry else 0
         values = tuple(lower + (upper - lower) * i / (steps - 1) for i in range(steps))
         return Parameter(name, places, measure, values, lower, upper)
 
@@ -320,7 +322,7 @@ class _Reader:
             if one.values:
                 raise self.refuse(f"a {kind} sample draws from a range", "parameters", one.name,
                                   allowed="lower and upper, without steps or values")  # fmt: skip
-        return kind, self._count(table, "variants", "sample", 0, 1, MOST_VARIANTS), ()
+        return kind, self._whole_number(table, "variants", "sample", 0, 1, MOST_VARIANTS), ()
 
     def _variants(self, listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
         names = [one.name for one in parameters]
@@ -343,8 +345,8 @@ class _Reader:
 
     def _families(self, table: Mapping[str, Any]) -> dict[str, Any]:
         self._keys(table, ("starts", "fresh", "exact"), "families")
-        return {"starts": self._count(table, "starts", "families", 300, 10, MOST_STARTS),
-                "fresh": self._count(table, "fresh", "families", 300, 10, 20_000),
+        return {"starts": self._whole_number(table, "starts", "families", 300, 10, MOST_STARTS),
+                "fresh": self._whole_number(table, "fresh", "families", 300, 10, 20_000),
                 "exact": self._flag(table, "exact", "families", default=True)}  # fmt: skip
 
     def _near(self, table: Mapping[str, Any]) -> dict[str, Any]:
@@ -353,7 +355,7 @@ class _Reader:
         if not 0.0 < within <= WIDEST:
             raise self.refuse("this is no distance to look within", "near", "within", got=within,
                               allowed=f"above 0, up to {WIDEST} rad (86°)")  # fmt: skip
-        return {"within": within, "samples": self._count(table, "samples", "near", 2000, 100, 1_000_000)}
+        return {"within": within, "samples": self._whole_number(table, "samples", "near", 2000, 100, 1_000_000)}
 
     def _region(self, table: Mapping[str, Any]) -> dict[str, Any]:
         self._keys(table, ("lower", "upper", "rpy", "points", "starts"), "region")
@@ -361,8 +363,8 @@ class _Reader:
         if not all(low <= high for low, high in zip(corners["lower"], corners["upper"], strict=True)):
             raise self.refuse("lower is not below upper", "region", "lower", got=repr(table.get("lower")))
         rpy = self._three(table["rpy"], "angle", "rpy") if "rpy" in table else None
-        return {**corners, "rpy": rpy, "points": self._count(table, "points", "region", 40, 1, 100_000),
-                "starts": self._count(table, "starts", "region", 12, 1, 1000)}  # fmt: skip
+        return {**corners, "rpy": rpy, "points": self._whole_number(table, "points", "region", 40, 1, 100_000),
+                "starts": self._whole_number(table, "starts", "region", 12, 1, 1000)}  # fmt: skip
 
     def _three(self, given: Any, measure: str, key: str) -> list[float]:
         if not isinstance(given, list) or len(given) != 3:

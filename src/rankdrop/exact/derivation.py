@@ -172,13 +172,14 @@ def _differences(
     thousands of terms."""
     ways = ((method, "the rank tree", missing), ("the rank tree", method, surplus))
     return tuple(
-        f"{own} has {len(sets)} {'set' if len(sets) == 1 else 'sets'} that {other} has not: {_text(chain, sets, tree)}"
+        f"{own} has {len(sets)} {'set' if len(sets) == 1 else 'sets'} that {other} has not: "
+        f"{_describe_missed(chain, sets, tree)}"
         for own, other, sets in ways
         if sets
     )
 
 
-def _text(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
+def _describe_missed(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
     rng, r = np.random.default_rng(0), tree.generic_rank
     for one in sets:
         met = real_points(chain, one, r - 1, rng)

@@ -226,7 +226,8 @@ def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
     yield Section(
         f"Best worst case: {measure} = {short(best.value, 5)}",
         f"after the failure of any one of {tolerant.robot.n} joints",
-        columns=("", measure, "worst without", "", *symbols), rows=rows, texts=(0, 2, 3), after=tuple(_texts(tolerant)),
+        columns=("", measure, "worst without", "", *symbols), rows=rows, texts=(0, 2, 3),
+        after=tuple(_tolerance_sentences(tolerant)),
     )  # fmt: skip
     yield failures_table(best.failures, "At the best of them")
 
@@ -243,7 +244,7 @@ def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> It
     yield ("", "", "", "deg", *turned)
 
 
-def _texts(tolerant: Tolerant) -> Iterator[str]:
+def _tolerance_sentences(tolerant: Tolerant) -> Iterator[str]:
     best = tolerant.places[0]
     bound, most = short(best.failures.bound or 0.0, 5), short(tolerant.bound, 5)
     if tolerant.relative:

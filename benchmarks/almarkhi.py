@@ -5,8 +5,7 @@ from __future__ import annotations
 import measure  # first: sets the number of threads
 from reference import arms
 
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import search
+from rankdrop.families.searching import Outcome, search
 
 
 def main() -> None:

@@ -11,8 +11,7 @@ import numpy as np
 import peers
 from reference import arms, newton
 
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import refine
+from rankdrop.families.searching import Outcome, refine
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import resolve_task
 

@@ -23,9 +23,9 @@ import time
 
 import numpy as np
 
-from rankdrop.certify.ball import certified_radius, settings_of
-from rankdrop.certify.covering import Covering, covering
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.ball import certified_radius
+from rankdrop.certify.covering import Covering
+from rankdrop.certify.setting import Setting, enclose, settings_for
 from rankdrop.families.searching import search
 from rankdrop.motion.prove import Along
 from rankdrop.proof.arm import BITS, Arm, Region, flint
@@ -33,6 +33,7 @@ from rankdrop.proof.record import Link
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs import cover
 
 ARMS = {"ur5": 0.1, "puma560": 0.1, "panda": 0.0, "pa10": 0.0, "almarkhi4": 0.1, "stanford": 0.0}
 """Arm -> width of boxes of its covering [rad]; 0: none."""
@@ -73,7 +74,7 @@ class Tally:
 def try_arm(robot: Robot, q: Array, cover: Covering | None, rng: np.random.Generator, tally: Tally) -> None:
     """Put regions around exact singular configurations q (N, n)."""
     task = resolve_task(None, robot)
-    settings = settings_of(robot, task)
+    settings = settings_for(robot, task)
     n = robot.n
     for begin in range(0, len(q), PART):
         there = q[begin : begin + PART]
@@ -116,8 +117,8 @@ def run(count: int, seed: int, names: tuple[str, ...] = tuple(ARMS), *, tell: bo
             begun = time.process_time()
             robot = open_robot(name)
             q = search(robot, 1, starts=-(-count // len(names)), seed=seed + k, method="reciprocal").q
-            cover = covering(robot, ARMS[name]) if ARMS[name] else None
-            try_arm(robot, np.array(q), cover, np.random.default_rng(seed + k), tally)
+            boxes = cover(robot, width=ARMS[name], explain=False).covering if ARMS[name] else None
+            try_arm(robot, np.array(q), boxes, np.random.default_rng(seed + k), tally)
             if tell:
                 print(f"{name}: {len(q):,} configurations, {time.process_time() - begun:.0f} s of CPU time", flush=True)
     return tally

@@ -6,7 +6,7 @@ import time
 
 import measure  # before NumPy: sets the number of threads
 
-from rankdrop.designs.measure import Effort, families_of, variants
+from rankdrop.designs.measure import families_of, variants
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import job_of, variants_of
 from rankdrop.robot.drawing import Drawing, Place
@@ -38,7 +38,7 @@ def main() -> None:
     values = dict(zip([Place(*one[0]) for one in job.plan["places"]], job.plan["variants"][500][1], strict=True))
     robot = drawing.robot(values)
     for what, run in (
-        ("from nothing", lambda: families_of(robot, spec.task, Effort(300, 300, False, 0), None)),
+        ("from nothing", lambda: families_of(robot, spec.task, None, starts=300, fresh=300, limits=False, seed=0)),
         ("rankdrop.analyze", lambda: analyze(robot, spec.task, starts=1000, exact="off", threads=1)),
     ):
         begun = time.process_time()

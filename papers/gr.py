@@ -201,7 +201,7 @@ def printed_session(sheet: Sheet) -> None:
     sheet.numbers("section 5", "dimension(1,5), dimension(1,6), dimension(2,7) after it", "5 6 6",
                   [three.dimension(1, 5), three.dimension(1, 6), three.dimension(2, 7)])  # fmt: skip
     steps = session(here)
-    told = [f"{step.instruction} {step.lines[0]}" for step in steps if step.instruction.startswith("dimension")]
+    told = [f"{instruction} {lines[0]}" for instruction, lines in steps if instruction.startswith("dimension")]
     sheet.same("section 4", "the session as a whole, instruction by instruction: what `dimension` prints",
                "dimension(1, 5) 5, dimension(1, 6) 5, dimension(1, 5) 5, dimension(1, 6) 6, dimension(2, 7) 6",
                ", ".join(told), reason=f"All {len(PRINTED_IN_GR)} instructions of section 5 in their order, each on "

@@ -25,9 +25,10 @@ from papers.kg_arm import (
     worst,
 )
 from rankdrop import conditions
-from rankdrop.exact import METHODS, Distances, conditions_text, derive, exact_chain, suppress
+from rankdrop.exact import METHODS, Distances, derive, exact_chain, suppress
 from rankdrop.kinematics import jacobian
 from rankdrop.robot import Array, from_dh
+from rankdrop.text import conditions_text, notes_of
 
 BOTH = "random points of the printed one have rank 5 and lie on ours, and singular points on ours lie on it."
 
@@ -86,7 +87,8 @@ def vanishing_screw(sheet: Sheet) -> None:
     vanish = max(float(np.linalg.svd(screws(there)[..., five], compute_uv=False)[:, 4].max()) for five in fives)
     remain = [float(np.median(np.linalg.svd(screws(elsewhere)[..., five], compute_uv=False)[:, 4])) for five in fives]
     some = sum(size > 1e-3 for size in remain)
-    notes = derive(exact_chain(arm(), lengths=kg.LENGTHS), "reciprocity", 20.0, frame=5, basic=tuple(range(2, 8))).notes
+    chain = exact_chain(arm(), lengths=kg.LENGTHS)
+    notes = notes_of(derive(chain, "reciprocity", 20.0, frame=5, basic=tuple(range(2, 8))))
     told = sum(note.startswith("  all six") and "θ5 = ±π/2 and (θ6 = 0 or π)" in note for note in notes)
     sheet.claim(
         "section 1", "where s4 = 0, the screw reciprocal to five of $2 … $7, at s6 = 0 and c5 = 0",

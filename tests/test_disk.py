@@ -21,9 +21,9 @@ from sources import ROOT, nodes
 from papers.figures import save_figures
 from rankdrop import explain, open_robot
 from rankdrop.cli.terminal import write_json, write_text
+from rankdrop.codec import save_record
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.results.codec import save_record
 from rankdrop.results.known import shipped
 
 OLD = b"the good old file\n"
@@ -143,7 +143,7 @@ def test_the_old_file_survives_the_limit_of_the_system(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     path.write_bytes(OLD)
     program = (
-        "import sys\nfrom rankdrop.results.codec import save_record\n"
+        "import sys\nfrom rankdrop.codec import save_record\n"
         "try:\n    save_record({'numbers': list(range(9000))}, sys.argv[1])\n"
         "except Exception as error:\n    print(type(error).__name__, error)\n"
     )

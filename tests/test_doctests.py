@@ -12,7 +12,7 @@ import rankdrop
 
 FOUND = (module.name for module in pkgutil.walk_packages(rankdrop.__path__, "rankdrop."))
 MODULES = ["rankdrop", *(name for name in FOUND if name != "rankdrop._core")]
-LONG = {"rankdrop.families.curves", "rankdrop.families.tolerant", "rankdrop.motion.remedies",
+LONG = {"rankdrop.families.slices", "rankdrop.families.tolerant", "rankdrop.motion.remedies",
         "rankdrop.motion.aspects", "rankdrop.verbs.beside"}  # fmt: skip
 """Examples of half a second and more."""
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cyclopts import App
 
-from rankdrop.cli.arm import command
+from rankdrop.cli.command import command
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.options import Options, allowed, hints, option, takes
 
@@ -91,8 +91,9 @@ def parsed(*words: str) -> Search:
 
     @app.default
     @command
-    def search(*, options: Search = Search()) -> None:
+    def search(*, options: Search = Search()) -> int:
         given.append(options)
+        return 0
 
     app(list(words), exit_on_error=False, print_error=False, result_action="return_value")
     return given[0]
@@ -101,7 +102,7 @@ def parsed(*words: str) -> Search:
 def test_the_command_line_reads_a_record() -> None:
     made = parsed("--starts", "1_0", "--within", "180deg", "--speed=250mm/s", "--method", "gradient", "--fresh",
                   "--all", "--only", "a", "--only", "b")  # fmt: skip
-    assert isinstance(made, Search)
+    assert type(made) is Search  # equal to the record that a verb compares it with
     assert made.within == pytest.approx(np.pi)
     assert made.speed == pytest.approx(0.25)
     assert (made.starts, made.method, made.fresh, made.every, made.only) == (10, "gradient", True, True, ("a", "b"))
@@ -118,3 +119,22 @@ def test_what_is_allowed_is_said_in_words() -> None:
     words = {name: allowed(hint) for name, hint in hints(Search).items()}
     assert words["within"] == "a number, at least 0 [rad]"
     assert words["method"] == "lm, gradient"
+
+
+@dataclass(frozen=True)
+class Seeded(Options):
+    """What draws at random."""
+
+    seed: Annotated[int, option("Seed", ge=0)] = 0
+
+
+def test_rng_is_another_name_of_the_seed() -> None:
+    assert Seeded.of(None, {"rng": 7}).seed == 7
+    drawn = [Seeded.of(None, {"rng": np.random.default_rng(3)}).seed for _ in range(2)]
+    assert drawn[0] == drawn[1] != Seeded.of(None, {"rng": np.random.default_rng(4)}).seed
+    with pytest.raises(OptionError, match="rng and seed are the same option"):
+        Seeded.of(None, {"rng": 7, "seed": 7})
+    with pytest.raises(OptionError, match="seed: this value is not allowed"):
+        Seeded.of(None, {"rng": "7"})
+    with pytest.raises(OptionError, match="no option has this name"):
+        Search.of(None, {"rng": 7})

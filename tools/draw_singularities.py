@@ -20,7 +20,7 @@ import rankdrop
 from rankdrop.disk import replace_file
 from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array
 
 WIDTH, HEIGHT = 330, 400  # of one panel

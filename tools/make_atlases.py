@@ -21,8 +21,7 @@ from pathlib import Path
 from time import process_time
 
 from rankdrop.disk import replace_file
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.analysis import Analysis, robot_to_dict
 from rankdrop.results.known import ANSWERS, INDEX, SEED, STARTS
 from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names

@@ -13,7 +13,7 @@ that none reaches is told:
 Changes of Python are made in its syntax tree: comparisons, arithmetic, and/or, not, numbers, True and False,
 conditions. Changes of C++ are the same signs in its text; the core is built anew for each. Both work
 on a copy of the package: the sources stay as they are. A change that no test sees is printed with its line: a test is
-missing, or the change makes no difference. docs/tried.md has what was found.
+missing, or the change makes no difference. docs/checks.md has what was found.
 """
 
 from __future__ import annotations

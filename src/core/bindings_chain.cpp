@@ -113,32 +113,85 @@ PyObject* one(const Chain& chain, PyObject* q, PyObject* out, const Py_ssize_t (
     return out;
 }
 
+// The chain and the view of (robot, ..., view or None for the world-aligned one); null where the robot is not kept, or with
+// an error set.
+std::pair<const Chain*, const View*> kept_of(PyObject* robot, PyObject* given) {
+    const auto found = kept().find(reinterpret_cast<std::uintptr_t>(robot));
+    if (found == kept().end()) return {nullptr, nullptr};
+    const Chain* chain = found->second.chain;
+    if (given == Py_None) return {chain, found->second.world};
+    if (!nb::isinstance<View>(given)) {
+        PyErr_Format(PyExc_TypeError, "view is a View or None");
+        return {nullptr, nullptr};
+    }
+    const View* view = nb::inst_ptr<View>(given);
+    if (view->links != chain->links()) {
+        PyErr_Format(PyExc_ValueError, "the view is of a chain with another number of links");
+        return {nullptr, nullptr};
+    }
+    return {chain, view};
+}
+
+enum class Entry { pose, jacobian, derivative, sigma };
+
 // (robot, q, out or None, view or None for the world-aligned one) -> an array or None; also where the robot is not kept.
-template <auto KERNEL, int ORDER>
+template <Entry WHAT>
 PyObject* one_of(PyObject*, PyObject* const* arguments, Py_ssize_t count) {
     if (count != 4) return PyErr_Format(PyExc_TypeError, "robot, q, out and view, not %zd arguments", count);
-    const auto found = kept().find(reinterpret_cast<std::uintptr_t>(arguments[0]));
-    if (found == kept().end()) Py_RETURN_NONE;
-    const Chain& chain = *found->second.chain;
-    const View* view = found->second.world;
-    if (arguments[3] != Py_None) {
-        if (!nb::isinstance<View>(arguments[3])) return PyErr_Format(PyExc_TypeError, "view is a View or None");
-        view = nb::inst_ptr<View>(arguments[3]);
-        if (view->links != chain.links())
-            return PyErr_Format(PyExc_ValueError, "the view is of a chain with another number of links");
+    const auto [known, seen] = kept_of(arguments[0], arguments[3]);
+    if (!known) {
+        if (PyErr_Occurred()) return nullptr;
+        Py_RETURN_NONE;
     }
-    const auto run = [&](const double* x, double* to) { (narrowest().*KERNEL)(chain, *view, x, 0, 1, to); };
+    const Chain& chain = *known;
+    const View& view = *seen;
+    const Py_ssize_t m = view.m, n = chain.variables;
+    const auto fill = [&](const auto& shape, auto run) { return one(chain, arguments[1], arguments[2], shape, run); };
     try {
-        if constexpr (ORDER == 1) {
-            const Py_ssize_t shape[] = {view->m, chain.variables};
-            return one(chain, arguments[1], arguments[2], shape, run);
+        if constexpr (WHAT == Entry::pose) {
+            const Py_ssize_t shape[] = {4, 4};
+            return fill(shape, [&](const double* x, double* to) { narrowest().pose(chain, x, 0, 1, to); });
+        } else if constexpr (WHAT == Entry::jacobian) {
+            const Py_ssize_t shape[] = {m, n};
+            return fill(shape, [&](const double* x, double* to) { narrowest().jacobian(chain, view, x, 0, 1, to); });
+        } else if constexpr (WHAT == Entry::derivative) {
+            const Py_ssize_t shape[] = {m, n, n};
+            return fill(shape, [&](const double* x, double* to) { narrowest().derivative(chain, view, x, 0, 1, to); });
         } else {
-            const Py_ssize_t shape[] = {view->m, chain.variables, chain.variables};
-            return one(chain, arguments[1], arguments[2], shape, run);
+            const Py_ssize_t shape[] = {std::min(m, n)};
+            return fill(shape, [&](const double* x, double* to) {
+                narrowest().decompose(chain, view, x, 0, 1, to, nullptr, nullptr);
+            });
         }
     } catch (const std::bad_alloc&) {
         return PyErr_NoMemory();
     }
+}
+
+// (robot, q, view) -> (u, sigma, v) of one configuration, or None as above.
+PyObject* decompose_one(PyObject*, PyObject* const* arguments, Py_ssize_t count) {
+    if (count != 3) return PyErr_Format(PyExc_TypeError, "robot, q and view, not %zd arguments", count);
+    const auto [known, seen] = kept_of(arguments[0], arguments[2]);
+    const ArrayFields* from = known ? plain_array(arguments[1]) : nullptr;
+    if (!known && PyErr_Occurred()) return nullptr;
+    if (!from || from->nd != 1 || from->dimensions[0] != known->variables) Py_RETURN_NONE;
+    const double* x = reinterpret_cast<const double*>(from->data);
+    if (!std::all_of(x, x + known->variables, [](double value) { return std::isfinite(value); })) Py_RETURN_NONE;
+    const Py_ssize_t m = seen->m, n = known->variables, left[] = {m, m}, values[] = {std::min(m, n)}, right[] = {n, n};
+    const auto array = [](const auto& shape) {
+        return nb::steal(new_array(shape, static_cast<int>(std::size(shape))));
+    };
+    const nb::object u = array(left), sigma = array(values), v = array(right);
+    if (!u || !sigma || !v) return nullptr;
+    const auto data = [](const nb::object& made) {
+        return reinterpret_cast<double*>(reinterpret_cast<ArrayFields*>(made.ptr())->data);
+    };
+    try {
+        narrowest().decompose(*known, *seen, x, 0, 1, data(sigma), data(u), data(v));
+    } catch (const std::bad_alloc&) {
+        return PyErr_NoMemory();
+    }
+    return PyTuple_Pack(3, u.ptr(), sigma.ptr(), v.ptr());
 }
 
 using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t);
@@ -251,8 +304,11 @@ void bind_chain(nb::module_& module) {
                nb::arg("threads") = 0);
     module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
                nb::arg("threads") = 0);
-    define<&one_of<&Kernels::jacobian, 1>>(module, "jacobian_one");
-    define<&one_of<&Kernels::derivative, 2>>(module, "derivative_one");
+    define<&one_of<Entry::pose>>(module, "pose_one");
+    define<&one_of<Entry::jacobian>>(module, "jacobian_one");
+    define<&one_of<Entry::derivative>>(module, "derivative_one");
+    define<&one_of<Entry::sigma>>(module, "sigma_one");
+    define<&decompose_one>(module, "decompose_one");
     module.def("keep", [](std::uintptr_t robot, const Chain& chain, const View& world) {
         fit(chain, world);
         kept()[robot] = {&chain, &world};

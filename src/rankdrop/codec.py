@@ -252,6 +252,25 @@ def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
     return None
 
 
+def restored(kind: Any, data: Any) -> Any:
+    """What `plain` made data of, by the types of the fields: `restored(type(x), plain(x))` is equal to x.
+
+    Entries that a record does not have are a later version's and left out; those that are missing were not known to an
+    earlier one and have their defaults.
+
+    Args:
+        kind: a dataclass, or what a field is annotated with.
+        data: plain data.
+
+    Raises:
+        ValueError: an entry without a default is missing, or is something else.
+    """
+    try:
+        return msgspec.convert(data, kind, dec_hook=lambda _, numbers: np.array(numbers))
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from error
+
+
 _STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
 
 

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._core import derivative_one, jacobian_one
+from rankdrop._core import derivative_one, jacobian_one, pose_one
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import WORLD_ALIGNED, Frame, Task, link_index
+from rankdrop.robot.transform import unmasked
+from rankdrop.task import WORLD_ALIGNED, Frame, Task, link_index, resolve_task
 
 __all__ = ["jacobian", "jacobian_derivative", "link_poses", "pose", "task_jacobian", "task_jacobian_derivative"]
 """Of what stands here; the rest is for the package."""
@@ -36,12 +37,13 @@ _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "idle", "ranks", "samples", "scales", "views", "world")
+    __slots__ = ("chain", "idle", "ranks", "samples", "scales", "tasks", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
         self.chain = _make_chain(robot)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
+        self.tasks: dict[Task | str | tuple[str, ...] | None, _core.View] = {}  # views of tasks as people name them
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
         self.scales: dict[float, Array] = {}  # of joints, by the length scale of their task
         self.samples: dict[tuple[int, float], Array] = {}  # random configurations that stand for almost all
@@ -99,14 +101,34 @@ def chain_of(robot: Robot) -> _core.Chain:
     return handles_of(robot).chain
 
 
-def frame_view(robot: Robot, frame: Frame) -> _core.View:
-    """All six rows, seen in `frame`."""
-    return _view(robot, frame, _ALL_ROWS, 1.0)
+def frame_view(
+    robot: Robot, frame: Frame, rows: tuple[int, ...] = _ALL_ROWS, length: float = 1.0
+) -> _core.View:
+    """Some rows, all six unless said, seen in `frame`; those of translation divided by a length."""
+    handles = handles_of(robot)
+    key = (frame, rows, length)
+    view = handles.views.get(key)
+    if view is None:
+        view = handles.views[key] = _make_view(handles.chain, robot, *key)
+    return view
 
 
 def task_view(robot: Robot, task: Task) -> _core.View:
     """The rows of `task`, translation divided by its length scale."""
-    return _view(robot, task.frame, task.rows, task.scale(robot))
+    return frame_view(robot, task.frame, task.rows, task.scale(robot))
+
+
+def view_of(robot: Robot, task: Task | str | None) -> _core.View:
+    """The view of a task as people name it, looked up by that name: in less time than resolving it takes.
+
+    Raises:
+        TaskError: the task does not exist.
+    """
+    views, name = handles_of(robot).tasks, tuple(task) if isinstance(task, list) else task
+    view = views.get(name)
+    if view is None:
+        view = views[name] = task_view(robot, resolve_task(task, robot))
+    return view
 
 
 def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
@@ -117,10 +139,7 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
         RobotError: not a Robot.
     """
     check_robot(robot)
-    if np.ma.isMaskedArray(q) and np.ma.getmaskarray(q).any():  # `asarray` would show the numbers under the mask
-        raise ConfigurationError("q has masked values", where=f"robot {robot.name!r}",
-                                 mend="fill them in: q.filled(…)")  # fmt: skip
-    array = np.asarray(q, dtype=np.float64)
+    array = np.asarray(unmasked(q, "q", ConfigurationError), dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != robot.n:
         raise ConfigurationError(
             f"expected q of shape (..., {robot.n})", where=f"robot {robot.name!r}", got=array.shape,
@@ -141,7 +160,7 @@ def one_configuration(robot: Robot, q: ArrayLike) -> Array:
         ConfigurationError: another shape, or a value that is no number or not finite.
     """
     try:
-        configuration = np.array(q, dtype=np.float64)
+        configuration = np.array(unmasked(q, "q", ConfigurationError), dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ConfigurationError(
             f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
@@ -190,15 +209,6 @@ def _make_chain(robot: Robot) -> _core.Chain:
     )
 
 
-def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
-    handles = handles_of(robot)
-    key = (frame, rows, length)
-    view = handles.views.get(key)
-    if view is None:
-        view = handles.views[key] = _make_view(handles.chain, robot, frame, rows, length)
-    return view
-
-
 def _make_view(chain: _core.Chain, robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
     joints = len(robot.joints)
     return _core.make_view(
@@ -222,6 +232,9 @@ def pose(robot: Robot, q: ArrayLike, *, out: Array | None = None) -> Array:
         ConfigurationError: q has the wrong shape or is not finite.
         OptionError: out has another shape or type, or shares memory with q.
     """
+    single = pose_one(robot, q, out, None)
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
     found = _core.pose(chain_of(robot), rows, rows_of(out, rows, batch, (4, 4)))
     return found.reshape(*batch, 4, 4) if out is None else out

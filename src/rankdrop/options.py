@@ -1,7 +1,7 @@
 """Options as records: type, default, bounds, unit and one line of help of each, written once and checked once.
 
 A question is a frozen dataclass of the base `Options`. The verb takes it, the command line derives its options from it
-(`rankdrop.cli.arm`), and msgspec reads and writes it and generates its schema.
+(`rankdrop.cli.command`), and msgspec reads and writes it and generates its schema.
 
     >>> from dataclasses import dataclass
     >>> from typing import Annotated
@@ -23,7 +23,7 @@ from functools import cache
 from inspect import Parameter, signature
 from math import isfinite
 from types import NoneType, UnionType
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Meta
@@ -33,38 +33,48 @@ from rankdrop.errors import OptionError
 Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
-def option(help: str, *, unit: str = "", name: str = "", **bounds: Any) -> Meta:
+def option(
+    help: str, *, unit: str = "", name: str = "", writes: tuple[str, ...] | None = None, **bounds: Any
+) -> Meta:
     """Metadata of one field, for `Annotated`.
 
     Args:
         help: one line, without a full stop at its end.
         unit: of the number: "rad", "m", "s", "rad/s" …; on the command line 5deg and 3mm are understood.
         name: on the command line, where it is not that of the field: "--all".
+        writes: of a file that the command writes: its endings, () for any, "-" where stdout will do beside them.
         bounds: ge, gt, le, lt of a number; numbers are finite always.
     """
-    schema, extra = {"unit": unit} if unit else None, {"name": name} if name else None
-    return Meta(description=help, extra_json_schema=schema, extra=extra, **bounds)
+    schema = {"unit": unit} if unit else None
+    extra = ({"name": name} if name else {}) | ({} if writes is None else {"writes": writes})
+    return Meta(description=help, extra_json_schema=schema, extra=extra or None, **bounds)
 
 
 class Options:
     """Base of the records of options: a record that exists is within its bounds."""
 
-    TYPED: ClassVar[Mapping[str, str]] = {}  # field -> its option, where that has another name and was typed
-
     def __post_init__(self) -> None:
         for name, hint in hints(type(self)).items():  # type: ignore[arg-type]  # a class is hashable
             value = _plain(getattr(self, name))
             object.__setattr__(self, name, value)
-            check_value(self.TYPED.get(name, name), hint, value)
+            check_value(name, hint, value)
 
     @classmethod
     def of(cls, options: Self | None, given: Mapping[str, Any]) -> Self:
         """The record of a verb that was called with a record, with keywords, or with both: keywords count.
 
+        `rng` is another name of `seed`, as in SciPy: a whole number, or a generator of NumPy that draws the seed.
+
         Raises:
             OptionError: no field has this name, or its value is out of range.
         """
         names = [field.name for field in fields(cls)]  # type: ignore[arg-type]  # its subclasses are dataclasses
+        if "rng" in given and "seed" in names:
+            if "seed" in given:
+                raise OptionError("rng and seed are the same option", where="rng", mend="give one of them")
+            rng = given["rng"]
+            seed = rng.integers(2**63) if hasattr(rng, "integers") else rng
+            given = {key: value for key, value in given.items() if key != "rng"} | {"seed": seed}
         for name in given.keys() - set(names):
             raise OptionError("no option has this name", where=name, allowed=", ".join(names))
         return cls(**given) if options is None else replace(options, **given)  # type: ignore[type-var]

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,6 @@ from rankdrop.local.block import (
     sample,
     sampling_box,
     singular_values,
-    structural_sample,
 )
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -36,7 +34,6 @@ from rankdrop.tolerances import DEFAULT, Tolerances
 Mask = NDArray[np.bool_]
 
 SAME_SIGMA = 1e-12  # singular values that differ by less are the same [1]
-_SAMPLES = 8  # configurations at which joints on one axis are told
 _EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
 
 
@@ -48,6 +45,13 @@ def wrap(angle: Array) -> Array:
 def wrapped(robot: Robot, q: Array) -> Array:
     """(..., n) the same configurations, turning joints in (−π, π]."""
     return np.asarray(np.where(robot.periodic, wrap(q), q))
+
+
+def into_one_turn(robot: Robot, q: Array) -> Array:
+    """(N, n) the same configurations, turning joints by whole turns into [−π, π]; what is there stays to the last bit.
+    """
+    turned = np.clip(q - 2 * np.pi * np.ceil((q - np.pi) / (2 * np.pi)), -np.pi, np.pi)
+    return np.asarray(np.where(robot.periodic, turned, q))
 
 
 def into_limits(robot: Robot, q: Array) -> Array:
@@ -65,14 +69,6 @@ def into_limits(robot: Robot, q: Array) -> Array:
 def whole_turns(robot: Robot, way: Array) -> Array:
     """(..., n) the whole turns in a joint motion: what is left without them is the shortest way to the same place."""
     return np.asarray(2 * np.pi * np.where(robot.periodic, np.round(way / (2 * np.pi)), 0.0))
-
-
-class Twin(NamedTuple):
-    """Joints on one axis, from 0: wherever θ_j occurs it stands in θ_first + sign·θ_second."""
-
-    first: int
-    second: int
-    sign: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,30 +136,6 @@ class Problem:
             known[key] = np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < SAME_SIGMA
             known[key].flags.writeable = False
         return known[key]
-
-    @cached_property
-    def twins(self) -> tuple[Twin, ...]:
-        """Pairs of turning joints of which only the sum or the difference matters; of three on one axis two pairs.
-
-        Where the axes of joints i and j are one line at every configuration, singular values depend on θ_i + s θ_j
-        alone, s = ±1 as they turn the same way or not. Idle joints are nobody's twin.
-        """
-        q = structural_sample(self.robot, self.task, _SAMPLES)
-        sigma = self.sigma(q)
-        joints = [j for j in range(self.n) if self.robot.periodic[j] and not self.idle[j]]
-        found: list[Twin] = []
-        for place, first in enumerate(joints):
-            if any(first == twin.second for twin in found):
-                continue
-            for second in joints[place + 1 :]:
-                for sign in (1, -1):
-                    moved = q.copy()
-                    moved[:, first] += 0.7
-                    moved[:, second] -= sign * 0.7
-                    if np.abs(self.sigma(moved) - sigma).max() < SAME_SIGMA:
-                        found.append(Twin(first, second, sign))
-                        break
-        return tuple(found)
 
     def sigma(self, q: Array) -> Array:
         """(..., min(m, n)) singular values of the task Jacobian at q (..., n), descending [1]."""

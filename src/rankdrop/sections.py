@@ -7,6 +7,15 @@ from dataclasses import dataclass
 from html import escape
 
 
+class Formula(str):
+    """A line that is broken as mathematics: after a comma, before a sign or a bracket, not between any two words."""
+
+    __slots__ = ()
+
+    def __json__(self) -> str:
+        return str(self)
+
+
 @dataclass(frozen=True, slots=True)
 class Section:
     """A heading with a summary, lines, and at most one table.
@@ -14,7 +23,7 @@ class Section:
     Attributes:
         title: heading.
         summary: what stands beside it, one line.
-        lines: sentences under it.
+        lines: sentences and formulas under it.
         columns: headings of the table.
         rows: its cells.
         texts: indices of the columns that hold words; the others hold numbers.

@@ -170,6 +170,29 @@ def trace(
     return np.array(line), False
 
 
+def curves_through(
+    linear: Linear, seeds: Array, step: float, *, zero: float, most: int
+) -> list[tuple[Array, bool]]:
+    """Every curve of solutions that one of its points is given of, and whether it closes; angles run on past ±π.
+
+    Args:
+        linear, step, zero, most: as for `trace`.
+        seeds: (N, n) points of the curves; those within a step of a curve before are of that one.
+    """
+    found = []
+    while len(seeds):
+        line, closed = trace(linear, seeds[0], step, zero=zero, most=most)
+        if not closed:
+            behind, _ = trace(linear, seeds[0], step, zero=zero, most=most, sign=-1.0)
+            line = np.concatenate([behind[:0:-1], line])
+        found.append((line, closed))
+        seeds = seeds[1:]
+        for start in range(0, len(line), 256):
+            gap = np.pi - np.mod(np.pi - (seeds[:, None] - line[None, start : start + 256]), 2 * np.pi)
+            seeds = seeds[np.abs(gap).max(axis=2).min(axis=1, initial=np.inf) > step]
+    return found
+
+
 def _tangent(slope: Array) -> Array | None:
     """The null vector of A (e, d); None where there is more than one."""
     _, s, vt = np.linalg.svd(slope)

@@ -10,8 +10,9 @@ given in mm and the same arm given in m are one arm here, to the last bit; with 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, wraps
 from math import floor, log10
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
@@ -49,23 +50,34 @@ DECIMALS = 14
 """Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""
 
 
-_made: WeakKeyDictionary[Robot, Robot] = WeakKeyDictionary()  # a robot never changes
-_in_metres: WeakKeyDictionary[Robot, Robot] = WeakKeyDictionary()
-_counted: WeakKeyDictionary[Robot, int] = WeakKeyDictionary()
+_Made = TypeVar("_Made")
+
+
+def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:
+    """A function that is called once for each robot, which never changes."""
+    known: WeakKeyDictionary[Robot, _Made] = WeakKeyDictionary()
+
+    @wraps(make)
+    def made(robot: Robot) -> _Made:
+        if robot not in known:
+            known[robot] = make(robot)
+        return known[robot]
+
+    return made
 
 
 def in_units(robot: Robot) -> Robot:
     """The arm in its own unit of length; itself where it is in it already. Made once for each robot."""
-    if robot.exponent is not None:
-        return robot
-    made = _made.get(robot)
-    if made is None:
-        made = _made[robot] = _with_exponent(robot, exponent(robot))
-    return made
+    return robot if robot.exponent is not None else _own(robot)
+
+
+@_once
+def _own(robot: Robot) -> Robot:
+    return _with_exponent(robot, exponent(robot))
 
 
 def _with_exponent(robot: Robot, power: int) -> Robot:
-    return replace(_rounded(scaled(robot, -power)), exponent=power)
+    return replace(_with_lengths(scaled(robot, -power), _rounded), exponent=power)
 
 
 def exponent(robot: Robot) -> int:
@@ -134,13 +146,12 @@ def metre_exponent(robot: Robot) -> int:
 
 def in_metres(robot: Robot) -> Robot:
     """The arm with its lengths divided by 10 to the power of `metre_exponent`; mostly itself."""
-    power = metre_exponent(robot)
-    if not power:
-        return robot
-    made = _in_metres.get(robot)
-    if made is None:
-        made = _in_metres[robot] = _with_exponent(robot, power)
-    return made
+    return _metres(robot) if metre_exponent(robot) else robot
+
+
+@_once
+def _metres(robot: Robot) -> Robot:
+    return _with_exponent(robot, metre_exponent(robot))
 
 
 def task_in_metres(task: Task, robot: Robot) -> Task:
@@ -172,13 +183,10 @@ def counted_length(robot: Robot) -> float:
     return 10.0 ** counted_exponent(robot)
 
 
+@_once
 def counted_exponent(robot: Robot) -> int:
     """Power of ten of `counted_length`: a multiple of three."""
-    known = _counted.get(robot)
-    if known is None:
-        given = log10(reach(robot)) + given_exponent(robot)
-        known = _counted[robot] = 3 * floor(given / 3 + 0.5)
-    return known
+    return 3 * floor((log10(reach(robot)) + given_exponent(robot)) / 3 + 0.5)
 
 
 def scaled(robot: Robot, power: int) -> Robot:
@@ -186,49 +194,41 @@ def scaled(robot: Robot, power: int) -> Robot:
     if not power:
         return robot
     kinds = {joint.name: joint.kind for joint in robot.joints}
-    return replace(
-        robot,
-        joints=tuple(_scaled(joint, power, kinds) for joint in robot.joints),
-        home=_pose(robot.home, power),
-        lengths=tuple((letter, shifted(value, power)) for letter, value in robot.lengths),
-    )
+
+    def followed(joint: Joint) -> Joint:
+        """Its mimic, which has the unit of the joint over that of its leader."""
+        if joint.mimic is None:
+            return joint
+        own, leader = (power * (kind is JointKind.PRISMATIC) for kind in (joint.kind, kinds[joint.mimic.leader]))
+        multiplier, offset = shifted(joint.mimic.multiplier, own - leader), shifted(joint.mimic.offset, own)
+        return replace(joint, mimic=Mimic(joint.mimic.leader, multiplier, offset))
+
+    made = _with_lengths(robot, lambda length: shifted(length, power))
+    lengths = tuple((letter, shifted(value, power)) for letter, value in robot.lengths)
+    return replace(made, joints=tuple(map(followed, made.joints)), lengths=lengths)
 
 
-def _scaled(joint: Joint, power: int, kinds: dict[str, JointKind]) -> Joint:
-    slides = joint.kind is JointKind.PRISMATIC
-    own = power if slides else 0
-    screw = joint.screw.copy()
-    if not slides:
-        screw[:3] = shifted(screw[:3], power)
-    mimic = joint.mimic
-    if mimic is not None:
-        leader = power if kinds[mimic.leader] is JointKind.PRISMATIC else 0
-        mimic = Mimic(mimic.leader, shifted(mimic.multiplier, own - leader), shifted(mimic.offset, own))
-    return replace(
-        joint, screw=screw, frame=_pose(joint.frame, power), mimic=mimic, lower=shifted(joint.lower, own),
-        upper=shifted(joint.upper, own), velocity=shifted(joint.velocity, own),
-    )  # fmt: skip
+def _with_lengths(robot: Robot, change: Callable[[Any], Any]) -> Robot:
+    """The arm with other lengths: of axes, of frames, and of what slides do."""
+
+    def changed(joint: Joint) -> Joint:
+        joint = replace(joint, frame=_pose(joint.frame, change))
+        if joint.kind is JointKind.PRISMATIC:
+            ends = {name: change(getattr(joint, name)) for name in ("lower", "upper", "velocity")}
+            return replace(joint, **ends)
+        return replace(joint, screw=np.concatenate([change(joint.screw[:3]), joint.screw[3:]]))
+
+    return replace(robot, joints=tuple(map(changed, robot.joints)), home=_pose(robot.home, change))
 
 
-def _pose(pose: Array, power: int) -> Array:
+def _pose(pose: Array, change: Callable[[Any], Any]) -> Array:
     moved = pose.copy()
-    moved[:3, 3] = shifted(pose[:3, 3], power)
+    moved[:3, 3] = change(pose[:3, 3])
     return moved
 
 
-def _rounded(robot: Robot) -> Robot:
-    """Lengths rounded to `DECIMALS` places."""
-
-    def joint_rounded(joint: Joint) -> Joint:
-        screw, frame = joint.screw.copy(), joint.frame.copy()
-        if joint.kind is not JointKind.PRISMATIC:
-            screw[:3] = np.round(screw[:3], DECIMALS) + 0.0
-        frame[:3, 3] = np.round(frame[:3, 3], DECIMALS) + 0.0
-        own = DECIMALS if joint.kind is JointKind.PRISMATIC else None
-        ends = joint.lower, joint.upper, joint.velocity
-        lower, upper, velocity = ends if own is None else (round(x, own) if np.isfinite(x) else x for x in ends)
-        return replace(joint, screw=screw, frame=frame, lower=lower, upper=upper, velocity=velocity)
-
-    home = robot.home.copy()
-    home[:3, 3] = np.round(home[:3, 3], DECIMALS) + 0.0
-    return replace(robot, joints=tuple(joint_rounded(joint) for joint in robot.joints), home=home)
+def _rounded(length: Any) -> Any:
+    """A length, or an array of them, rounded to `DECIMALS` places."""
+    if isinstance(length, float):
+        return round(length, DECIMALS) if np.isfinite(length) else length
+    return np.round(length, DECIMALS) + 0.0

@@ -15,6 +15,7 @@ from jsonschema import Draft202012Validator
 from reference import arms, region
 from reference.kinematics import jacobian as reference_jacobian
 
+from rankdrop.certify.ball import ModelTolerance
 from rankdrop.certify.certificates import (
     ball_certificate,
     covering_certificate,
@@ -24,8 +25,7 @@ from rankdrop.certify.certificates import (
     write_certificate,
 )
 from rankdrop.certify.covering import Covering, write_covering
-from rankdrop.certify.displaced import ModelTolerance
-from rankdrop.certify.enclosed import viewed
+from rankdrop.certify.setting import viewed
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.motion.certificate import path_certificate

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from known.members import members
 from reference import arms
+from reference.coverings import covering
 
 from rankdrop import _core
 from rankdrop.certify import covering as module
@@ -23,7 +24,6 @@ from rankdrop.certify.covering import (
     batch_from_bytes,
     batch_to_bytes,
     chunk_of,
-    covering,
     load_covering,
     looked_into,
     plan_of,
@@ -31,11 +31,11 @@ from rankdrop.certify.covering import (
     write_covering,
 )
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.families.batch_distance import distances
 from rankdrop.families.box_matching import Explainer, keys
+from rankdrop.families.distance import distances
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of
-from rankdrop.jobs.folder import perform
+from rankdrop.jobs.running import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.proof.boxes import MAGIC, BitTree, check_plan, digest
@@ -181,11 +181,11 @@ def test_the_bytes_do_not_depend_on_threads_or_lanes():
 
 
 def test_an_interrupted_covering_tells_what_is_done():
-    def stop(done: int, total: int) -> None:
+    def stop(label: str, done: int, total: int) -> None:
         if done >= total // 3:
             raise KeyboardInterrupt
 
-    part = covering(robot_of("ur5"), WIDTH, progress=stop)
+    part = covering(robot_of("ur5"), WIDTH, report=stop)
     assert (part.complete, part.stopped) == (False, "interrupted")
     assert 0.3 < part.tree.finished.mean() < 0.5
     assert part.free_share < covered("ur5").free_share
@@ -460,7 +460,7 @@ def test_what_cannot_be_covered_is_refused():
         with pytest.raises(OptionError, match=match):
             covering(robot, width)
     for corank in (0, 7, True, 1.5):
-        with pytest.raises(OptionError, match="no such corank"):
+        with pytest.raises(OptionError, match="corank"):
             covering(open_robot("ur5"), 0.5, corank=corank)
 
 

@@ -5,7 +5,10 @@ It is the determinant, its bounds hold and are reached, and what it loses to rou
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
+from itertools import count
 
 import flint
 import numpy as np
@@ -14,16 +17,17 @@ from reference import arms
 from reference import kinematics as oracle
 
 from rankdrop.certify.certificates import covering_certificate, verify, write_certificate
-from rankdrop.certify.covering import write_covering
+from rankdrop.certify.covering import Covering, plan_of, write_covering
 from rankdrop.certify.setting import middle_of
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.reciprocal import drawn
 from rankdrop.problem import Problem
 from rankdrop.proof import covers, determinant
 from rankdrop.proof.arm import BITS, Arm
-from rankdrop.proof.boxes import digest
+from rankdrop.proof.boxes import BitTree, digest
 from rankdrop.proof.determinant import Determinant, applies
 from rankdrop.proof.record import Link, Unproven
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units
@@ -118,7 +122,7 @@ def test_no_box_around_a_singular_configuration_is_free(name):
     """Boxes of five sizes that hold one of 1000 exact singular configurations, at whatever place."""
     made = found_for(name)
     robot = in_units(robot_of(name))
-    q = drawn(Problem(robot, resolve_task(None, robot)), 1000, 1).q[:, PLACES]
+    q = drawn(Problem(robot, resolve_task(None, robot)), 1000, 1)[0][:, PLACES]
     with flint.ctx.workprec(BITS):
         for level in (3, 5, 7, 8):
             width = 2 * np.pi / 2**level
@@ -248,3 +252,28 @@ def test_a_check_that_would_take_hours_says_so_first(tmp_path):
     again = verify(place, enclosures=3, every=True, journal=journal)
     assert again.enclosures == 0
     assert "in an earlier run, as the journal says" in again.how
+
+
+def test_a_range_halved_forty_times_costs_no_table_of_its_parts(tmp_path, monkeypatch):
+    """A covering of 700 bytes asked for tables of 2^40 matrices; deep boxes are proven by enclosures instead."""
+    arm = from_dh([(0, "pi/2", 0, 0), (0, "-pi/2", 0, 0), (0, 0, 0.1, 0)], convention="standard", name="wrist")
+    task, low, depth = resolve_task("orientation", arm), -np.pi - 0.1, 40
+    plan = replace(plan_of(arm, 0.05, task), depth=(depth,), top=1, lower=(low,), upper=(low + 2 * np.pi,))
+    shape, zeros = plan.shape, [Fraction((x - low) / (2 * np.pi)) for x in (-np.pi, 0.0)]
+    cells = [sorted({int(zero * 2**level) for zero in zeros}) for level in range(depth + 1)]
+    masks = tuple(
+        np.array([sum(1 << (cell & 1) for cell in cells[level + 1] if cell >> 1 == one) for one in cells[level]],
+                 shape.kind) for level in range(1, depth)
+    )  # fmt: skip
+    tree = BitTree(shape, np.ones(2, bool), np.ones(2, bool), masks, np.zeros(2, shape.kind))
+    assert (tree.leaves, tree.free_boxes) == (2, 2 * (depth - 1))
+    write_covering(tmp_path / "deep.cover", Covering(plan, tree, 0, 0))
+    file = write_certificate(covering_certificate(arm, plan, digest(plan, tree), "deep.cover", task), tmp_path / "deep")
+    made, calls = determinant._turned, count(1)
+
+    def turned(*given):
+        assert next(calls) < 100_000, "a table of all parts"
+        return made(*given)
+
+    monkeypatch.setattr(determinant, "_turned", turned)
+    assert verify(file, arm).holds

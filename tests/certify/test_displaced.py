@@ -10,9 +10,8 @@ import pytest
 from reference import arms, region
 from reference.displaced import displaced_arm
 
-from rankdrop.certify.ball import certified_radius
+from rankdrop.certify.ball import ModelTolerance, certified_radius, displaced_columns, displaced_jacobian, points_of
 from rankdrop.certify.certificates import ball_certificate, verify, write_certificate
-from rankdrop.certify.displaced import ModelTolerance, displaced_columns, displaced_jacobian, points_of
 from rankdrop.certify.setting import settings_for
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search

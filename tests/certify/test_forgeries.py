@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from reference import region
+from reference.coverings import covering
 
 from rankdrop.certify import ModelTolerance, asked_about, verify, write_certificate
 from rankdrop.certify.certificates import (
@@ -25,7 +26,7 @@ from rankdrop.certify.certificates import (
     covering_certificate,
     existence_certificate,
 )
-from rankdrop.certify.covering import Covering, covering, write_covering
+from rankdrop.certify.covering import Covering, write_covering
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.motion.certificate import path_certificate
 from rankdrop.motion.check import check_path

@@ -9,10 +9,10 @@ import flint
 import numpy as np
 import pytest
 from reference import arms
+from reference.coverings import covering
 
-from rankdrop.certify import enclosed
+from rankdrop.certify import covering as covers_of
 from rankdrop.certify.certificates import existence_certificate, write_certificate
-from rankdrop.certify.covering import covering
 from rankdrop.certify.setting import middle_of
 from rankdrop.proof import covers
 from rankdrop.proof.arm import BITS, Arm
@@ -64,10 +64,8 @@ def test_a_box_next_to_a_singular_configuration_holds_none(tmp_path):
 
 def region_of(lower: tuple[float, ...], upper: tuple[float, ...], cell: Cell) -> Any:
     """The region that the checker makes of a box."""
-    boxes = object.__new__(covers.Boxes)
-    boxes.plan = SimpleNamespace(variables=tuple(range(1, len(lower) + 1)), lower=lower, upper=upper)  # type: ignore[assignment]
-    boxes._check = SimpleNamespace(claim=SimpleNamespace(variables=len(lower)))  # type: ignore[assignment]
-    return boxes._region(cell)
+    plan: Any = SimpleNamespace(variables=tuple(range(1, len(lower) + 1)), lower=lower, upper=upper)
+    return covers.region_of(plan, len(lower), cell)
 
 
 def test_boxes_of_a_whole_turn_overlap_at_its_seam():
@@ -103,7 +101,7 @@ def test_a_box_is_enclosed_wider_than_its_rounded_centre_can_be_off():
     robot = open_robot("almarkhi4")
     found = covering(robot, 1.6)
     level = found.plan.shape.levels
-    boxes = enclosed._Boxes(robot, None, enclosed.viewed(robot, covers_task(robot)), found.plan, 1)
+    boxes = covers_of._Boxes(robot, None, covers_of.viewed(robot, covers_task(robot)), found.plan, 1)
     cells = np.array([[0] * found.plan.shape.variables, [(1 << d) - 1 for d in found.plan.depth]], dtype=np.int32)
     q, half = boxes._at(cells, level)
     for row, cell in enumerate(cells):
@@ -129,7 +127,7 @@ def test_two_signs_need_more_than_rounding(monkeypatch):
     robot = open_robot("planar3r")
     found = covering(robot, 0.4)
     task = covers_task(robot)
-    boxes = enclosed._Boxes(robot, task, enclosed.viewed(robot, task), found.plan, 1)
+    boxes = covers_of._Boxes(robot, task, covers_of.viewed(robot, task), found.plan, 1)
     cells = found.plan.shape.children(*_last(found), found.plan.shape.levels)[0]
     assert boxes.proven(cells).any()
     sizes = iter(range(100))
@@ -141,7 +139,7 @@ def test_two_signs_need_more_than_rounding(monkeypatch):
         matrix[:, 1, 0] += 1e-3
         return matrix
 
-    monkeypatch.setattr(enclosed, "task_jacobian", tiny)
+    monkeypatch.setattr(covers_of, "task_jacobian", tiny)
     assert not boxes.proven(cells).any()
 
 

@@ -10,7 +10,7 @@ import pytest
 from reference import arms, region
 from reference.displaced import displaced_arm
 
-from rankdrop.certify.displaced import ModelTolerance, points_of
+from rankdrop.certify.ball import ModelTolerance, points_of
 from rankdrop.certify.setting import settings_for
 from rankdrop.proof.arm import BITS, Arm, Region, flint
 from rankdrop.proof.record import Link, Tolerance

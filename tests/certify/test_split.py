@@ -10,7 +10,7 @@ from reference import arms
 from reference import kinematics as oracle
 
 from rankdrop import _core
-from rankdrop.certify.split import VARIABLES, split_of
+from rankdrop.certify.split import VARIABLES, _sums, split_of
 from rankdrop.robot.open import open_robot
 
 ARMS = ("ur5", "puma560", "random", "random far")
@@ -35,17 +35,25 @@ def split_for(name: str):
 
 
 def tables(name: str, lower, upper, depth, top=0, further=0):
-    made = split_for(name)
     return _core.Split(
-        a=made.a, b=made.b, lower=np.array(lower, float), upper=np.array(upper, float),
-        depth=np.array(depth, dtype=np.int32), curvature=made.curvature, rounding=made.rounding, slope=made.slope,
-        further=further, top=top,
+        **split_for(name), lower=np.array(lower, float), upper=np.array(upper, float),
+        depth=np.array(depth, dtype=np.int32), further=further, top=top,
     )  # fmt: skip
 
 
-def derivative(name: str, q, order):
+def minors(name: str, q, order=(0, 0, 0, 0)):
+    """(N, 6) derivatives of a and of b of the given order by each variable, at q (N, 4)."""
     made = split_for(name)
-    a, b = made.minors(q, order)
+    a = _sums(made["a"], q[:, 0], q[:, 1], order[0], order[1])
+    return a, _sums(made["b"], q[:, 3], q[:, 2], order[3], order[2])
+
+
+def value_of(name: str, q):
+    return derivative(name, q, (0, 0, 0, 0))
+
+
+def derivative(name: str, q, order):
+    a, b = minors(name, q, order)
     return (a * b).sum(axis=1)
 
 
@@ -58,7 +66,7 @@ def determinant(name: str, q):
 @pytest.mark.parametrize("name", ARMS)
 def test_it_is_the_determinant_up_to_a_constant(name):
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (400, 6))
-    det, f = determinant(name, q), split_for(name).value(q[:, MIDDLE])
+    det, f = determinant(name, q), value_of(name, q[:, MIDDLE])
     constant = (f @ det) / (det @ det)
     scale = np.abs(f).max()
     assert scale > 0.05  # of size one, whatever the unit of length
@@ -71,7 +79,7 @@ def test_the_derivatives_of_the_minors_are_theirs(name):
     for j in range(VARIABLES):
         order = tuple(int(k == j) for k in range(VARIABLES))
         step = h * np.eye(VARIABLES)[j]
-        slope = (split_for(name).value(q + step) - split_for(name).value(q - step)) / (2 * h)
+        slope = (value_of(name, q + step) - value_of(name, q - step)) / (2 * h)
         np.testing.assert_allclose(derivative(name, q, order), slope, atol=1e-9)
 
 
@@ -82,10 +90,10 @@ def test_every_bound_of_a_second_derivative_holds_and_is_reached(name):
         for k in range(j, VARIABLES):
             order = tuple(np.bincount([j, k], minlength=VARIABLES).tolist())
             x = rng.uniform(-np.pi, np.pi, (1500, VARIABLES))
-            a, b = made.minors(x, order)
+            a, b = minors(name, x, order)
             every = np.abs(a @ b.T)  # any two angles of one minor with any two of the other
-            assert every.max() <= made.curvature[j, k]
-            assert every.max() >= 0.9 * made.curvature[j, k], (j, k)
+            assert every.max() <= made["curvature"][j, k]
+            assert every.max() >= 0.9 * made["curvature"][j, k], (j, k)
 
 
 @pytest.mark.parametrize("name", ["ur5", "puma560", "random"])
@@ -95,11 +103,11 @@ def test_the_slack_is_the_remainder_and_no_more(name, width):
     made, rng = split_for(name), np.random.default_rng(4)
     reached = []
     for j in range(VARIABLES):
-        if made.curvature[j, j] < 1e-12:  # PUMA's determinant does not depend on q4
+        if made["curvature"][j, j] < 1e-12:  # PUMA's determinant does not depend on q4
             continue
         x = rng.uniform(-np.pi, np.pi, (1000, VARIABLES))
         order = tuple(2 * int(k == j) for k in range(VARIABLES))
-        a, b = made.minors(x, order)
+        a, b = minors(name, x, order)
         first, second = np.unravel_index(np.abs(a @ b.T).argmax(), (1000, 1000))
         centre = np.concatenate([x[first, :2], x[second, 2:]])
         centre = _sharpest(name, centre, order)
@@ -110,12 +118,12 @@ def test_the_slack_is_the_remainder_and_no_more(name, width):
         split = tables(name, lower, upper, [int(k == j) for k in range(VARIABLES)])
         half, slack, _, _ = _core.split_level(split, 1)
         assert half[j] == pytest.approx(width / 2, rel=1e-9)
-        value = made.value(centre[None])[0]
+        value = value_of(name, centre[None])[0]
         slope = derivative(name, centre[None], tuple(int(k == j) for k in range(VARIABLES)))[0]
         delta = np.linspace(-half[j], half[j], 41)
         at = np.tile(centre, (41, 1))
         at[:, j] += delta
-        gap = np.abs(made.value(at) - value - slope * delta).max()
+        gap = np.abs(value_of(name, at) - value - slope * delta).max()
         assert gap <= slack
         reached.append(gap / slack)
     assert len(reached) >= 3
@@ -144,15 +152,15 @@ def test_the_slack_of_boxes_wide_in_every_variable_holds(name):
         centre = lower + width / 2
         delta = half * rng.choice([-1.0, 1.0], (200, VARIABLES))
         slopes = [derivative(name, centre[None], tuple(np.eye(VARIABLES, dtype=int)[j]))[0] for j in range(VARIABLES)]
-        value = made.value(centre[None])[0]
-        assert np.abs(made.value(centre + delta) - value - delta @ slopes).max() <= slack
-        bound = 0.5 * half @ made.curvature @ half + made.rounding + made.slope * half.sum()
+        value = value_of(name, centre[None])[0]
+        assert np.abs(value_of(name, centre + delta) - value - delta @ slopes).max() <= slack
+        bound = 0.5 * half @ made["curvature"] @ half + made["rounding"] + made["slope"] * half.sum()
         assert slack == pytest.approx(bound, rel=1e-9)
         # the tables hold what the bound speaks of
         a, b = a.reshape(2, 2, 3, 6)[0, 0], b.reshape(1, 1, 3, 6, 4)[0, 0, :, :, 0]
-        assert a[0] @ b[0] == pytest.approx(value, abs=made.rounding)
+        assert a[0] @ b[0] == pytest.approx(value, abs=made["rounding"])
         for j, pair in enumerate(((1, 0), (2, 0), (0, 1), (0, 2))):
-            assert a[pair[0]] @ b[pair[1]] == pytest.approx(slopes[j], abs=made.slope)
+            assert a[pair[0]] @ b[pair[1]] == pytest.approx(slopes[j], abs=made["slope"])
 
 
 @pytest.mark.parametrize("name", ["ur5", "random far"])
@@ -169,16 +177,16 @@ def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level)
         centre = lower + (place + 0.5) * 2 * np.pi / (1 << level)
         delta = np.concatenate([rng.uniform(-1, 1, (300, VARIABLES)), rng.choice([-1.0, 1.0], (100, VARIABLES))]) * half
         weight = np.prod(((1 + np.tan(delta / 2) ** 2) / (1 + np.tan(half / 2) ** 2)) ** powers, axis=1)
-        seen = made.value(centre + delta) * weight
-        np.testing.assert_allclose(_polynomial(shape, delta, half), seen, atol=4 * made.rounding)
-        assert shape.min() <= seen.min() + made.rounding
-        assert seen.max() - made.rounding <= shape.max()
+        seen = value_of(name, centre + delta) * weight
+        np.testing.assert_allclose(_polynomial(shape, delta, half), seen, atol=4 * made["rounding"])
+        assert shape.min() <= seen.min() + made["rounding"]
+        assert seen.max() - made["rounding"] <= shape.max()
         corners = shape[np.ix_([0, 4, 10, 14], [0, 4, 10, 14])]
         signs = np.array([[a, b] for a in (-1, 1) for b in (-1, 1)])
         for row, first in enumerate(signs):  # rows: q2 outer, q3 inner; columns: q5 outer, q4 inner
             for column, second in enumerate(signs):
                 corner = centre + half * np.array([first[0], first[1], second[1], second[0]])
-                assert corners[row, column] == pytest.approx(made.value(corner[None])[0], abs=2 * made.rounding)
+                assert corners[row, column] == pytest.approx(value_of(name, corner[None])[0], abs=2 * made["rounding"])
         tight += seen.max() >= 0.9 * shape.max() > 0 or seen.min() <= 0.9 * shape.min() < 0
     assert tight >= 15 or level < 4  # the coefficients close in with the square of the width
 

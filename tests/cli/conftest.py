@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
-from rankdrop.families.linear import vanishing_on
+from rankdrop.families.row import vanishing_on
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.record import Check, CorankSummary, Family, Pin, Sampled, Unseen
+from rankdrop.family.record import Check, CorankSummary, Family, Pin, Unseen
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -91,7 +91,9 @@ def family(
         equations=(*conditions, *equations) if named else (),
         witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(words)],
         lost_words=words, named=named,
-        evidence=Sampled("made up", Check(200, singular) if named else Check(0, 0), Check(1000, 250)),
+        evidence="made up",
+        soundness=Check(200, singular) if named else Check(0, 0),
+        explained=Check(1000, 250),
     )  # fmt: skip
 
 

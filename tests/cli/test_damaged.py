@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.results import validate
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import json_text
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import check_record, load_schema

@@ -18,9 +18,9 @@ from cli.conftest import Ended, command
 
 from papers.run import DOCUMENTS
 from rankdrop.cli import exits, main
-from rankdrop.cli.terminal import results, say, show
+from rankdrop.cli.terminal import say, screen, show
+from rankdrop.codec import json_text
 from rankdrop.errors import MissingExtraError, visible
-from rankdrop.results.codec import json_text
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = [name for name in main.app if not name.startswith("-")]
@@ -217,7 +217,7 @@ def test_the_terminals_own_colours_are_kept(capsys: pytest.CaptureFixture[str], 
 
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
-    show(results(), [Text(HOSTILE, style="bold red")])
+    show(screen(), [Text(HOSTILE, style="bold red")])
     say(HOSTILE)
     text = capsys.readouterr()
     assert text.out.startswith("\x1b[1;31mx␛[31my")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import ArmOptions
+from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.main import app
 from rankdrop.options import hints
 

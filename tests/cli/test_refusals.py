@@ -137,3 +137,11 @@ def test_an_interrupt_while_the_command_is_imported_leaves_no_traceback(tmp_path
         command("robots"), env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, timeout=60
     )
     assert (done.returncode, done.stderr) == (exits.INTERRUPTED, "rankdrop: interrupted\n")
+
+
+def test_figures_and_tables_are_not_printed(run) -> None:
+    """Where the ending of a file names its format, - is refused before the work."""
+    for line in (("find", "scara", "--corank", "1", "--out", "-"), ("path", "ur5e", "p.csv", "--figure", "-")):
+        ended = run(*line)
+        assert ended.code == exits.BAD_INPUT
+        assert "the ending names no format" in ended.err

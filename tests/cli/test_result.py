@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import json_text
 
 
 def test_round_trip_changes_nothing(found: Analysis, shapes: Analysis, tmp_path: Path) -> None:

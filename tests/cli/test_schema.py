@@ -12,11 +12,10 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.codec import record_of
+from rankdrop.codec import json_text, record_of
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import NAMES, load_schema

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.results.explanation.words import PROOF
 from rankdrop.robot.open import open_robot
+from rankdrop.text.words import PROOF
 from rankdrop.verbs.explain import explain
 
 LONGEST = 25

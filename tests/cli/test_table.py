@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from rankdrop.cli.table import corank_section
-from rankdrop.cli.terminal import results, show
+from rankdrop.cli.analyze import corank_section
+from rankdrop.cli.terminal import screen, show
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.record import Derivation, ExactRow, Sampled
+from rankdrop.family.record import Derivation, ExactRow
 from rankdrop.results.analysis import Analysis
 from rankdrop.text.families import conditions_of, coupled_conditions, joint_cell
 
@@ -21,7 +21,7 @@ def drawn(shapes: Analysis, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 
     def draw(width: int) -> str:
         monkeypatch.setenv("COLUMNS", str(width))
-        console = results()
+        console = screen()
         for summary in shapes.coranks:
             show(console, corank_section(console, shapes, summary))
         return capsys.readouterr().out
@@ -99,11 +99,11 @@ def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     one = shapes.families[1]
-    console = results()
+    console = screen()
     for count, told in ((24, 24), (30, 3)):
         shares = [replace(one.explained, agree=number) for number in range(count)]
         rows = tuple(
-            replace(one, id=f"k1.f{i}", evidence=Sampled("made up", one.soundness, share))
+            replace(one, id=f"k1.f{i}", evidence="made up", explained=share)
             for i, share in enumerate(shares)
         )
         show(console, corank_section(console, replace(shapes, families=rows), shapes.coranks[0]))

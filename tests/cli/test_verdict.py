@@ -1,4 +1,4 @@
-"""One sentence first and last, and the exit code goes with it."""
+"""The answer and how sure it is stand first and last, and the exit code goes with them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.family.record import DIFFERS, NOT_DERIVED, Check, Sampled
+from rankdrop.family.record import DIFFERS, NOT_DERIVED, Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
@@ -26,6 +26,9 @@ def derived():
     return conditions(open_robot("scara"), points=100)
 
 
+HAS = "scara has 1 family of singularities: elbow; rank 3 of 4."
+
+
 def first_and_last(text: str) -> tuple[str, str]:
     """The first and the last paragraph, unwrapped."""
     parts = text.strip().split("\n\n")
@@ -38,8 +41,8 @@ def differs(found: Analysis) -> Analysis:
 
 
 def unsound(found: Analysis) -> Analysis:
-    evidence = Sampled("made up", Check(176, 141), Check(1, 1))
-    return replace(found, families=(replace(found.families[0], evidence=evidence),))
+    family = replace(found.families[0], soundness=Check(176, 141), explained=Check(1, 1))
+    return replace(found, families=(family,))
 
 
 def unexplained(found: Analysis) -> Analysis:
@@ -81,11 +84,13 @@ def test_analyze_says_what_was_done(run, sampled: Analysis, monkeypatch: pytest.
         ended = run("analyze", "scara", "--quiet")
         first, last = first_and_last(ended.out)
         assert first == last
-        assert first.startswith(f"Verified, {' and '.join(claims[name])}: 1 family explains 1,150 of 1,150 fresh")
+        sure = f"Verified, {' and '.join(claims[name])}: 1 family explains 1,150 of 1,150 fresh"
+        assert first.startswith(f"{HAS} {sure}")
         assert ("exact conditions were not asked for" in first) == (name == "alone")
         assert ended.code == exits.FINE
         record = json.loads(run("analyze", "scara", "--quiet", "--json", "-").out)
-        assert (record["verdict"], record["claims"], record["sentence"]) == ("verified", claims[name], first)
+        assert (record["verdict"], record["claims"], " ".join(record["summary"])) == ("verified", claims[name], first)
+        assert record["summary"] == [HAS, record["sentence"]]
 
 
 def test_an_arm_without_singular_configurations_has_not_been_proven_to_have_none(sampled: Analysis) -> None:
@@ -115,21 +120,21 @@ def test_conditions_calls_nothing_verified_where_it_ends_with_three(
     assert "erified" not in ended.out
     assert "no family\n" not in ended.out  # nothing is said to be absent where something is wrong
     assert json.loads(run("conditions", "scara", "--quiet", "--json", "-").out)["verdict"] == word
-    shown = first_and_last(str(wrong))
-    assert shown == (first, first)
+    assert first.endswith(HAS)  # what speaks against the answer comes before it
+    assert first_and_last(str(wrong))[0] == first
 
 
 def test_a_condition_that_is_not_exact_ends_with_three_and_says_so_first_and_last(run) -> None:
     ended = run("conditions", "scara", "--test", "sin(q2/2)", "--quiet")
     first, last = first_and_last(ended.out)
-    assert first == last == "Not exact: the condition asked about is too small."
+    assert first == last == f"Not exact: the condition asked about is too small. {HAS}"
     assert ended.code == exits.UNEXPLAINED
     assert "erified" not in ended.out
 
 
 def test_what_was_tried_on_no_configuration_does_not_claim_it(run) -> None:
     sentence = first_and_last(run("conditions", "scara", "--points", "0", "--quiet").out)[0]
-    assert sentence.startswith("Verified, derived exactly: the rank is as claimed at 6 random points")
+    assert sentence.startswith(f"{HAS} Verified, derived exactly: 1 family; the rank is as claimed at 6 random points")
     assert "not tried on configurations found numerically" in sentence
     none = conditions(open_robot("planar2r"), points=0, coranks=1)
     bare = replace(none, families=())

@@ -13,7 +13,7 @@ from reference import arms
 from rankdrop import _core, kinematics
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, pose, task_view
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import decompose, singular_values
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
 
@@ -83,7 +83,12 @@ class Own(np.ndarray):  # type: ignore[type-arg]
     """A subclass, whose results NumPy would make in its own way."""
 
 
-@pytest.mark.parametrize(("function", "entry"), [(_core.jacobian_one, (6, 7)), (_core.derivative_one, (6, 7, 7))])
+SHORT = [
+    (_core.pose_one, (4, 4)), (_core.jacobian_one, (6, 7)), (_core.derivative_one, (6, 7, 7)), (_core.sigma_one, (6,)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("function", "entry"), SHORT)
 def test_one_configuration_takes_the_short_way_only_as_plain_memory(function: Function, entry: tuple[int, ...]) -> None:
     view, q = task_view(ROBOT, TASK), np.linspace(-1, 1, 7)
     truth = function(ROBOT, q, None, view)
@@ -105,6 +110,22 @@ def test_one_configuration_takes_the_short_way_only_as_plain_memory(function: Fu
         function(ROBOT, q, None, "view")
     with pytest.raises(TypeError, match="not 2 arguments"):
         function(ROBOT, q)
+
+
+def test_one_configuration_has_the_bits_of_a_batch() -> None:
+    rows = np.random.default_rng(3).uniform(-2.0, 2.0, (5, 7))
+    for task in (None, "position", ["vx", "wz"], TASK):
+        whole, sigma = decompose(ROBOT, rows, task), singular_values(ROBOT, rows, task)
+        for i, q in enumerate(rows):
+            one = decompose(ROBOT, q, task)
+            assert all(np.array_equal(getattr(one, part), getattr(whole, part)[i]) for part in ("u", "sigma", "v"))
+            assert np.array_equal(singular_values(ROBOT, q, task), sigma[i])
+            assert np.array_equal(pose(ROBOT, q), pose(ROBOT, rows)[i])
+    view = task_view(ROBOT, TASK)
+    for refused in (rows, rows[0, :6], rows[0] * np.nan, [*rows[0]], None):
+        assert _core.decompose_one(ROBOT, refused, view) is None
+    with pytest.raises(TypeError, match="a View"):
+        _core.decompose_one(ROBOT, rows[0], "view")
 
 
 def test_a_robot_that_is_gone_is_forgotten() -> None:

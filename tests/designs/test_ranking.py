@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.designs.ranking import bits_to_text, deviations, rank, threshold
+from rankdrop.designs.compare import bits_to_text, deviations, rank, threshold
 from rankdrop.errors import OptionError
 
 SAMPLES = 2000
@@ -96,7 +96,20 @@ def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
     assert len(set(found.values("near"))) > 1
     assert found.pareto == [0, 1, 2, 3, 4]
     assert "5 of 5 cannot be distinguished by their measures" in found.sentence
+    assert found.summary[1].startswith("One of 5: zero ")  # no winner out of noise
     assert found.to_dict()["pareto_differ"] is False
+
+
+def test_a_sweep_ranks_by_the_share_in_which_the_tool_is_slow() -> None:
+    """A shorter UR5e moves more slowly at the same joint rates; the configurations are the same for both."""
+    found = rankdrop.sweep({
+        "robot": "ur5e", "slow": {"speed": "200 mm/s", "samples": 4000},
+        "parameters": {"upper_arm": {"sets": "2.a", "values": [-0.425, -0.2]}},
+    }, workers=1)  # fmt: skip
+    shares = found.values("slow")
+    assert shares[0] < shares[1]
+    assert found.pareto == [0]
+    assert found.sentence == "2 variants of ur5e: variant 1 is better than every other one."
 
 
 NOTHING = {key: one for key, one in OFFSETS.items() if key != "near"} | {"families": {"starts": 50}}

@@ -68,7 +68,7 @@ BAD = {
         ("[region]\nlower = [0, 0, 0]\nupper = [1, 1]\n[near]",
          "line 13, region.upper: upper is three numbers; got [1, 1]"),
         ('[paths]\nfiles = ["nowhere.csv"]\n[near]', "line 12, paths.files: "),
-        ("[certified]\nwidth = 3\n[near]", "line 12, certified.width: this is no width of a box; got 3"),
+        ("[certified]\nwidth = 3\n[near]", "line 12, certified.width: width is out of range; got 3"),
         ('[pareto]\nless = ["cost"]\n[near]',
          "line 12, pareto.less: there is no such measure here; got 'cost'; allowed: near"),
         ("[families]\nstarts = 3\n[near]",
@@ -77,7 +77,7 @@ BAD = {
     "within = \"5 deg\"": [
         ('within = "5 mm"', "line 12, near.within: the unit is not one that fits here; got '5 mm'; allowed: a finite"),
         ("within = 9",
-         "line 12, near.within: this is no distance to look within; got 9.0; allowed: above 0, up to 1.5"),
+         "line 12, near.within: within is out of range; got 9.0; allowed: above 0, up to 1.5"),
         ("with = 9", "line 12, near.with: unknown key; got 'with'; allowed: within, samples"),
     ],
     "[near]\nwithin = \"5 deg\"": [("", "line 1: nothing is asked of the variants; allowed: [families], [near]")],

@@ -15,20 +15,20 @@ from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.cli import main
+from rankdrop.codec import json_text
 from rankdrop.designs import Designs, side_by_side, write_tables
-from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours
-from rankdrop.designs.measure import Effort, families_of, nominal_conditions, with_lengths_of
-from rankdrop.designs.ranking import rank
-from rankdrop.designs.spec import Asks, spec_of
+from rankdrop.designs.compare import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
+from rankdrop.designs.measure import families_of, nominal_conditions, with_lengths_of
+from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
 from rankdrop.exact.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
-from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
+from rankdrop.robot.numbers import reach
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 
@@ -88,31 +88,32 @@ def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     """The nominal arm has no shoulder's family: the variant that has it finds it."""
     drawing = Drawing.of("anthropomorphic")
     place = drawing.place("1.a", "here")
-    effort = Effort(100, 100, False, 0)
+    effort: Any = {"starts": 100, "fresh": 100, "limits": False, "seed": 0}
     without, with_it, again = (drawing.robot({place: shift}) for shift in (1.2, 0.3, 0.35))
     task = resolve_task(None, without)
     nominal = nominal_conditions(without, task)
-    first, second = (families_of(robot, task, effort, nominal) for robot in (without, with_it))
+    first, second = (families_of(robot, task, nominal, **effort) for robot in (without, with_it))
     assert nominal is not None
     assert with_lengths_of(with_it, task, nominal) is not None
     assert not any(one.coupled for one in first.of_corank(1))
     assert any(one.coupled == (2, 3) for one in second.of_corank(1))
     assert second.verified
-    third = families_of(again, task, effort, nominal_conditions(with_it, task))
+    third = families_of(again, task, nominal_conditions(with_it, task), **effort)
     assert third.verified
-    assert any(one.evidence.how == "exact condition" for one in third.of_corank(1) if one.coupled)
+    assert any(one.evidence == "exact condition" for one in third.of_corank(1) if one.coupled)
 
 
 @pytest.mark.slow
 def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
     """Conditions with joints pinned elsewhere are tried, refused, and cost nothing but time."""
     robot = rankdrop.open_robot("puma560")
-    task, effort = resolve_task(None, robot), Effort(200, 200, False, 0)
+    task = resolve_task(None, robot)
+    effort: Any = {"starts": 200, "fresh": 200, "limits": False, "seed": 0}
     nominal = nominal_conditions(robot, task)
     assert nominal is not None
     wrong = [replace(one, pins=tuple(AnglePin(pin.joint, ("pi/2",)) for pin in one.pins)) for one in nominal.families]
-    again = families_of(robot, task, effort, replace(nominal, families=tuple(wrong)))
-    plain = families_of(robot, task, effort, nominal)
+    again = families_of(robot, task, replace(nominal, families=tuple(wrong)), **effort)
+    plain = families_of(robot, task, nominal, **effort)
     assert [one.dimension for one in again.families] == [one.dimension for one in plain.families]
     assert again.verified
     assert plain.verified
@@ -181,7 +182,7 @@ def test_variants_of_every_kind_and_their_order() -> None:
     assert values[:4] == pytest.approx(np.array([[0.5, 0.1], [0.5, 0.3], [0.5, 0.5], [1.0, 0.1]]))
     walked = values[order_of(spec, values)]
     assert (np.count_nonzero(np.abs(np.diff(walked, axis=0)) > 1e-9, axis=1) == 1).all()
-    assert len(neighbours(values, [3, 3], values.min(0), values.max(0))) == 12
+    assert len(neighbours(spec, [{"values": row} for row in values.tolist()])) == 12
 
 
 def record(number: int, *forms: Any, value: float = 0.0) -> dict[str, Any]:
@@ -264,7 +265,7 @@ def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
         values = zip((drawing.place("1.a", ""), drawing.place("2.a", "")), one["values"], strict=True)
         arm = drawing.robot(dict(values))
         region = one["region"]
-        task = resolve_task("planar-position", arm, length_scale=found.length_scale)
+        task = resolve_task("planar-position", arm, length_scale=found.spec.task.length_scale)
         assert singular_values(arm, np.array(region["q"]), task)[-1] == pytest.approx(region["sigma"])
         assert pose(arm, np.array(region["q"]))[:2, 3] == pytest.approx(region["at"][:2], abs=1e-8)
         assert region["lowest"] <= region["sigma"]
@@ -301,11 +302,9 @@ def test_command_page_figure_and_tables(
 
 
 @pytest.mark.slow
-def test_records_satisfy_their_schema_which_describes_all_of_it(
-    planar: tuple[Path, Designs], shifted: Designs
-) -> None:
-    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 100})
-    arms = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=1)
+def test_records_satisfy_their_schema_which_describes_all_of_it(planar: tuple[Path, Designs], shifted: Designs) -> None:
+    asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 100}}
+    arms = side_by_side(["planar2r", "planar3r"], asks, workers=1)
     for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
@@ -333,11 +332,11 @@ def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tm
 
 @pytest.mark.slow
 def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
-    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 500})
-    found = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=2)
+    asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 500}}
+    found = side_by_side(["planar2r", "planar3r"], asks, workers=2)
     assert found.holds
     assert found.best("near") == (1,)
-    assert found.length_scale == pytest.approx(max(found.reaches))
+    assert found.task.length_scale == pytest.approx(max(map(reach, found.robots)))
     assert main.run(["compare", "planar2r", "planar3r", "--task", "planar-position", "--starts", "50", "--quiet",
                      "--json", "-"]) == 0  # fmt: skip
     record = json.loads(capsys.readouterr()[0])
@@ -351,7 +350,7 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.slow
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
-    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.1, "samples": 400})
+    asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
     found = side_by_side(["ur5e", "gp7"], asks, workers=1)
     assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
     assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
@@ -385,7 +384,7 @@ def test_variants_of_the_ur5_have_the_families_of_an_analysis_from_nothing() -> 
     places = [drawing.place("-2.a", ""), drawing.place("5.d", "")]
     for one in found.records[:3]:
         robot = drawing.robot(dict(zip(places, one["values"], strict=True)))
-        cold = families_of(robot, resolve_task(None, robot), Effort(1000, 1000, False, 9), None)
+        cold = families_of(robot, resolve_task(None, robot), None, starts=1000, fresh=1000, limits=False, seed=9)
         assert cold.verified
         mine = sorted((row["corank"], row["dimension"], row["coupled"], len(row["pinned"])) for row in one["families"])
         assert mine == sorted((row.corank, row.dimension, list(row.coupled), len(row.pinned)) for row in cold.families)

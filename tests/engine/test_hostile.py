@@ -11,7 +11,7 @@ import pytest
 import rankdrop
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.jobs import Job, progress_of
-from rankdrop.jobs.folder import Folder
+from rankdrop.jobs.running import Folder
 
 NOTE = json.dumps({
     "schema": "rankdrop/job/1", "items": 4, "sha256": "0" * 64,

@@ -17,7 +17,7 @@ import pytest
 from rankdrop import disk
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError, ResultFileError
 from rankdrop.jobs import Engine, Job, finish, progress_of
-from rankdrop.jobs.folder import Folder
+from rankdrop.jobs.running import Folder
 
 TESTS = Path(__file__).resolve().parents[1]
 CHUNKS = 7
@@ -138,7 +138,7 @@ def test_a_full_disk_loses_nothing_that_was_finished(
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         keep(path, content)
 
-    monkeypatch.setattr("rankdrop.jobs.folder.replace_file", full)
+    monkeypatch.setattr("rankdrop.jobs.running.replace_file", full)
     with pytest.raises(ResultFileError, match="No space left on device; fix: what is finished is kept"):
         made(job(), folder=tmp_path)
     assert len(Folder(tmp_path, job()).finished()) == 3

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rankdrop.codec import plain
-from rankdrop.errors import ConfigurationError, OptionError, TaskError
+from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between, zeros_of
 from rankdrop.exact.determinants import decouple
@@ -22,7 +22,7 @@ SIMPLE = ("anthropomorphic", "puma560", "ur5", "irb140", "z1", "scara", "planar2
 @pytest.mark.parametrize("name", SIMPLE)
 def test_product_of_the_flags_is_the_sign_of_the_determinant(name, rng):
     chain = exact_chain(open_robot(name))
-    signs = signs_of(chain, names=False)
+    signs = signs_of(chain)
     assert signs.factors
     q = rng.uniform(-np.pi, np.pi, (50, chain.n))
     determinant = np.linalg.det(jacobian(chain.robot, q)[:, list(chain.task.rows)])
@@ -50,7 +50,7 @@ def test_coefficients_beyond_floating_point_are_scaled(rng):
     d = (0.0891234, 0.0011, 0.0012, 0.1091234, 0.0946, 0)
     robot = from_dh([(a[i], twists[i], d[i], 0) for i in range(6)], convention="standard")
     chain = exact_chain(robot)
-    signs = signs_of(chain, names=False)
+    signs = signs_of(chain)
     q = rng.uniform(-np.pi, np.pi, (40, 6))
     together = np.sign(signs.values(q)).prod(axis=1) * np.sign(np.linalg.det(jacobian(robot, q)))
     assert abs(together.sum()) == len(q)
@@ -78,7 +78,7 @@ def test_a_configuration_on_a_family_has_flag_zero(name):
 
 def test_real_points_are_singular_and_of_the_atom():
     chain = exact_chain(open_robot("xarm6"))
-    for part in signs_of(chain, names=False).factors:
+    for part in signs_of(chain).factors:
         points = zeros_of(chain, part.atoms, 6)
         assert len(points)
         sigma = np.linalg.svd(task_jacobian(chain.robot, points, chain.task), compute_uv=False)
@@ -97,7 +97,7 @@ def test_a_condition_without_real_zeros_has_no_points_and_no_name():
 @pytest.mark.parametrize("name", ["puma560", "ur5", "irb140"])
 def test_parity_of_crossings_is_the_difference_of_signs(name, rng):
     chain = exact_chain(open_robot(name))
-    signs = signs_of(chain, names=False)
+    signs = signs_of(chain)
     parted = 0
     for first, second in rng.uniform(-np.pi, np.pi, (12, 2, 6)):
         found = between(chain, first, second, signs=signs)
@@ -166,5 +166,3 @@ def test_what_cannot_be_asked_is_refused():
     chain = exact_chain(open_robot("planar2r"))
     with pytest.raises(ConfigurationError):
         configuration_flags(chain, [0, 0, 0])
-    with pytest.raises(OptionError, match="tolerance"):
-        configuration_flags(chain, [0, 1], tolerance=2.0)

@@ -11,8 +11,8 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.code import Code
 from rankdrop.exact.writing import AnglePin, Condition
+from rankdrop.text.code import Code
 
 N = 5
 SHIFTS = (0.0, 0.25, 0.0, 0.0, -1.5)
@@ -42,7 +42,7 @@ def families():
     return [
         Family("k1.f1", "shoulder */ \\ \"θ2\"", 1, (), (Condition(ring, long),)),
         Family("k1.f2", "elbow_3", 1, (AnglePin(3, ("0", "pi")),), ()),
-        Family("k2.f1", "both", 2, pins, (Condition(ring, long), Condition(ring, half))),
+        Family("k2.f1", "both, θ3 = 90°", 2, pins, (Condition(ring, long), Condition(ring, half))),
     ]
 
 
@@ -69,7 +69,7 @@ def test_python_module_runs_on_numpy_alone_and_agrees(code):
     exec(compile(code.python(), "generated", "exec"), scope)
     q = np.random.default_rng(3).uniform(-3, 3, (4, 6, N))
     assert list(scope["FAMILIES"]) == ["k1.f1", "k1.f2", "k2.f1"]
-    assert scope["NAMES"] == {"k1.f1": "shoulder */ / 'θ2'", "k1.f2": "elbow_3", "k2.f1": "both"}
+    assert scope["NAMES"] == {"k1.f1": "shoulder */ / 'θ2'", "k1.f2": "elbow_3", "k2.f1": "both, θ3 = 90°"}
     for family in families():
         function = scope["FAMILIES"][family.id]
         assert_proportional(function(q), expected(family, q))
@@ -160,6 +160,7 @@ def test_latex_table_holds_every_condition_and_balances(code):
     text = code.latex()
     assert r"\theta_3 \in \{0, \pi\}" in text
     assert r"elbow\_3 & 1 &" in text
+    assert r"both, $\theta_{3}$ = 90$^\circ$ & 2 &" in text
     assert r"a_2 = 0.4318\,\mathrm{m}" in text
     assert r"\theta_{5} = q_{5} - 1.5\,\mathrm{rad}" in text
     bare = text.replace(r"\{", "").replace(r"\}", "")

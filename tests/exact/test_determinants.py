@@ -10,15 +10,17 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from rankdrop.codec import encode
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, determinants_of
 from rankdrop.exact.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
-from rankdrop.results.conditions import steps_text
 from rankdrop.robot.open import open_robot
+from rankdrop.schema.families import DETERMINANTS
 from rankdrop.task import ROWS, resolve_task
+from rankdrop.text.conditions import steps_text
 from rankdrop.verbs.conditions import conditions
 
 
@@ -87,7 +89,7 @@ def test_fewer_joints_than_rows_have_minors_of_rows() -> None:
 def test_multiplicities_are_told() -> None:
     """PA-10: s4 is in some minors twice; the record has it with its power."""
     chain = exact_chain(open_robot("pa10"))
-    record = determinants_of(chain, Work()).to_dict(tuple(chain.shifts))
+    record = encode(DETERMINANTS, determinants_of(chain, Work()))
     first = record["minors"][0]
     assert (first["text"], first["sign"]) == ("−d3² d5 c5 s2 s4²", -1)
     powers = {one["text"]: one["multiplicity"] for one in first["factors"]}

@@ -9,12 +9,12 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.open import open_robot
 
-WORK = {"scara": 0.005, "puma560": 0.52, "ur5": 0.22, "pa10": 0.31, "canadarm2": 1.1}
+WORK = {"scara": 0.003, "puma560": 0.31, "ur5": 0.13, "pa10": 0.16, "canadarm2": 0.66, "panda": 0.57}
 """Work of the rank tree, all coranks [s of an idle machine]."""
 RISE = 1.5
 
 
-@pytest.mark.slow_at("canadarm2")
+@pytest.mark.slow_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", WORK)
 def test_the_work_of_a_derivation_does_not_rise(name: str) -> None:
     before = spent()

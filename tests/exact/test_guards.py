@@ -28,9 +28,9 @@ def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_on
     """PA-10: what loses two freedoms lies on families of corank 1 too; without those of corank 2 it is left over."""
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     work = Work(60.0, 0)
-    check, over = _cloud(found.chain, 6, 4, found.families, 200, work, [])
+    check, over, _ = _cloud(found.chain, 6, 4, found.families, 200, work, [])
     assert (check.tested > 200, over) == (True, [])
-    _, over = _cloud(found.chain, 6, 4, found.of_corank(1), 200, work, [])
+    _, over, _ = _cloud(found.chain, 6, 4, found.of_corank(1), 200, work, [])
     assert len(over) == 1
     assert over[0].startswith("corank 2: ")
 
@@ -135,7 +135,7 @@ def test_a_disagreement_is_a_line_with_one_configuration() -> None:
 def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     late: list[str] = []
-    check, over = _cloud(found.chain, 6, 4, found.families, 20, Work(-1.0, 0), late)
+    check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-1.0, 0), late)
     assert check.tested > 0
     assert not over
     assert late == ["numeric configurations of corank 2 and above: the processor's time ran out"]

@@ -14,7 +14,7 @@ pytest.importorskip("flint")
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.kinematics import jacobian
-from rankdrop.results.codec import robot_from_dict, robot_to_dict
+from rankdrop.results.analysis import robot_from_dict, robot_to_dict
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-import signal
+from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
 
@@ -12,21 +12,20 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
-from rankdrop.exact.algebra import factoring
-from rankdrop.exact.algebra.factoring import factors_within
 from rankdrop.exact.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
-from rankdrop.exact.algebra.polynomial import SIMPLE
+from rankdrop.exact.algebra.polynomial import SIMPLE, Equality
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Derivation, Words, columns_on
+from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on
 from rankdrop.exact.methods import METHODS, _choices, derive
 from rankdrop.families.points import cloud
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.text.by_hand import Words, notes_of
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
@@ -54,6 +53,22 @@ def derived(name: str, method: str) -> Derivation:
     return derive(chain_of(name), method, 60.0)
 
 
+def vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
+    parts = equality.atoms if equality.whole is None else (equality.whole,)
+    return any(holds(ring, part, point) for part in parts)
+
+
+def holds_at(condition: Conjunction, ring: Ring, point: Point) -> bool:
+    """Whether a condition holds at a point modulo P, exactly."""
+    unequal = (any(not vanishes(equality, ring, point) for equality in group) for group in condition.unequal)
+    return all(vanishes(equality, ring, point) for equality in condition.equal) and all(unequal)
+
+
+def holds_modulo(found: Derivation, points: Sequence[Point]) -> tuple[bool, ...]:
+    """Whether one of the conditions holds at each of the points modulo P, exactly."""
+    return tuple(any(holds_at(one, found.ring, point) for one in found.conditions) for point in points)
+
+
 @cache
 def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, ...]]:
     """Points modulo P with joints at simple angles or where one or two minors vanish, and whether they are singular."""
@@ -63,7 +78,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     subsets = list(combinations(chain.columns, m))
     while len(points) < count:
         pins = {j: rng.choice(SIMPLE) for j in ring.revolute if rng.random() < rng.choice([0.0, 0.3, 0.6])}
-        values = {name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}}
+        values = Point({name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}})
         moving = [name for name in ring.names[: ring.moving] if name in values]
         rng.shuffle(moving)
         chosen = rng.sample(subsets, min(2, len(subsets)))
@@ -95,7 +110,7 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert not found.generic
     points, singular = strata(name)
     assert 15 <= sum(singular) <= len(points) - 15, "both kinds of points are needed"
-    assert found.holds_modulo(points) == singular
+    assert holds_modulo(found, points) == singular
 
 
 @pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors")
@@ -161,8 +176,8 @@ def test_the_determinant_of_canadarm2_is_one_irreducible_sum_of_squares_of_13273
     found = derived("canadarm2", "determinant")
     assert found.sizes["half-angle terms"] == 13273
     assert len(found.conditions) == 1
-    assert any("one irreducible polynomial" in note for note in found.notes)
-    assert any("without a change of sign" in note for note in found.notes)
+    assert any("one irreducible polynomial" in note for note in notes_of(found))
+    assert any("without a change of sign" in note for note in notes_of(found))
 
 
 def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
@@ -175,8 +190,9 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")
     assert found.sizes["exceptional"] > 0
-    place = next(i for i, note in enumerate(found.notes) if note.startswith("in general: the screw reciprocal to"))
-    assert "all six elements vanish, and it says nothing, where θ4 = 0 or π, or where θ6 = 0" in found.notes[place + 1]
+    notes = notes_of(found)
+    place = next(i for i, note in enumerate(notes) if note.startswith("in general: the screw reciprocal to"))
+    assert "all six elements vanish, and it says nothing, where θ4 = 0 or π, or where θ6 = 0" in notes[place + 1]
     assert found.sizes["choices"] > 1
     first = found.conditions[0]
     assert first.unequal, "the first choice holds only where its screw does not vanish"
@@ -187,10 +203,11 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
 def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
     """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
     found = derive(chain_of("canadarm2"), "reciprocity", frame=5, basic=(2, 3, 4, 5, 6, 7))
-    place = next(i for i, note in enumerate(found.notes) if note.startswith(f"θ4 = {theta4}: the screw reciprocal to"))
-    assert "joints 2, 3, 4, 6, 7" in found.notes[place]
+    notes = notes_of(found)
+    place = next(i for i, note in enumerate(notes) if note.startswith(f"θ4 = {theta4}: the screw reciprocal to"))
+    assert "joints 2, 3, 4, 6, 7" in notes[place]
     for said in ("θ5 = ±π/2 and (θ6 = 0 or π)", *singular):
-        assert said in found.notes[place + 1]
+        assert said in notes[place + 1]
 
 
 def test_what_is_said_to_vanish_does() -> None:
@@ -214,7 +231,7 @@ def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
 def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:
     found = derived("canadarm2", "reciprocity")
     points, singular = strata("canadarm2")
-    alone = [found.conditions[0].holds_modulo(found.ring, point) for point in points]
+    alone = [holds_at(found.conditions[0], found.ring, point) for point in points]
     assert sum(alone) < sum(singular)
 
 
@@ -247,45 +264,28 @@ def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
     assert found.generic
     assert "cases" in found.left[0]
     points, singular = strata("canadarm2")
-    held = found.holds_modulo(points)
+    held = holds_modulo(found, points)
     assert any(held)
     assert all(is_singular for is_singular, holds in zip(singular, held, strict=True) if holds)
 
 
 def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rankdrop.exact.conjunctions.factors_within", lambda *_: None)
+    monkeypatch.setattr("rankdrop.exact.algebra.ring.Ring.factors_within", lambda *_: None)
     found = derive(chain_of("canadarm2"), "determinant", 10.0)
     assert not found.complete
     points, singular = strata("canadarm2")
-    assert found.holds_modulo(points) == singular
+    assert holds_modulo(found, points) == singular
 
 
-def test_factors_found_in_another_process_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_polynomials_are_not_factored_where_little_work_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     chain = chain_of("puma560")
     p = chain.ring.determinant([[column[row] for column in chain.columns] for row in range(6)])
-    here = chain.ring.factor(p)
-    monkeypatch.setattr(factoring, "SHORT", 0)
-    there = factors_within(chain.ring, p, 20.0)
-    assert there is not None
-    assert there.content == here.content
-    assert [(a.key, k) for a, k in there.atoms] == [(a.key, k) for a, k in here.atoms]
-    assert [(str(f), k) for f, k in there.letters] == [(str(f), k) for f, k in here.letters]
-
-
-def test_a_process_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    chain = chain_of("puma560")
-    monkeypatch.setattr(factoring, "SHORT", 0)
-    assert factors_within(chain.ring, chain.columns[0][0] + chain.ring.c[3], 0.01) is None
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timer of the processor's time")
-def test_the_process_is_ended_by_its_own_time_and_not_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A second of the processor: the product of two minors of a Gen3, 1,416 terms."""
-    chain = chain_of("gen3")
-    minors = sorted(Derivation(chain, "determinant", 30.0).minors(chain.columns[:7], 6), key=len)
-    monkeypatch.setattr(factoring, "_PATIENCE", 1000.0)
-    assert factors_within(chain.ring, chain.ring.reduce(minors[2] * minors[4]), 0.2) is None
+    assert chain.ring.factors_within(p, 0.0) == chain.ring.factor(p)
+    monkeypatch.setattr("rankdrop.exact.algebra.ring._SHORT", 0)
+    assert chain.ring.factors_within(p, 0.0) is None
+    assert chain.ring.factors_within(p, 20.0) == chain.ring.factor(p)
+    monkeypatch.setattr("rankdrop.exact.algebra.ring._LASTING", 0)
+    assert chain.ring.factors_within(p, 20.0) is None
 
 
 @pytest.mark.parametrize("method", ["determinant", "cofactors", "singular_vector"])
@@ -295,7 +295,7 @@ def test_an_arm_of_fewer_joints_than_rows(method: str) -> None:
     points = random_points(chain, 30, seed=4)
     for point in points[:15]:
         point.update(s2=0, c2=1, t2=0)
-    assert found.holds_modulo(points) == tuple(rank < 3 for rank in rank_check(chain, points))
+    assert holds_modulo(found, points) == tuple(rank < 3 for rank in rank_check(chain, points))
 
 
 def test_a_rank_that_is_nowhere_full_is_refused() -> None:
@@ -314,7 +314,7 @@ def test_a_polynomial_is_evaluated_with_its_own_degrees_where_joints_stand_at_pi
     """t1 t2 + 1 stands for cos((θ1 − θ2)/2), and t1 + t2 for sin((θ1 + θ2)/2)."""
     ring = Ring([1, 2])
     difference, total = ring.atom(ring.t[1] * ring.t[2] + 1), ring.atom(ring.t[1] + ring.t[2])
-    one, both = complete(ring, {}, {1: "0", 2: "pi"}), complete(ring, {}, {1: "pi", 2: "pi"})
+    one, both = complete(ring, Point(), {1: "0", 2: "pi"}), complete(ring, Point(), {1: "pi", 2: "pi"})
     assert one is not None
     assert both is not None
     assert [holds(ring, difference, one), holds(ring, difference, both)] == [True, False]
@@ -373,14 +373,14 @@ def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
 
 
 def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> None:
-    """The process that factors counts half-angle terms, of which there are more; it says that it gives up."""
+    """Half-angle terms count, of which there are more."""
     rows = [(0.01, *SRS[0][1:]), (0, *SRS[1][1:2], 0, 0), (0.045, *SRS[2][1:]), (-0.045, *SRS[3][1:2], 0, 0), *SRS[4:]]
     chain = exact_chain(from_dh(rows, convention="standard"))
     found = derive(chain, "cofactors")
     assert found.complete
     builder = Derivation(chain, "determinant", 30.0)
     long = sum((minor**2 for minor in builder.minors(chain.columns, 6)), chain.ring.zero)
-    assert factors_within(chain.ring, chain.ring.reduce(long), 30.0) is None
+    assert chain.ring.factors_within(chain.ring.reduce(long), 30.0) is None
 
 
 @pytest.mark.slow

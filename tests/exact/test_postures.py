@@ -18,6 +18,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.paths import decision_text
 
 H = np.pi / 2
 WENGER = [[0, 1, -H], [1, 2, H], [0, 1.5, 0]]
@@ -66,7 +67,7 @@ def test_the_same_arm_with_other_lengths_is_not_cuspidal() -> None:
 def test_arms_of_known_structure_are_not_cuspidal(name: str, words: str) -> None:
     found = decide_postures(exact_chain(open_robot(name)))
     assert found.kind == SIGNS
-    assert words in found.words
+    assert words in decision_text(found)
 
 
 @pytest.mark.parametrize(("rows", "kind"), [

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, complete, modulo, value_at
+from rankdrop.exact.algebra.field import P, Point, complete, modulo, value_at
 from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
 from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.exact.algebra.solving import Solved, put
@@ -22,7 +22,7 @@ def ring() -> Ring:
 
 
 def random_point(ring: Ring, rng: random.Random, pins: dict[int, str] | None = None) -> dict[str, int]:
-    point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, pins or {})
+    point = complete(ring, Point({name: rng.randrange(2, P) for name in ring.names}), pins or {})
     assert point is not None
     return point
 
@@ -72,7 +72,7 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
         chosen = rng.sample(planted, 3)
         p = ring.reduce(chosen[0] * chosen[1] * chosen[2])
         found = ring.factor(p)
-        product = int(found.content.p) * pow(int(found.content.q), -1, P)
+        product = 1
         pins: dict[int, dict[str, int]] = {}
         point = random_point(ring, rng)
         for f, power in found.letters:
@@ -86,8 +86,16 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
             else:
                 value = value_at(ring, atom.f, point)
             product = product * pow(value, power, P) % P
-        # what is left out is a power of 1 + t², which has no real zero
-        left = value_at(ring, ring.to_half(p).f, point) * pow(product, -1, P) % P
+        # what is left out is a number and a power of 1 + t², which has no real zero
+        half = ring.to_half(p).f
+        first = [half, *(f for f, _ in found.letters), *(atom.f for atom, _ in found.atoms if not atom.pinned)]
+        assert all(f.leading_coefficient() > 0 for f in first[1:])
+        powers = [*(k for _, k in found.letters), *(k for atom, k in found.atoms if not atom.pinned)]
+        number = half.leading_coefficient()
+        for f, power in zip(first[1:], powers, strict=True):
+            number /= f.leading_coefficient() ** power
+        product = product * modulo(number) % P
+        left = value_at(ring, half, point) * pow(product, -1, P) % P
         units = {1}
         for j in ring.revolute:
             units |= {u * pow(1 + point[f"t{j}"] ** 2, k, P) % P for u in units for k in (1, 2, 3, 4)}
@@ -121,7 +129,7 @@ def test_odd_half_angle_polynomials_have_a_square_with_their_zeros(ring: Ring) -
     rng = random.Random(5)
     point = random_point(ring, rng)
     assert value_at(ring, p, point) != 0
-    point = complete(ring, {**point, "t1": (1 - 2 * point["t2"]) % P}, {})
+    point = complete(ring, point.changed({"t1": (1 - 2 * point["t2"]) % P}), {})
     assert point is not None
     assert value_at(ring, p, point) == 0
 

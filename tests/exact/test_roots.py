@@ -128,11 +128,11 @@ def test_factors_multiply_to_the_polynomial(parts) -> None:
     x, y, a = RING.t[1], RING.t[2], RING.letter_half["a"]
     f = prod((x * number_of(u) + a * y * number_of(v) + number_of(w) for u, v, w in parts), start=RING.half.constant(1))
     f = reduced_roots(f)
-    whole = prod((one**power for one, power in factor(f)[1]), start=RING.half.constant(1))
+    whole = prod((one**power for one, power in factor(f)), start=RING.half.constant(1))
     left = quotient(f, reduced_roots(whole))
     assert left is not None
     assert is_number(left)
-    assert sum(power for _, power in factor(f)[1]) == len(parts)
+    assert sum(power for _, power in factor(f)) == len(parts)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +143,7 @@ def test_factors_multiply_to_the_polynomial(parts) -> None:
 )  # fmt: skip
 def test_known_factors(text: str, count: int) -> None:
     names = {"x": RING.t[1], "y": RING.t[2], "a": RING.letter_half["a"], **{w: RING.letter_half[w] for w in ROOTS}}
-    assert len(factor(reduced_roots(eval(text, {}, names)))[1]) == count
+    assert len(factor(reduced_roots(eval(text, {}, names)))) == count
 
 
 def test_a_common_divisor_over_the_roots() -> None:
@@ -161,3 +161,28 @@ def test_the_greatest_value_of_a_root_is_its_own() -> None:
     values = root_values(ROOTS)
     assert values == pytest.approx({"cos18": cos(pi / 10), "sqrt2": 2**0.5, "sqrt3": 3**0.5, "sqrt5": 5**0.5})
     assert float(surd(36)[0]) == pytest.approx(cos(pi / 5))
+
+
+def test_common_divisors_and_quotients_with_coefficients_of_thousands_of_bits() -> None:
+    x, y, w = RING.t[1], RING.t[2], RING.letter_half["sqrt2"]
+    long = x + (3**1500) * w * y + 7**1000
+    f, g = reduced_roots(long * (x - w * y)), reduced_roots(long * (y + 3 * w))
+    assert gcd(f, g) == primitive(long)
+    assert quotient(f, primitive(long)) is not None
+    assert quotient(f, x + y + w) is None
+
+
+def test_factors_without_a_variable_are_split_off_and_counted() -> None:
+    x, y, w = RING.t[1], RING.t[2], RING.letter_half["sqrt2"]
+    whole = reduced_roots((x - w) ** 3 * (x * y + w * y + 1) * (y**2 + w))
+    assert sorted(power for _, power in factor(whole)) == [1, 1, 3]
+
+
+@pytest.mark.slow
+def test_conditions_on_a_variable_each_are_no_system_left_over() -> None:
+    """Half-angle tangents of three joints, roots of quadratics without a root modulo any of the primes."""
+    table = [(0, 90, 0.2), (0.3, 30, 0.1), (0, 75, 0.42), (0, -15, 0), (0, 90, 0.1), (0.25, 0, 0)]
+    rows = [(a, radians(twist), d, 0) for a, twist, d in table]
+    found = conditions(from_dh(rows, convention="standard"), points=200)
+    assert found.complete
+    assert found.explained.agree == found.explained.tested

@@ -20,6 +20,7 @@ from rankdrop.exact.tree import _Known, barren
 from rankdrop.families.points import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 
 
@@ -71,6 +72,22 @@ def test_a_configuration_beside_a_zero_of_fourth_order_is_on_its_family() -> Non
     assert found.complete
     assert found.tested >= 1400
     assert found.left == 0
+
+
+@pytest.mark.slow
+def test_a_set_on_which_a_solution_has_no_denominator_is_found_however_it_was_cut() -> None:
+    """TIAGo at θ3 = ±114°, θ4 = ±90°, θ5 = 94°, and at θ3 = 0, θ5 = −173°: 397 of 1,900 points were on no family."""
+    found = conditions(open_robot("tiago"), special=False)
+    assert found.complete
+    assert (found.explained.agree, found.explained.tested) == (1900, 1900)
+    assert found.verified
+
+
+@pytest.mark.slow
+def test_conditions_do_not_hold_where_a_solution_is_undetermined_and_the_rank_is_full() -> None:
+    """θ7 = 0 and a condition A t5 + B = 0 of TIAGo held at A = B = 0, whatever θ5: 3 of 569 points were regular."""
+    found = analyze(open_robot("tiago"), starts=1000, fresh=True)
+    assert found.verified
 
 
 @pytest.mark.slow

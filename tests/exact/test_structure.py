@@ -45,8 +45,8 @@ def test_structure_is_what_lines_in_space_show(name, lengths, rng):
     pairs = [pair for pair in pairwise(axes) if pair[1] == pair[0] + 1]
     assert [tuple(j - 1 for j in t) for t in structure.meeting] == [t for t in pairs if scene.meeting(*t).all()]
     together = {pair for group in structure.parallel for pair in pairwise(group)}
-    assert all(scene.parallel(i - 1, j - 1).all() for i, j in together)
-    assert {(i + 1, j + 1) for i, j in pairs if scene.parallel(i, j).all()} <= together
+    assert all(scene.parallel[i - 1, j - 1].all() for i, j in together)
+    assert {(i + 1, j + 1) for i, j in pairs if scene.parallel[i, j].all()} <= together
 
 
 def test_wrist_shoulder_and_srs():

@@ -9,6 +9,7 @@ pytest.importorskip("flint")
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.suppression import suppress
 from rankdrop.robot.open import open_robot
+from rankdrop.text.by_hand import steps_of
 
 SWAPPED = -1  # a determinant with rows (v; ω), as here, against KG's (ω; v): three rows pass three others
 LENGTHS = {"a": 0.635, "c": 0.504, "d": 6.85}  # typical lengths of Canadarm2 [m]
@@ -85,7 +86,8 @@ def test_the_basic_determinant_is_equation_7(found, kg):
     expected = d**2 * s(4) * s(6) * (a * s(345) + d * c(34) + d * c(3))
     assert equal(kg.ring, determinant(found, range(2, 8)), expected)
     assert equal(kg.ring, found.start.basic.product.polynomial, SWAPPED * expected)
-    assert [equal(kg.ring, *pair) for pair in zip(found.factors[:2], (s(4), s(6)), strict=True)] == [True, True]
+    first = [factor.whole for factor in found.start.basic.product.factors[:2]]
+    assert [equal(kg.ring, *pair) for pair in zip(first, (s(4), s(6)), strict=True)] == [True, True]
     assert found.determinant == "−d² s4 s6 (a s345 + d c3 + d c34)"
 
 
@@ -182,7 +184,7 @@ def test_the_frame_and_the_basic_screws_chosen_agree_with_kgs_families():
 
 
 def test_the_steps_read_as_the_paper_does(found):
-    told = {step.title: step.lines for step in found.steps()}
+    told = {step.title: step.lines for step in steps_of(found.chain, found)}
     assert told["Screws"][3] == "$2 = (−2 c c345, 2 c s345, d c3 + d c34; −s345, −c345, 0)"
     first = told["Step 1: the determinant of the basic screws"]
     assert first[0] == "basic screws: $2 $3 $4 $5 $6 $7, independent in general; 3, 4, 5 are a planar joint"

@@ -12,8 +12,8 @@ import pytest
 from rankdrop.exact.algebra.field import P, Point, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
-from rankdrop.families.linear import vanishing_on
 from rankdrop.families.points import cloud, explained
+from rankdrop.families.row import vanishing_on
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.family.equation import Equation, Term
@@ -39,7 +39,7 @@ def rational_point(chain: Chain, tangents: list[Fraction]) -> tuple[Point, np.nd
         residue = t.numerator * pow(t.denominator, -1, P) % P
         values[f"t{j}" if j in chain.ring.revolute else f"q{j}"] = residue
         q[j - 1] = 2 * atan(t) if j in chain.ring.revolute else float(t)
-    point = complete(chain.ring, values, {})
+    point = complete(chain.ring, Point(values), {})
     assert point is not None
     return point, q - chain.shifts
 

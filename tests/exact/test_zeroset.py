@@ -13,7 +13,7 @@ from rankdrop.exact.algebra.decompose import cut, cut_half, decompose
 from rankdrop.exact.algebra.field import value_at
 from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved, plainly_positive
+from rankdrop.exact.algebra.solving import Solved, plainly_positive, put
 from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 
@@ -194,6 +194,18 @@ def test_a_condition_that_was_solved_with_is_still_known_where_the_solution_does
     assert met == {(one, two, wanted) for one in ("0", "pi") for two in ("0", "pi")}
 
 
+def test_a_set_keeps_the_condition_that_cut_it_where_its_solution_has_no_denominator(ring: Ring) -> None:
+    """At A = B = 0 the equations A t3 + B = 0 and B + 5 A = 0 say nothing of t3: only t3 = 5, the first cut does."""
+    t = ring.t
+    a, b = t[1] ** 2 + 2 * t[2] ** 2 + 3 * t[1] * t[2] - 7, t[2] ** 2 * t[1] ** 2 + 7 * t[1] - 5
+    (solved,) = taken_apart(ring, [a * t[3] + b], 1)
+    (plane,) = cut_half(solved, t[3] - 5, Work())
+    assert not plane.half_vanishes(a)
+    (found,) = cut_half(plane, a * (t[4] ** 2 + 2 * t[4] + 3) + (t[3] - 5) * t[2], Work())
+    assert found.codimension == 3
+    assert all(found.half_vanishes(f) for f in (a, b, t[3] - 5))
+
+
 def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones(ring: Ring) -> None:
     """Three unsolved conditions: points solve one after the other, and where a coefficient vanishes is a set, too."""
     t = ring.t
@@ -255,3 +267,15 @@ def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone() -> None:
     for one in sets:
         assert not any(ring.index["t2"] in used(h) for h in (*one.equations, *one.known))
         assert cut(one, ring.s[3] * ring.c[5] + ring.c[3] * ring.s[5], Work())
+
+
+def test_a_long_solution_of_few_variables_is_put_in() -> None:
+    """100 terms with 30 for a variable of degree 9: at most 271 · 10 products of powers, not 100 · 30⁹."""
+    ring = Ring([1, 2])
+    x, y = ring.t[1], ring.t[2]
+    f = sum((x**i * y**j * (i + 2 * j + 1) for i in range(10) for j in range(10)), ring.half.constant(0))
+    top = sum((y**k * (k + 3) for k in range(30)), ring.half.constant(0))
+    form = put(ring.form(f), Solved(0, top, ring.half.constant(2)))
+    at, value = 5, sum((k + 3) * 5**k for k in range(30))
+    wanted = sum(value**i * at**j * (i + 2 * j + 1) * 2 ** (9 - i) for i in range(10) for j in range(10))
+    assert form.f.subs({"t2": at}) == wanted

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.curves import singular_curves
 from rankdrop.families.searching import search
+from rankdrop.families.slices import singular_curves
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 

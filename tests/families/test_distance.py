@@ -17,7 +17,7 @@ from rankdrop.family.record import Family
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.parts import disagreements
+from rankdrop.results.explanation import disagreements
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

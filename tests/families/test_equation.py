@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.linear import vanishing_on
+from rankdrop.families.row import vanishing_on
 from rankdrop.family.equation import Equation, System, Term, normalised, pretty_angle
 
 N = 4

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families.search_record import binomial_upper, none_found, unseen
+from rankdrop.families.searching import binomial_upper, none_found, unseen
 
 
 def test_without_singletons_it_is_the_rule_of_three():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from known.truths import PA10_TABLES
 
-from rankdrop.families import rows as rows_module
+from rankdrop.families import fit as fit_module
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
@@ -234,7 +234,7 @@ def test_a_row_without_solutions_is_not_sound(rng):
 
 
 def test_what_cannot_be_fitted_is_shown_without_a_name(monkeypatch):
-    monkeypatch.setattr(rows_module, "residual_equations", lambda source, budget, thorough: None)
+    monkeypatch.setattr(fit_module, "fitted_equations", lambda source, work: None)
     found = table("puma560", 1)
     share = found.summary.completeness
     (unnamed,) = (family for family in found.families if not family.named)

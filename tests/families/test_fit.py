@@ -7,9 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.fit import (
+from rankdrop.families.library import (
     MOST_CIRCUITS,
-    Budget,
     FitProblem,
     circuits,
     holds,
@@ -45,7 +44,7 @@ def points_on(equations, rng, count, spread=pi):
 
 
 def fit(points, kinds=("angle",) * N, highest=4) -> FitProblem:
-    return FitProblem(lambda count: points, N, kinds, highest, Budget(), DEFAULT)
+    return FitProblem(lambda count: points, N, kinds, highest, 1e10, DEFAULT)
 
 
 def coefficients(equation: Equation) -> dict:
@@ -103,9 +102,9 @@ def test_points_that_do_not_belong_refute_the_fit(rng):
     assert hypersurface(fit(points), (1, 2, 3)) is None
 
 
-def test_a_used_up_budget_ends_the_fit(rng):
+def test_used_up_work_ends_the_fit(rng):
     points = points_on([SHOULDER], rng, 400)
-    poor = FitProblem(lambda count: points, N, ANGLES, 4, Budget(10.0), DEFAULT)
+    poor = FitProblem(lambda count: points, N, ANGLES, 4, 10.0, DEFAULT)
     assert hypersurface(poor, (1, 2, 3)) is None
 
 

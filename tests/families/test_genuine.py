@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families.genuine import descents, not_singular, task_jacobian_exactly
+from rankdrop.families.inspection import descents, not_singular, task_jacobian_exactly
 from rankdrop.families.row import row_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem
@@ -14,8 +14,10 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, resolve_task
+from rankdrop.text.conditions import of_conditions
 from rankdrop.units import in_units, task_in_units
 from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
 
 flint = pytest.importorskip("flint")
 Q = np.pi / 2
@@ -34,6 +36,12 @@ def offset_wrist(offset: float) -> Robot:
     """A 6R whose fifth axis misses the fourth by `offset` [m]."""
     rows = [(0, Q, 0.4, 0), (0.45, 0, 0, 0), (0.04, Q, 0, 0), (0, -Q, 0.44, 0), (offset, Q, 0, 0), (0, 0, 0.08, 0)]
     return from_dh(rows, convention="standard", name="offset wrist")
+
+
+def offset_forearm(offset: float) -> Robot:
+    """The same arm with `offset` [m] between its fourth and fifth axes."""
+    rows = [(0, Q, 0.4, 0), (0.45, 0, 0, 0), (0.04, Q, 0, 0), (offset, -Q, 0.44, 0), (0, Q, 0, 0), (0, 0, 0.08, 0)]
+    return from_dh(rows, convention="standard", name="offset forearm")
 
 
 def problem(robot: Robot, corank: int = 1) -> Problem:
@@ -87,6 +95,15 @@ def test_next_to_a_special_structure_nothing_is_contradicted(robot: Robot) -> No
     assert found.exact.agrees
     assert found.verified
     assert all(family.named for family in found.families)
+
+
+@pytest.mark.slow
+def test_near_misses_do_not_contradict_conditions() -> None:
+    """An offset of 2 µm: 36 configurations with σ of 1e-13 are no singularities of corank 2."""
+    found = conditions(offset_forearm(2e-6))
+    assert of_conditions(found).sentence.startswith("Verified")
+    assert found.explained.tested == found.explained.agree
+    assert [remark for remark in found.remarks if remark.startswith("corank 2: ") and "50 digits" in remark]
 
 
 @pytest.mark.slow

@@ -9,13 +9,9 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
-from rankdrop.families.genuine import polished
-from rankdrop.families.linear import Linear
-from rankdrop.families.row import Row, elsewhere, soundness, verified
-from rankdrop.families.rows import membership, on_row
-from rankdrop.families.search_record import unseen
-from rankdrop.families.searching import search
-from rankdrop.families.signature import Signature, inspect
+from rankdrop.families.inspection import Signature, inspect, polished
+from rankdrop.families.row import Linear, Row, elsewhere, membership, on_row, soundness, verified
+from rankdrop.families.searching import search, unseen
 from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
@@ -38,7 +34,13 @@ def pinned(problem: Problem, *joints: int, values: tuple[float, ...] = STRAIGHT)
     n = problem.robot.n
     linear = Linear.of(problem.robot, [tuple(int(i == j) for i in range(n)) for j in joints])
     free = tuple(j for j in range(n) if j not in joints)
-    return Row(linear, (values,) * len(joints), (), Signature(len(joints), joints, free, (), (), ()), "planted")
+    return Row(linear, (values,) * len(joints), (), Signature(len(joints), joints, free, ()), "planted")
+
+
+def coupled(*equations: Equation) -> Row:
+    """A row of PUMA without pinned joints."""
+    every = tuple(range(6))
+    return Row(Linear.of(open_robot("puma560"), []), (), equations, Signature(1, (), (), every))
 
 
 def test_what_loses_more_everywhere_is_no_row_of_this_corank(rng) -> None:
@@ -46,7 +48,7 @@ def test_what_loses_more_everywhere_is_no_row_of_this_corank(rng) -> None:
     values = [(pi / 2, float(np.arctan2(-0.4318, 0.0203)))]  # θ2; a3 s3 + d4 c3 = 0
     for corank, holds in ((1, False), (2, True)):
         at = problem("puma560", corank)
-        assert verified(at, pinned(at, 1, 2).linear, (), 0, values, rng) == [holds]
+        assert verified(at, pinned(at, 1, 2), values, rng) == [holds]
 
 
 def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_row() -> None:
@@ -76,7 +78,7 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     """PUMA's wrist, sin θ5 = 0, times 3 + cos 2θ2 + cos 2θ4 + cos 2θ6: that is zero at θ2, θ4, θ6 = ±π/2 alone, where
     no random start arrives, and where θ5 is anything the arm is regular."""
     at, zero = problem("puma560", 1), (0,) * 6
-    wrist, linear = (0, 0, 0, 0, 2, 0), Linear.of(open_robot("puma560"), [])
+    wrist = (0, 0, 0, 0, 2, 0)
     terms = [Term(3.0, "sin", wrist, zero)]
     for joint in (1, 3, 5):  # sin a cos b = (sin(a + b) + sin(a − b))/2
         for sign in (4, -4):
@@ -84,13 +86,13 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     wide = normalised(terms)
     found, strangers = soundness(at, System((wide,)), 1, np.random.default_rng(0))
     assert (found.holds, len(strangers)) == (True, 0)  # random starts see nothing
-    tested, strangers = elsewhere(at, linear, [()], (wide,), {}, np.random.default_rng(0))
+    tested, strangers = elsewhere(at, coupled(wide), {}, np.random.default_rng(0))
     assert tested > 50
     assert len(strangers) > 0
     assert np.allclose(np.cos(strangers[:, [1, 3, 5]]), 0, atol=1e-3)
     assert singular_values(at.robot, strangers, at.task)[:, 5].min() > 1e-2
     alone = Equation((Term(1.0, "sin", wrist, zero),))
-    tested, strangers = elsewhere(at, linear, [()], (alone,), {}, np.random.default_rng(0))
+    tested, strangers = elsewhere(at, coupled(alone), {}, np.random.default_rng(0))
     assert tested > 10
     assert not len(strangers)
 
@@ -98,12 +100,12 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
 def test_equations_are_solved_together_from_anywhere() -> None:
     """PUMA's wrist, sin θ5 = 0, times sin(θ1 − 0.7), sin(θ3 − 0.4) and sin(θ5 − 0.9): three equations that also vanish
     where these three joints stand so. The first equation alone leads to the wrist; no right angle leads there."""
-    at, linear = problem("puma560", 1), Linear.of(open_robot("puma560"), [])
+    at = problem("puma560", 1)
     equations = tuple(wrist_times(joint, value) for joint, value in ((0, 0.7), (2, 0.4), (4, 0.9)))
     found, _ = soundness(at, System(equations), 1, np.random.default_rng(0))
     assert found.holds
     assert found.tested > 50
-    _, strangers = elsewhere(at, linear, [()], equations, {}, np.random.default_rng(0))
+    _, strangers = elsewhere(at, coupled(*equations), {}, np.random.default_rng(0))
     assert len(strangers) > 0
     assert np.allclose(np.sin(strangers[:, [0, 2, 4]] - (0.7, 0.4, 0.9)), 0, atol=1e-9)
 

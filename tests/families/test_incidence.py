@@ -9,7 +9,7 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.monitor import Monitor
-from rankdrop.family.incidence import families_at
+from rankdrop.family.record import families_at
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
 

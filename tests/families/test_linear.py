@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families import signature
-from rankdrop.families.linear import Linear, boxes, canonical, grow, vanishing_on
-from rankdrop.families.residual import minors
-from rankdrop.families.signature import candidates, independent
+from rankdrop.families import inspection
+from rankdrop.families.fit import minors
+from rankdrop.families.inspection import Signature, candidates, independent
+from rankdrop.families.row import Linear, Row, boxes, canonical, grow, vanishing_on
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.open import open_robot
@@ -109,11 +109,11 @@ def test_a_condition_vanishes_at_its_values_whatever_their_order_and_not_beside_
     assert beside.min() > 1e-3
 
 
-def test_lengths_take_several_values_one_by_one_and_one_together():
+def test_a_length_takes_several_values_and_needs_one():
     at, beside = zeros((0.2, -0.7), periodic=False)
     assert at.max() < 1e-12 < 1e-3 < beside.min()
-    with pytest.raises(OptionError, match="takes one value; got 2"):
-        vanishing_on((1, 1), (0.2, 0.5), periodic=False)
+    with pytest.raises(OptionError, match="at least one value"):
+        vanishing_on((1,), (), periodic=False)
 
 
 def test_a_length_near_zero_is_zero():
@@ -135,7 +135,8 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     robot = open_robot("puma560")
     problem = Problem(robot, resolve_task(None, robot))
     pinned = linear((0, 0, 1, 0, 0, 0), (0, 0, 0, 0, 1, 0), robot="puma560")
-    found = minors(problem, pinned, (0.7, 0.9), (1,), 2, rng)
+    signature = Signature(2, (2, 4), (), (), ())
+    found = minors(problem, Row(pinned, ((0.7,), (0.9,)), (), signature), (1,), 2, rng)
     assert len(found) == 1
     q = rng.uniform(-pi, pi, (8, 6))
     q[:, 2], q[:, 4] = 0.7, 0.9
@@ -146,7 +147,8 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     value = found[0](line)
     scale = (determinant @ value) / (value @ value)
     np.testing.assert_allclose(scale * value, determinant, atol=1e-12 * np.abs(determinant).max() + 1e-14)
-    assert minors(problem, pinned, (0.0, 0.0), (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
+    straight = Row(pinned, ((0.0,), (0.0,)), (), signature)
+    assert minors(problem, straight, (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
 
 
 def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
@@ -157,7 +159,7 @@ def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
     conormal = normals[:, :, None] * normals[:, None, :]
     tracemalloc.start()
     try:
-        told = signature._relations(conormal, tuple(range(10)), 10)
+        told = inspection._relations(conormal, tuple(range(10)), 10)
         most = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -169,8 +171,8 @@ def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
 def test_an_arm_of_thirty_joints_is_taken_apart():
     """Its D has 25 rows, more than the core takes apart: singular values and spaces are as of fewer."""
     d = np.random.default_rng(0).normal(size=(3, 25, 30))
-    s, v = signature._right(d)
+    s, v = inspection._right(d)
     np.testing.assert_allclose(np.linalg.norm(d @ v[..., :25], axis=1), s, atol=1e-12)
     np.testing.assert_allclose(d @ v[..., 25:], 0, atol=1e-12)
-    narrow, bases = signature._right(d[:, :5])
+    narrow, bases = inspection._right(d[:, :5])
     np.testing.assert_allclose(np.linalg.norm(d[:, :5] @ bases[..., :5], axis=1), narrow, atol=1e-12)

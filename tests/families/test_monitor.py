@@ -10,7 +10,7 @@ from known.members import members
 from reference import arms
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.batch_distance import distances
+from rankdrop.families.distance import distances
 from rankdrop.families.monitor import Monitor, compiled
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Family

@@ -11,13 +11,12 @@ from reference import arms
 from reference.kinematics import jacobian as reference_jacobian
 
 from rankdrop.certify.setting import enclose, settings_for
-from rankdrop.codec import record_of
+from rankdrop.codec import json_text, record_of
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.searching import refine, search
-from rankdrop.family.incidence import families_at
+from rankdrop.family.record import families_at
 from rankdrop.local.block import generic_rank
-from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot

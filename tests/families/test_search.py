@@ -10,8 +10,7 @@ import pytest
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families import searching
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import METHODS, refine, search
+from rankdrop.families.searching import METHODS, Outcome, refine, search
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh

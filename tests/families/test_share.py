@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from functools import partial
 from math import pi, radians
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.codec import json_text
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import family_distances
-from rankdrop.families.share import _near, near_shares
+from rankdrop.families.points import near_family
+from rankdrop.families.share import _walked, near_shares, slow_share
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.problem import Problem
-from rankdrop.report.tables import corank_tables
+from rankdrop.report.sections import corank_tables
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import json_text
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.text.families import inside_limits, outside_text
 from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.explain import explain
 
 
 def test_a_pinned_joint_takes_the_share_of_its_range():
@@ -52,7 +56,9 @@ def test_being_near_is_what_walking_there_says(name):
     for i, at in enumerate(q):
         distances = {one.family.id: one.distance for one in family_distances(rows, robot, at, found.task)}
         walked[:, i] = [distances[row.id] <= delta for row in rows]
-    ours = np.array([_near(row, robot, q, scale, delta, np.random.default_rng(0)) for row in rows])
+    walks = [partial(_walked, row, scale, np.random.default_rng(0)) for row in rows]
+    pairs = zip(rows, walks, strict=True)
+    ours = np.array([near_family(row, q, delta, scale, robot.periodic, walk) for row, walk in pairs])
     assert np.array_equal(ours, walked)
     assert walked.any()
 
@@ -146,3 +152,23 @@ def test_the_task_decides_as_ever():
     assert found.near is not None
     assert found.near.families
     assert resolve_task("position", robot).m == 3
+
+
+def test_the_share_that_is_slow_is_that_of_configurations_explained_as_slow():
+    """Of 60 configurations inside the limits, those at which `explain` says that a straight motion is slow."""
+    robot = open_robot("gen3")
+    task = resolve_task(None, robot)
+    share, slow = slow_share(Problem(robot, task), samples=60, seed=3)
+    q = sample(robot, task, 60, 3, limits=True)
+    said = [any(one.speed < one.limit for one in explain(robot, here, evaluations=0).straight) for here in q]
+    assert said == slow.tolist()
+    assert 0 < share.near == sum(said)
+    assert slow_share(Problem(robot, task), speed=10.0, samples=60)[0].share == 1.0
+    bare = replace(robot, joints=tuple(replace(joint, velocity=float("inf")) for joint in robot.joints))
+    assert slow_share(Problem(bare, task), samples=60)[0] is None
+
+
+def test_analyze_within_a_distance_reports_the_slow_share_too():
+    found = analyze(open_robot("ur5e"), within=radians(5), starts=200)
+    assert found.near.slow.share == pytest.approx(0.0745, abs=0.01)
+    assert Analysis.from_dict(json.loads(json_text(found.to_dict()))).near.slow == found.near.slow

@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.codec import record_of
+from rankdrop.codec import json_text, record_of
 from rankdrop.errors import OptionError
 from rankdrop.families import tolerant
 from rankdrop.families.tolerant import most_tolerant
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
-from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.words import tolerant_sections
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.sections import text
 from rankdrop.task import resolve_task
+from rankdrop.text.words import tolerant_sections
 
 
 @pytest.fixture(scope="module")

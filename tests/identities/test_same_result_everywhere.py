@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,8 +19,7 @@ from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.families.distance import family_distances
 from rankdrop.families.monitor import Monitor
-from rankdrop.families.search_record import Search
-from rankdrop.families.searching import METHODS, search
+from rankdrop.families.searching import METHODS, Search, search
 from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, link_poses, pose, task_view
 from rankdrop.local.block import block, decompose, joint_scale
 from rankdrop.results.known import shipped
@@ -216,3 +219,19 @@ def test_more_starts_repeat_the_first_ones() -> None:
     """Start number i depends on the seed and on i alone."""
     few, many = (search(arms.pa10(), 2, starts=starts, seed=5) for starts in (40, 150))
     np.testing.assert_array_equal(many.q[:40], few.q)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arm", ["ur5e", "puma560"])
+def test_a_result_file_has_the_same_bytes_with_every_kernel_of_the_linear_algebra(tmp_path: Path, arm: str) -> None:
+    """Up to 13 numbers of `analyze --json` differed in the last digit between two processors."""
+    files = []
+    for kernels in ("Haswell", "SkylakeX", "Nehalem"):
+        path = tmp_path / f"{kernels}.json"
+        words = ["analyze", arm, "--starts", "200", "--threads", "1", "--quiet", "--json", str(path)]
+        subprocess.run(
+            [sys.executable, "-m", "rankdrop", *words], check=True, capture_output=True,
+            env={**os.environ, "OPENBLAS_CORETYPE": kernels, "OPENBLAS_NUM_THREADS": "1"},
+        )  # fmt: skip
+        files.append(path.read_bytes())
+    assert files == files[:1] * 3

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from reference import arms, block, newton
 
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import refine, search
+from rankdrop.families.searching import Outcome, refine, search
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 

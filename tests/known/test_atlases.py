@@ -23,7 +23,7 @@ from rankdrop.families.searching import search
 from rankdrop.family.equation import System
 from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
-from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.analysis import robot_to_dict
 from rankdrop.results.known import (
     ANSWERS,
     SEED,

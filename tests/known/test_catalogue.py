@@ -12,9 +12,9 @@ import pytest
 
 from known.arms import KINDS
 from known.truths import text_values
+from rankdrop.codec import json_text
 from rankdrop.families.searching import search
 from rankdrop.kinematics import task_jacobian
-from rankdrop.results.codec import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze

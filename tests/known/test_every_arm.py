@@ -17,8 +17,8 @@ from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.analyze import analyze
 
 QUICK = ("planar3r", "gp25", "ur30")
-ALONE = {"tiago", "rizon10"}
-"""Families too many for few starts, and no exact conditions: these are made anew in whole."""
+ALONE = {"rizon10"}
+"""Families too many for few starts, and no exact conditions: made anew in whole."""
 ARMS = [
     pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand)
     for name in robot_names() if name not in ALONE

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.ways_out import escape
-from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.words import raised
+from rankdrop.results.explanation import Explanation
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.words import raised
 from rankdrop.tolerances import Tolerances
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
@@ -95,8 +95,7 @@ def test_a_near_miss_is_not_a_singularity() -> None:
     """Gen3's 12 mm offsets: where an arm without them would lose two freedoms σ stays at 4e-5 and above."""
     arm = open_robot("gen3")
     task = resolve_task(None, arm)
-    from rankdrop.families.search_record import Outcome
-    from rankdrop.families.searching import search
+    from rankdrop.families.searching import Outcome, search
 
     cloud = search(arm, 2, task=task, starts=4000)
     missed = cloud.q[(cloud.outcome == Outcome.NEAR_MISS) & (cloud.sigma[:, 4] < 1e-3)]
@@ -221,8 +220,8 @@ def test_what_was_not_asked_for_is_not_worked_out(monkeypatch: pytest.MonkeyPatc
     def refused(*_: object, **__: object) -> None:
         raise AssertionError("nobody asked for this")
 
-    monkeypatch.setattr("rankdrop.results.explanation.explanation.escape", refused)
-    monkeypatch.setattr("rankdrop.results.explanation.parts.certified_radius", refused)
+    monkeypatch.setattr("rankdrop.results.explanation.escape", refused)
+    monkeypatch.setattr("rankdrop.results.explanation.certified_radius", refused)
     found = explain(open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2])
     assert found.far.nearest is not None
     assert (found.verdict, round(found.far.nearest.distance, 9)) == ("regular", 0.25)
@@ -270,7 +269,7 @@ def test_lengths_in_mm_are_suspected() -> None:
 
 
 def test_the_proven_radius_is_rounded_down() -> None:
-    from rankdrop.results.explanation.words import angle_below
+    from rankdrop.text.words import angle_below
 
     assert angle_below(0.99999) == "0.9999 rad (57.2°)"
     assert angle_below(0.0) == "0 rad (0°)"

@@ -73,7 +73,7 @@ def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):
     sampled = analyze(open_robot(name), starts=STARTS, exact="off").of_corank(2)
     both = analyze(open_robot(name), starts=STARTS).of_corank(2)
     assert (len(sampled) != len(both)) == (name == "irb2600")
-    assert all(one.evidence.how == "exact condition" for one in both)
+    assert all(one.evidence == "exact condition" for one in both)
     assert named(both) == named(one for one in shipped_conditions(name).families if one.corank == 2)
     assert all(one.soundness.holds and one.explained.agree for one in both)
 

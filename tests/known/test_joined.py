@@ -13,10 +13,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits, main
+from rankdrop.codec import json_text
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
 from rankdrop.exact.writing import AnglePin
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -16,10 +16,11 @@ import pytest
 
 from known.arms import structures
 from rankdrop.cli import exits, main
+from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.family.record import short_name
 from rankdrop.results import known as shelf
-from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import candidates, from_stored, to_stored
 from rankdrop.robot.open import open_robot, robot_names
@@ -175,7 +176,7 @@ def test_what_other_code_made_is_derived_anew(stored: dict[str, Any]) -> None:
     stored["scara"]["settings"]["version"] = "0.0.1"
     found = shelf.known_conditions(robot)
     assert found is not None
-    assert found.settings.version == VERSION
+    assert found.to_dict()["settings"]["version"] == VERSION
     stored["scara"]["answers"] += 1
     assert shelf.known_conditions(robot) is None
     assert conditions(robot).anew is None
@@ -187,7 +188,7 @@ def test_what_other_code_made_is_derived_anew(stored: dict[str, Any]) -> None:
 def test_the_command_says_where_it_has_them_from(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.run(["conditions", "scara", "--quiet"]) == exits.FINE
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"As shipped with rankdrop {VERSION}; --fresh derives it anew. Verified" in shown
+    assert f"As shipped with rankdrop {VERSION}; --fresh derives it anew. scara has 1 family" in shown
     assert main.run(["conditions", "scara", "--quiet", "--fresh"]) == exits.FINE
     shown = " ".join(capsys.readouterr().out.split())
     assert "Time taken:" in shown
@@ -215,3 +216,25 @@ def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> No
 @pytest.mark.parametrize("name", ANEW)
 def test_derived_anew_it_is_the_same(name: str) -> None:
     same(shelf.shipped_conditions(name), conditions(open_robot(name), fresh=True, special=True))
+
+
+@pytest.mark.shipped
+def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is() -> None:
+    for name in SHIPPED:
+        known = shelf.shipped_conditions(name)
+        answer, (first, *_) = known.answer, known.sections()
+        sure = known.verdict.sentence
+        assert (first.title, *first.lines) == ((answer, sure) if known.verdict.holds else (sure, answer))
+        if not known.families:
+            assert answer == f"{name}: no family of singularities was found."
+            continue
+        ranks = sorted({known.generic_rank - one.corank for one in known.families}, reverse=True)
+        assert answer.startswith(f"{name} has {len(known.families)} famil")
+        assert answer.endswith(f" {', '.join(map(str, ranks))} of {known.generic_rank}.")
+        assert short_name(known.families[0].name) in answer
+
+
+@pytest.mark.usefixtures("stored")
+def test_a_time_limit_that_is_typed_takes_what_is_shipped(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.run(["conditions", "scara", "--time-limit", "30", "--quiet"]) == exits.FINE
+    assert "As shipped with rankdrop" in capsys.readouterr().out

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families import residual as residual_module
+from rankdrop.families import fit as fit_module
 from rankdrop.families.points import Cloud, explained
 from rankdrop.families.searching import refine, search
 from rankdrop.families.table import families
@@ -102,6 +102,15 @@ def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     assert found.sound_and_complete
 
 
+def test_a_squared_condition_on_one_joint_is_fitted_too() -> None:
+    """The same arm without a derivation: D vanishes there; values that points share are known to half the digits."""
+    table = families(search(structured_arm(6, 32), 1, starts=600))
+    (row,) = (family for family in table.families if [one.number for one in family.pinned] == [3])
+    assert row.pinned[0].values == pytest.approx([-np.arctan(0.2), np.pi - np.arctan(0.2)], abs=1e-12)
+    assert row.soundness.holds
+    assert table.summary.completeness.holds
+
+
 @pytest.mark.slow
 def test_joints_on_one_axis_count_as_one() -> None:
     """7R of seed 4: axes 5 and 6 are one line; one equation of 5 joints is one of 4 in θ5 + θ6."""
@@ -119,7 +128,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     cloud = search(arm, 1, task=resolve_task(None, arm), starts=600)
     (row,) = families(cloud).families
     assert row.soundness.holds
-    monkeypatch.setattr(residual_module, "elsewhere", lambda *arguments: (0, np.zeros((0, 7))))
+    monkeypatch.setattr(fit_module, "elsewhere", lambda *arguments: (0, np.zeros((0, 7))))
     (wide,) = families(cloud).families
     assert len(wide.equations) < len(row.equations)
     assert wide.named

@@ -11,9 +11,10 @@ from rich.console import Console
 
 from rankdrop.cli import terminal
 from rankdrop.local.block import sample
-from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
+from rankdrop.text.words import joint_word
 from rankdrop.verbs.explain import explain
 
 CONFIGURATIONS = 4  # of each arm: twice regular or near, twice singular; 40 by hand
@@ -24,8 +25,7 @@ def printed(found: Explanation) -> list[str]:
     out = io.StringIO()
     console = Console(file=out, width=80)
     for number, section in enumerate(found.sections()):
-        for part in terminal._parts(section, 80, first=number == 0):
-            console.print(part)
+        console.print(*([""] if number else []), *terminal.section_parts(section, 80), sep="\n")
     return out.getvalue().rstrip("\n").split("\n")
 
 
@@ -56,7 +56,7 @@ def test_the_answer_is_in_the_first_lines_and_the_whole_on_one_screen(name: str)
             assert "Lost: " in first
         if summary.way_out:
             number, _ = summary.way_out[0]
-            assert f"joint {number} by" in first
+            assert f"{joint_word(number, found.robot.variables[number - 1].name)} by" in first
         else:
             assert "no small motion" in first or summary.verdict == "always-singular"
         if summary.next_distance is not None:

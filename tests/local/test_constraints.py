@@ -13,7 +13,7 @@ from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.directions import constraint, in_short
 from rankdrop.local.rates import joint_rates
 from rankdrop.results import lost_text
-from rankdrop.results.codec import robot_from_dict, robot_to_dict
+from rankdrop.results.analysis import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import with_tool
 from rankdrop.robot.open import open_robot

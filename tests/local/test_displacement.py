@@ -13,9 +13,9 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.redundant import REACHED, self_motion
 from rankdrop.local.ways_out import distinct, escape
-from rankdrop.results.explanation.words import avoidable_words
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task
+from rankdrop.text.words import avoidable_words
 
 WORDS = ["pose", "position", "orientation", "vx,vy,vz,wx,wy"]
 

@@ -13,10 +13,10 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
 from rankdrop.local.ways_out import Escape, escape
-from rankdrop.results.explanation.words import avoidable_words
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.words import avoidable_words
 
 HALF = np.pi / 2
 

@@ -13,10 +13,10 @@ from rankdrop.local import ways_out as still
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.ways_out import Escape, definite, escape, forms, null_basis, trace, vanishing
-from rankdrop.results.explanation.words import PROOF, avoidable_words, boundary_words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.words import PROOF, avoidable_words, boundary_words
 from rankdrop.tolerances import DEFAULT
 
 HALF = np.pi / 2
@@ -166,17 +166,17 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
             random = rng.normal(size=(20, basis.shape[1])) @ basis.T
             random /= np.linalg.norm(random, axis=1, keepdims=True)
             assert determined_by_pose(place.task)
-            assert not trace(place, random, 0.12).valid.any()
+            assert not trace(place, random, 0.12)[3].any()
         if found.avoidable:
             assert found.still is not None
             assert determined_by_pose(place.task)
             tangent = np.array(found.still.delta) / place.scale
-            path = trace(place, tangent[None], 0.12)
-            assert path.valid.all()
-            assert np.abs(pose(robot, path.q[0]) - pose(robot, q)).max() < 1e-9
-            assert np.linalg.norm((path.q[0, -1] - q) / place.scale) > 0.07
-            assert singular_values(robot, path.q[0, -1], task)[5] == pytest.approx(found.still.sigma_after, rel=1e-6)
-            first = singular_values(robot, path.q[0, 1], task)[5]
+            path, _, _, valid = trace(place, tangent[None], 0.12)
+            assert valid.all()
+            assert np.abs(pose(robot, path[0]) - pose(robot, q)).max() < 1e-9
+            assert np.linalg.norm((path[0, -1] - q) / place.scale) > 0.07
+            assert singular_values(robot, path[0, -1], task)[5] == pytest.approx(found.still.sigma_after, rel=1e-6)
+            first = singular_values(robot, path[0, 1], task)[5]
             assert first > 1e-6
     assert seen[True] + seen[False] >= 20
     assert seen[True] > 0
@@ -191,12 +191,12 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     assert place.corank == 0
     assert determined_by_pose(place.task)
     basis = null_basis(place)
-    path = trace(place, np.concatenate([basis.T, -basis.T]), 0.12)
-    assert path.valid.all()
+    path, _, _, valid = trace(place, np.concatenate([basis.T, -basis.T]), 0.12)
+    assert valid.all()
     if words != "orientation":
-        assert np.abs(pose(robot, path.q)[..., :3, 3] - pose(robot, q)[:3, 3]).max() < 1e-9
+        assert np.abs(pose(robot, path)[..., :3, 3] - pose(robot, q)[:3, 3]).max() < 1e-9
     if words == "orientation":
-        assert np.abs(pose(robot, path.q)[..., :3, :3] - pose(robot, q)[:3, :3]).max() < 1e-9
+        assert np.abs(pose(robot, path)[..., :3, :3] - pose(robot, q)[:3, :3]).max() < 1e-9
 
 
 @pytest.mark.parametrize(

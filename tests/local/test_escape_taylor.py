@@ -7,8 +7,8 @@ import pytest
 from reference import arms
 
 from rankdrop.kinematics import jacobian, task_jacobian, task_jacobian_derivative
-from rankdrop.local.bracket import brackets
 from rankdrop.local.departure import taylor
+from rankdrop.robot.transform import brackets
 from rankdrop.task import BODY, SPACE, WORLD_ALIGNED, Frame, resolve_task
 
 FRAMES = (WORLD_ALIGNED, SPACE, BODY, Frame(1, 2, (0.1, 0.2, -0.3)), Frame(2, -1), Frame(0, 1))

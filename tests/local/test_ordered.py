@@ -11,10 +11,11 @@ from reference import arms
 
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.kinematics import jacobian
-from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets, render, report, session
+from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets, report, session
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import SPACE, resolve_task
+from rankdrop.text.words import procedure_text
 
 DOC = Path(__file__).resolve().parents[2] / "docs" / "gallardo-rico.md"
 R = 0.5**0.5
@@ -76,11 +77,11 @@ def test_motion_carried_to_the_end() -> None:
 
 def test_the_session_prints_what_gr_print() -> None:
     steps = session(GR)
-    assert [step.instruction for step in steps] == [
+    assert [instruction for instruction, _ in steps] == [
         "readoss(1, 7)", "msos(1, 5)", "subspace(1, 5)", "newscrews(4, 5)", "dimension(1, 5)", "dimension(1, 6)",
         "readoss(4, 5)", "newscrews(3, 5)", "dimension(1, 5)", "dimension(1, 6)", "dimension(2, 7)",
     ]  # fmt: skip
-    lines = [step.lines for step in steps]
+    lines = [lines for _, lines in steps]
     assert lines[0][0] == "[1, 0, 0, 0, 0, -1]"
     assert lines[0][5] == "[0, 0.707107, 0.707107, 0, -7.07107, 7.07107]"
     assert lines[1] == ("dimension = 4", "lost freedoms = 1", "a minimal singular ordered subset")
@@ -153,7 +154,7 @@ def test_rates_and_gains_of_any_singular_set(name: str, rng: np.random.Generator
         here = OrderedScrewSet.of(robot, configuration)
         found = report(here)
         assert found.lost > 0
-        assert found.steps[0].instruction == f"readoss(1, {robot.n})"
+        assert found.steps[0][0] == f"readoss(1, {robot.n})"
         for joint in found.joints:
             sigma = np.linalg.svd(here.moved(joint.number, 1e-5).screws)[1][found.generic - 1]
             assert sigma / 1e-5 == pytest.approx(joint.rate, rel=1e-3, abs=1e-3)
@@ -179,15 +180,15 @@ def test_a_joint_that_escapes_at_second_order_only_escapes() -> None:
 
 def test_what_is_read_again_is_restored_and_nothing_else() -> None:
     steps = session(GR, [("newscrews", 3, 5), ("readoss", 5, 5), ("newscrews", 2, 5)])
-    assert steps[1].lines == ("[1, 0, 0, 0, 0, 0]",)
-    assert steps[2].lines[1] == "S(4) = [0, 1, 0, 5, 0, 5]", "screw 4 is still where newscrews put it"
-    assert steps[2].lines[2] == "S(5) = [1, 0, 0, 0, 0, -1]"
+    assert steps[1][1] == ("[1, 0, 0, 0, 0, 0]",)
+    assert steps[2][1][1] == "S(4) = [0, 1, 0, 5, 0, 5]", "screw 4 is still where newscrews put it"
+    assert steps[2][1][2] == "S(5) = [1, 0, 0, 0, 0, -1]"
 
 
 def test_a_regular_set_has_nothing_to_escape_from() -> None:
     found = report(OrderedScrewSet.of(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]))
     assert (found.lost, found.trials, found.printed, found.escapes) == (0, (), (), ())
-    assert "not singular" in render(found)
+    assert "not singular" in procedure_text(found)
 
 
 @pytest.mark.parametrize("change", ["base", "unit", "sign", "slow"])

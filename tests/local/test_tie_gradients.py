@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import refine
+from rankdrop.families.searching import Outcome, refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
 from rankdrop.local.minimax import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
@@ -97,8 +96,8 @@ def test_a_crease_is_no_minimum_and_a_minimum_is_none_of_its_slopes():
         return values, tensor
 
     at = np.zeros((1, 2))
-    assert minimax.promised(*falls(at), np.ones(1)).fall == pytest.approx([1.0])
-    assert minimax.promised(*rests(at), np.ones(1)).most == pytest.approx([0.0], abs=1e-12)
+    assert minimax.promised(*falls(at), np.ones(1))[1] == pytest.approx([1.0])
+    assert minimax.promised(*rests(at), np.ones(1))[2] == pytest.approx([0.0], abs=1e-12)
     found = minimax.descend(rests, np.array([[0.7, -0.4], [-0.2, 0.9]]))
     assert np.abs(found.q).max() < 1e-5
     assert found.value == pytest.approx([0.0, 0.0], abs=1e-9)
@@ -113,9 +112,9 @@ def test_a_mixture_of_tied_vectors_counts_too():
         tensor[:, 0, 0, 1, 1] = tensor[:, 0, 1, 0, 1] = 1.0
         return np.zeros((len(q), 1, 2)), tensor
 
-    found = minimax.promised(*cone(np.zeros((1, 2))), np.ones(1))
-    assert np.abs(found.step).max() < 1e-9
-    assert found.most == pytest.approx([0.0], abs=1e-9)
+    move, _, most, _ = minimax.promised(*cone(np.zeros((1, 2))), np.ones(1))
+    assert np.abs(move).max() < 1e-9
+    assert most == pytest.approx([0.0], abs=1e-9)
 
 
 def test_where_a_plain_descent_stops_on_a_tie_is_no_minimum(pa10):

@@ -12,12 +12,12 @@ from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.motion.check import check_poses, within_limits
-from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
-from rankdrop.motion.text import branch_chosen
+from rankdrop.motion.files import holds_poses, length_hint, read_poses
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.paths import branch_chosen
 
 ARM = open_robot("ur5")
 Q = np.array([[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [0.6, -1.0, 1.2, -1.2, 1.0, 0.4], [0.5, -0.9, 1.1, -1.1, 0.9, 0.1]])

@@ -11,14 +11,14 @@ from jsonschema import Draft202012Validator
 from reference import region
 
 import rankdrop
+from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.motion.check import check_path
-from rankdrop.motion.text import free_words
-from rankdrop.results.codec import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.paths import free_words
 from rankdrop.units import scaled
 from rankdrop.verbs.analyze import analyze
 
@@ -142,6 +142,7 @@ def test_an_arm_in_millimetres_gives_the_same_answer() -> None:
     assert min(s.closest.distance for s in one.stretches) == pytest.approx(
         min(s.closest.distance for s in two.stretches), abs=1e-9
     )
+    assert all(not len(s.rates) for s in check_path(other, there).stretches)  # without times there are none to turn
 
 
 @pytest.mark.slow

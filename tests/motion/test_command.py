@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import main
 from rankdrop.errors import ResultFileError
 from rankdrop.motion.many import check_chunk
-from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.analysis import robot_to_dict
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task

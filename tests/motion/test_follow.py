@@ -10,7 +10,7 @@ import pytest
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.motion.follow import between, follow
+from rankdrop.motion.inverse import between, follow
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.units import scaled
@@ -69,8 +69,8 @@ def test_the_branch_ends_at_the_singularity_that_it_runs_into(rows: int) -> None
     assert found.sigma < 1e-2
     reach = np.linalg.norm(robot.home[:2, 3])
     place = 1 + (rows - 1) * (reach - radius) / (np.linalg.norm(out[-1, :2, 3]) - radius)
-    assert found.row == pytest.approx(place, abs=1e-4 * rows)
-    assert len(found.q) == int(found.row)
+    assert found.reached == pytest.approx(place, abs=1e-4 * rows)
+    assert len(found.q) == int(found.reached)
 
 
 def test_the_other_side_of_a_singularity_is_another_branch() -> None:
@@ -79,7 +79,7 @@ def test_the_other_side_of_a_singularity_is_another_branch() -> None:
     found = follow(robot, pose(robot, q), q[0])
     assert not found.complete
     assert found.reason == "singular"
-    assert found.row == pytest.approx(51.0, abs=0.6)
+    assert found.reached == pytest.approx(51.0, abs=0.6)
     assert abs(found.last[4]) < 0.1
 
 
@@ -101,7 +101,7 @@ def test_limits_end_it_and_are_named() -> None:
     found = follow(tight, pose(robot, q), q[0])
     assert (found.reason, found.complete) == ("limit", False)
     assert found.joint == 1
-    assert found.row == pytest.approx(11.0, abs=1e-4)
+    assert found.reached == pytest.approx(11.0, abs=1e-4)
     assert follow(tight, pose(robot, q), q[0], limits=False).complete
 
 
@@ -141,8 +141,8 @@ def test_other_tasks_keep_their_rows(name: str, rows: tuple[int, ...], axes: int
 
 def test_bad_input_is_refused() -> None:
     robot = open_robot("ur5")
-    with pytest.raises(ConfigurationError, match="poses"):
-        follow(robot, np.eye(4), np.zeros(6))
+    with pytest.raises(ConfigurationError, match="one configuration"):
+        follow(robot, np.eye(4)[None], np.zeros(5))
     with pytest.raises(TaskError, match="does not determine"):
         follow(robot, np.eye(4)[None], np.zeros(6), Task("part", (0, 1), Frame(2, -1)))
     far = np.eye(4)[None].copy()

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rankdrop.certify.ball import settings_of
-from rankdrop.certify.setting import enclose
+from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Check
-from rankdrop.motion import crossings as module
-from rankdrop.motion.check import _ball, check_path
-from rankdrop.motion.crossings import crossings, signs, signs_at
+from rankdrop.motion import survey as module
+from rankdrop.motion.certificate import ball
+from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.prove import ROUNDED, Along, Sliver, _free, _join_neighbours, _Spent
+from rankdrop.motion.prove import ROUNDED, Along, Proof, free_boxes, join_neighbours
+from rankdrop.motion.survey import crossings, signs, signs_at
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -35,12 +35,12 @@ def test_the_sign_of_a_family_that_failed_its_test_proves_no_crossing() -> None:
         Term(-float(np.sin(touched[0])), "cos", (1, 0, 0, 0, 0, 0, 0), (0,) * 7),
     ))  # fmt: skip
     planted = replace(family, dimension=6, equations=(plane,))
-    failed = replace(planted, evidence=replace(family.evidence, soundness=Check(400, 399)))
+    failed = replace(planted, soundness=Check(400, 399))
     assert planted.soundness.holds
     assert not failed.soundness.holds
     path = curve(np.stack([touched - 0.01, touched + 0.01]), None)
-    sliver = Sliver((0, 0), (0.5 - 1e-7, 0.5 + 1e-7), True)
-    kinds = [one.kind for one in crossings(robot, task, path, [sliver], [failed], DEFAULT)]
+    sliver = ((0, 0.5 - 1e-7), (0, 0.5 + 1e-7), True)
+    kinds = [one.verdict for one in crossings(robot, task, path, [sliver], [failed], DEFAULT)]
     assert kinds == ["touching"]
     assert signs(robot, task, [failed]) == {}
     assert list(signs(robot, task, [planted])) == [plane.text()]  # which a sound one would prove
@@ -68,11 +68,11 @@ def test_what_is_left_of_an_unfinished_sliver_is_undecided_and_no_part_of_its_cr
     robot = open_robot("puma560")
     task = resolve_task(None, robot)
     path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
-    parts = crossings(robot, task, path, [Sliver((0, 0), (0.2, 0.8), False)], (), DEFAULT)
-    assert [one.kind for one in parts] == ["undecided", "crossing", "undecided"]
-    assert parts[0].start == (0, 0.2)
-    assert parts[2].end == (0, 0.8)
-    assert parts[1].end[1] - parts[1].start[1] < 1e-8
+    parts = crossings(robot, task, path, [((0, 0.2), (0, 0.8), False)], (), DEFAULT)
+    assert [one.verdict for one in parts] == ["undecided", "crossing", "undecided"]
+    assert path.spot(parts[0].start) == (0, 0.2)
+    assert path.spot(parts[2].end) == (0, 0.8)
+    assert parts[1].end.share - parts[1].start.share < 1e-8
     check = check_path(robot, path.control[0], evaluations=1)
     assert sum(one.verdict == "undecided" for one in check.stretches) == 2
     assert check.undecided_share > 0.99
@@ -80,10 +80,10 @@ def test_what_is_left_of_an_unfinished_sliver_is_undecided_and_no_part_of_its_cr
 
 def test_an_unfinished_sliver_is_not_joined_to_a_finished_one_beside_it() -> None:
     pieces = [(0, 0.0, 0.5, True), (0, 0.5, 1.0, False), (1, 0.0, 0.25, False), (1, 0.25, 0.5, True)]
-    joined = [(one.stretches, one.shares, one.finished) for one in _join_neighbours(pieces)]
-    assert joined == [((0, 0), (0.0, 0.5), True), ((0, 1), (0.5, 0.25), False), ((1, 1), (0.25, 0.5), True)]
-    apart = _join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
-    assert [one.stretches for one in apart] == [(0, 0), (2, 2)]
+    joined = join_neighbours(pieces)
+    assert joined == [((0, 0.0), (0, 0.5), True), ((0, 0.5), (1, 0.25), False), ((1, 0.25), (1, 0.5), True)]
+    apart = join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
+    assert apart == [((0, 0.5), (0, 1.0), True), ((2, 0.0), (2, 0.5), True)]
 
 
 FAR = 1e5 * np.pi
@@ -98,16 +98,16 @@ def test_enclosures_of_curves_and_boxes_allow_for_the_rounding_of_large_joint_va
     """A piece of length 0 stands 9.5e-9 beside the wrist's singularity at θ5 = 1e5 π: the point alone would be free."""
     robot = open_robot("puma560")
     task = resolve_task(None, robot)
-    setting = settings_of(robot, task)[0]
+    setting = settings_for(robot, task)[0]
     beside, nothing = wrist_far_away(9.5e-9)[None], np.zeros((1, 6))
     assert enclose(robot, setting, beside, nothing)[0][0]
     assert not Along(robot, setting).enclosed(beside, nothing, nothing).free[0]
-    work = _Spent(10, 1, None)
-    assert not _free(robot, setting, beside, beside, work)[0]
+    work = Proof(setting, 10, 1, None)
+    assert not free_boxes(robot, beside, beside, work)[0]
     clear = wrist_far_away(1e-5)[None]
     assert Along(robot, setting).enclosed(clear, nothing, nothing).free[0]
-    assert _free(robot, setting, clear, clear, work)[0]
-    _, rho = _ball(beside, beside, setting)
+    assert free_boxes(robot, clear, clear, work)[0]
+    _, rho = ball(beside, beside, setting)
     assert rho[0] >= ROUNDED * FAR
 
 

@@ -14,10 +14,10 @@ from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.motion import mend_path
+from rankdrop.motion.candidates import along, planned, tool_path
+from rankdrop.motion.curve import curve
 from rankdrop.motion.inverse import Aim
-from rankdrop.motion.planning import along, planned
 from rankdrop.motion.remedies import NULL
-from rankdrop.motion.tool_path import rising, room, tool_path
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -34,7 +34,7 @@ def test_the_slope_of_sigma_is_that_of_differences(name: str) -> None:
     rank, h = task.m, 1e-5
     q = np.random.default_rng(2).uniform(-1.5, 1.5, (20, robot.n))
     scale = joint_scale(robot, task)
-    sigma, slope = rising(robot, task, q, rank)
+    sigma, slope = tool_path(robot, task, curve(q, None)).rising(q)
     for j in range(robot.n):
         way = h * scale[j] * np.eye(robot.n)[j]
         up, down = (singular_values(robot, q + sign * way, task)[:, rank - 1] for sign in (1.0, -1.0))
@@ -61,7 +61,7 @@ def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> 
     assert len(plan)
     assert place[-1] == ROWS - 1
     assert free > 0.15
-    assert room(robot, found.task, tool.coarse().followed(q[0]).q, 6).min() < 0.005
+    assert tool.room(tool.coarse().followed(q[0]).q).min() < 0.005
     finer, followed = tool.refined(along(place, plan))
     assert followed.complete
     np.testing.assert_array_equal(followed.q[0], q[0])

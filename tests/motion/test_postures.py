@@ -11,19 +11,20 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
+from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.exact.posture_changes import OPEN, Decision
+from rankdrop.exact.posture_changes import CUSPS, OPEN, Decision
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.motion import aspects as search
 from rankdrop.motion.aspects import CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, Postures, aspects_of
 from rankdrop.motion.check import check_path
 from rankdrop.motion.inverse import Aim, solutions
-from rankdrop.results.codec import json_text
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.paths import decision_text
 
 H = np.pi / 2
 WENGER = [(0, 1, -H), (1, 2, H), (0, 1.5, 0)]
@@ -62,7 +63,7 @@ def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str
     assert found.change is not None
     assert found.change.own
     assert np.array_equal(found.change.q[0], Q[name])
-    assert "neither proof" in found.decision.words
+    assert "neither proof" in decision_text(found.decision)
 
 
 @pytest.mark.slow
@@ -104,6 +105,14 @@ def test_more_poses_are_solved_until_a_path_is_proven_or_the_budget_ends(monkeyp
     holds(more)
     assert more.change is not None
     assert 3 < len(more.solved) < 50
+
+
+def test_random_poses_follow_where_those_near_cusps_show_no_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cusps are known and none of their neighbours is of use: before, the search ended after three random poses."""
+    monkeypatch.setattr(search, "_decided", lambda robot, task: (Decision(CUSPS), None, ()))
+    found = aspects_of(arm(WENGER), poses=3, most=50, starts=60, seed=1)
+    holds(found)
+    assert 3 < len(found.solved) < 50
 
 
 STRUCTURES = {

@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 from reference import region
 
-from rankdrop.certify.ball import settings_of
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import search
+from rankdrop.certify.setting import settings_for
+from rankdrop.families.searching import Outcome, search
 from rankdrop.family.equation import Equation, System, Term
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
-from rankdrop.motion.crossings import crossings, signs_at
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.prove import Proof, Sliver, prove
+from rankdrop.motion.prove import Proof, prove
+from rankdrop.motion.survey import crossings, signs_at
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
@@ -35,12 +34,12 @@ ARMS = {
 
 
 def proven(robot: Robot, task: Task, path: Curve, evaluations: int = 2_000_000) -> Proof:
-    return prove(robot, settings_of(robot, task), path, singular=1e-9, evaluations=evaluations)
+    return prove(robot, settings_for(robot, task), path, singular=1e-9, evaluations=evaluations)
 
 
 def outside(proof: Proof, places: np.ndarray) -> list[float]:
     """Places (stretches from 0, with fractions) that no sliver holds."""
-    ends = np.array([[s.stretches[0] + s.shares[0], s.stretches[1] + s.shares[1]] for s in proof.slivers])
+    ends = np.array([[sum(start), sum(end)] for start, end, _ in proof.slivers])
     room = 1e-12 * (1 + places)
     held = ((ends[:, 0] <= (places + room)[:, None]) & ((places - room)[:, None] <= ends[:, 1])).any(axis=1)
     return places[~held].tolist()
@@ -74,7 +73,7 @@ def test_no_free_stretch_holds_a_singular_configuration_put_on_the_path(name: st
         targets = singular(robot, task, corank, 150)
         if len(targets) < 5:
             continue
-        scale = settings_of(robot, task)[0].scale
+        scale = settings_for(robot, task)[0].scale
         ways = rng.normal(size=targets.shape) * scale * 10.0 ** rng.uniform(-4, -0.5, (len(targets), 1))
         q, places = through(targets, ways, rng)
         proof = proven(robot, task, curve(q, None))
@@ -165,7 +164,7 @@ def test_hundreds_of_random_paths_end_with_nothing_undecided(name: str, count: i
         path = curve(smooth(rng, robot.n, 500), np.linspace(0, 5, 500))
         proof = proven(robot, task, path)
         assert proof.complete
-        kinds += [one.kind for one in crossings(robot, task, path, proof.slivers, families, DEFAULT)]
+        kinds += [one.verdict for one in crossings(robot, task, path, proof.slivers, families, DEFAULT)]
     assert set(kinds) <= {"crossing"}
     assert robot.n > 6 or len(kinds) > 5 * count
 
@@ -298,8 +297,8 @@ def test_a_crossing_is_bracketed_by_the_determinant_alone() -> None:
     task = resolve_task(None, robot)
     path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
     (one,) = crossings(robot, task, path, proven(robot, task, path).slivers, (), DEFAULT)
-    (_, low), (_, high) = one.bracket
-    assert (one.kind, one.evidence) == ("crossing", "determinant")
+    low, high = (place.share for place in one.bracket)
+    assert (one.verdict, one.evidence) == ("crossing", "determinant")
     assert low < 4 / 9 < high
     assert high - low < 1e-9
 
@@ -314,9 +313,9 @@ def test_a_change_of_sign_where_nothing_is_singular_is_no_crossing() -> None:
     way = np.array([0.05, 0.1, 0.05, 0.05, 0.05, 0.05, 0.05])
     middle = np.array([0.3, 0.0, 0.4, 0.9, 0.3, 0.8, 0.2])
     path = curve(np.stack([middle - way, middle + way]), None)
-    sliver = Sliver((0, 0), (0.3, 0.7), True)
+    sliver = ((0, 0.3), (0, 0.7), True)
     (one,) = crossings(robot, task, path, [sliver], [wrong], DEFAULT)
-    assert one.kind == "undecided"
+    assert one.verdict == "undecided"
 
 
 def test_a_sliver_that_is_singular_at_one_place_only_does_not_lie_in_the_set() -> None:
@@ -325,9 +324,9 @@ def test_a_sliver_that_is_singular_at_one_place_only_does_not_lie_in_the_set() -
     for depth, kind in ((0.0, "touching"), (-3e-8, "undecided")):  # made by hand: it would be proven free
         q, v, t = dip(depth)
         path = curve(q, t, v, None, "cubic")
-        (one,) = crossings(robot, task, path, [Sliver((0, 0), (0.3, 0.7), True)], (), DEFAULT)
-        assert (one.kind, one.lies) == (kind, False)
-        assert one.at[1] == pytest.approx(0.5, abs=1e-3)
+        (one,) = crossings(robot, task, path, [((0, 0.3), (0, 0.7), True)], (), DEFAULT)
+        assert (one.verdict, one.lies) == (kind, False)
+        assert one.closest.place.share == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize("shares", [(0.5 - 1e-9, 0.5), (0.5, 0.5 + 1e-9)])
@@ -335,9 +334,9 @@ def test_a_zero_at_the_end_of_a_sliver_is_crossed(shares: tuple[float, float]) -
     """On one side of it there is no certain sign inside, and what lies outside is proven free."""
     robot = open_robot("planar3r")
     path = curve(np.array([[0.1, -0.5, 0.2], [0.3, 0.5, 0.4]]), None)
-    (one,) = crossings(robot, resolve_task(None, robot), path, [Sliver((0, 0), shares, True)], (), DEFAULT)
-    assert one.kind == "crossing"
-    assert (one.start[1], one.end[1]) == shares
+    (one,) = crossings(robot, resolve_task(None, robot), path, [((0, shares[0]), (0, shares[1]), True)], (), DEFAULT)
+    assert one.verdict == "crossing"
+    assert (one.start.share, one.end.share) == shares
 
 
 def without_gaps(stretches) -> bool:

@@ -11,12 +11,12 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
+from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import decide_postures
 from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
 from rankdrop.motion.time_law import CORNER, NOT, PASSES, REGULAR, TANGENT, TURNS, Through, through
-from rankdrop.results.codec import json_text
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

@@ -15,8 +15,7 @@ import pytest
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.rates import rate_limits
 from rankdrop.motion.check import check_poses
-from rankdrop.motion.follow import follow, poses_at
-from rankdrop.motion.inverse import Aim, TipDeviation
+from rankdrop.motion.inverse import Aim, follow, poses_at
 from rankdrop.motion.record import PathCheck
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
@@ -164,12 +163,12 @@ def test_the_deviation_of_a_straight_joint_motion_is_below_its_bound(name: str, 
     """Rows on a line of poses are the rows' own here, so that the whole deviation is that between the rows."""
     robot = open_robot(name)
     task = resolve_task(None, robot)
-    bound = TipDeviation(Aim(robot, task))
+    aim = Aim(robot, task)
     for size in (0.3, 0.03, 0.003):
         start = rng.uniform(np.maximum(robot.lower, -1.0), np.minimum(robot.upper, 1.0))
         q = np.stack([start, start + rng.normal(size=robot.n) * size])
         ends = pose(robot, q)
-        away, turned = bound.bound(q, ends)
+        away, turned = aim.deviation(q, ends)
         share = np.linspace(0, 1, 101)
         now, wanted = pose(robot, q[0] + share[:, None] * (q[1] - q[0])), poses_at(ends, share)
         off = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1).max()
@@ -182,11 +181,11 @@ def test_the_deviation_of_a_straight_joint_motion_is_below_its_bound(name: str, 
 def test_a_free_axis_of_the_tool_is_compared_by_its_direction(rng: np.random.Generator) -> None:
     """Rows differ by a turn about Z of the tip, which the task leaves free; the bound is of the direction of Z."""
     robot = open_robot("ur5")
-    bound = TipDeviation(Aim(robot, resolve_task("tool-axis-free", robot)))
+    aim = Aim(robot, resolve_task("tool-axis-free", robot))
     start = rng.uniform(-1.0, 1.0, 6)
     q = np.stack([start, start + rng.normal(size=6) * 0.01])
     ends = pose(robot, q + np.outer([0.7, -0.4], [0, 0, 0, 0, 0, 1]))
-    away, turned = bound.bound(q, ends)
+    away, turned = aim.deviation(q, ends)
     share = np.linspace(0, 1, 101)
     now, wanted = pose(robot, q[0] + share[:, None] * (q[1] - q[0])), poses_at(ends, share)
     cosine = (now[:, :3, 2] * wanted[:, :3, 2]).sum(axis=1)

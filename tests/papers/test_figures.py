@@ -15,7 +15,7 @@ from papers.am_method import BEFORE
 from papers.am_robots import FIGURE_9, row_configuration
 from papers.picture import RED
 from rankdrop.errors import OptionError
-from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import Outcome
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot

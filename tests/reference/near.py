@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.families.search_record import Outcome
-from rankdrop.families.searching import refine
+from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

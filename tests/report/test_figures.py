@@ -13,9 +13,9 @@ from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
+from rankdrop.report.chart import angle_ticks, axis_name
 from rankdrop.report.content import Content, content
 from rankdrop.report.figures import check_figures, figure_names, figures, slice_figure, spread_out, workspace_figure
-from rankdrop.report.svg import angle_ticks, axis_name
 from rankdrop.results.known import shipped
 from rankdrop.task import SPACE
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rankdrop.exact.notation import typeset
-from rankdrop.family.record import Check, Sampled
+from rankdrop.family.record import Check
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
 from rankdrop.report.content import Content, content, page_data, standing
@@ -65,7 +65,7 @@ def test_the_page_says_how_it_was_verified() -> None:
 
 def test_what_is_not_verified_is_said() -> None:
     found = shown("scara")
-    wrong = replace(found.analysis.families[0], evidence=Sampled("made up", Check(100, 99), Check(10, 9)))
+    wrong = replace(found.analysis.families[0], soundness=Check(100, 99), explained=Check(10, 9))
     text = page(replace(found, analysis=replace(found.analysis, families=(wrong,)))).split("<script")[0]
     assert text.count("A test failed: k1.f1 also holds at 1 of 100 solutions") == 2
     assert "erified" not in text

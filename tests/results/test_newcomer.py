@@ -27,8 +27,8 @@ CHANGES = {
 PROGRAM = """
 import json
 from rich.console import Console
-from rankdrop.cli.table import corank_section
-from rankdrop.report.tables import corank_tables
+from rankdrop.cli.analyze import corank_section
+from rankdrop.report.sections import corank_tables
 from rankdrop.results.known import shipped
 from rankdrop.schema import load_schema
 

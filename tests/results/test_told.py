@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rankdrop import analyze, conditions
-from rankdrop.results.explanation.text import LONGEST, condition_sentences
+from rankdrop.results.explanation_text import LONGEST, condition_sentences
 from rankdrop.results.known import known_names, shipped, shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
@@ -99,6 +99,6 @@ def test_inside_limits_the_table_says_all_of_a_joint_at_one_of_its_values() -> N
 
 def test_an_analysis_is_printed_as_its_tables() -> None:
     said = str(analyze(bent(), "planar", starts=200))
-    assert said.startswith("bent: Verified")
+    assert said.startswith("bent has 1 family of singularities: elbow; rank 2 of 3.\n  Verified, ")
     assert "elbow: axes 1, 2, 3 coplanar" in said
     assert "Analysis(" not in said

@@ -14,11 +14,11 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 import pytest
 
-from rankdrop.cli.arm import parse_configuration
+from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.motion import files as message_file
-from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.motion.files import parse_message, read_trajectory
+from rankdrop.motion.trajectory import parse_trajectory
 from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader
@@ -285,6 +285,16 @@ def test_an_archive_with_two_arrays_of_one_name_is_refused(tmp_path: Path) -> No
         archive.writestr("q.npy", large.getvalue())
     with pytest.raises(RankdropError, match=r"twice.npz, q: two arrays of the archive have the same name"):
         read_trajectory(tmp_path / "twice.npz", ARM)
+
+
+def test_small_numbers_of_an_archive_do_not_become_large_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """480 MB of bytes, 0.5 MB packed, became 3.8 GB of doubles before their rows were counted."""
+    path = tmp_path / "bytes.npz"
+    np.savez_compressed(path, q=np.zeros((20_000, 4), dtype=np.int8))
+    assert read_trajectory(path, ARM).q.shape == (20_000, 4)
+    monkeypatch.setattr("rankdrop.motion.files.LARGEST_ARRAY", 100_000)
+    with pytest.raises(RankdropError, match=r"bytes.npz, q: the array is too large; got 80000 numbers"):
+        read_trajectory(path, ARM)
 
 
 def test_errors_are_short_and_printable_whatever_the_file_says() -> None:

@@ -13,9 +13,8 @@ from reference.kinematics import exponential, pose
 from rankdrop.exact.arm.geometry import sections
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.ideal import meeting, squared
 from rankdrop.robot.model import Array, Mimic, Robot
-from rankdrop.robot.numbers import Numbers, axis_lines, extent, numbers_of
+from rankdrop.robot.numbers import Numbers, axis_lines, extent, meeting, numbers_of, squared
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf

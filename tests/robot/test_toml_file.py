@@ -187,3 +187,8 @@ def test_lines_are_right_after_a_text_of_several_lines() -> None:
 def test_any_text_gives_a_robot_or_a_robot_error(text: str) -> None:
     with suppress(RobotError):
         assert read(text).joints
+
+
+def test_a_number_of_thousands_of_digits_is_refused_in_one_line() -> None:
+    with pytest.raises(RobotError, match=r"this is not TOML: .*digits"):
+        robot_from_toml(f'convention = "standard"\n[[joints]]\na = {"9" * 5000}\n', file="long.toml")

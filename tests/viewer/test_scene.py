@@ -9,6 +9,7 @@ from known.arms import KINDS
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import JointKind
+from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.scene import (
@@ -24,7 +25,7 @@ from rankdrop.viewer.scene import (
     turn_onto,
     wxyz,
 )
-from rankdrop.viewer.tab_slice import SliceBox
+from rankdrop.viewer.tab_families import SliceBox
 
 ARMS = KINDS
 
@@ -38,15 +39,15 @@ def volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 @pytest.mark.parametrize("name", ARMS)
 def test_the_spine_is_connected_from_the_base_to_the_tip(name: str) -> None:
     arm = open_robot(name)
-    body = body_of(arm)
+    body, size = body_of(arm), reach(arm)
     links = link_poses(arm, np.zeros(arm.n))
     ends = [np.zeros(3), arm.home[:3, 3]]
-    for one in body.capsules:
+    for one in body["link"]:
         frame = links[one.link]
         ends += [frame[:3, :3] @ point + frame[:3, 3] for point in (one.start, one.end)]
     for end in ends:  # every end is an end of another piece, on an axis, or the tip
-        others = sum(np.linalg.norm(end - other) < 1e-6 * body.size for other in ends)
-        assert others >= 2 or np.linalg.norm(end) < 1e-9 * body.size or any(  # a bare wrist has no length
+        others = sum(np.linalg.norm(end - other) < 1e-6 * size for other in ends)
+        assert others >= 2 or np.linalg.norm(end) < 1e-9 * size or any(  # a bare wrist has no length
             np.linalg.norm(np.cross(end - np.cross(j.screw[3:], j.screw[:3]), j.screw[3:])) < 1e-6
             for j in arm.joints if j.kind is JointKind.REVOLUTE
         )  # fmt: skip
@@ -55,7 +56,7 @@ def test_the_spine_is_connected_from_the_base_to_the_tip(name: str) -> None:
 def test_the_arm_of_a_scara_stands_on_its_pillar() -> None:
     arm = open_robot("scara")  # link 1 at 0.387 m
     links = link_poses(arm, np.zeros(4))
-    frames = [(one, links[one.link][:3, :3], links[one.link][:3, 3]) for one in body_of(arm).capsules]
+    frames = [(one, links[one.link][:3, :3], links[one.link][:3, 3]) for one in body_of(arm)["link"]]
     ends = np.array([[turn @ point + at for point in (one.start, one.end)] for one, turn, at in frames])
     assert ends[0] == pytest.approx(np.array([[0, 0, 0], [0, 0, 0.387]]))
     assert ends[1:, :, 2] == pytest.approx(0.387)

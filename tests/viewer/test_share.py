@@ -11,23 +11,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rankdrop.cli.arm import ArmOptions
+from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.view import _command
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
-from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
-from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.trajectory import parse_trajectory
 from rankdrop.viewer.controls import pulled
 from rankdrop.viewer.scene import Now
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import sentence_of, stops_of
-from rankdrop.viewer.tab_share import path_csv, state_of, state_text
+from rankdrop.viewer.tab_path import path_csv, state_of, state_text
 
 ARM = open_robot("ur5e")
 TASK = resolve_task(None, ARM)
@@ -75,8 +75,8 @@ def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     assert connection.getresponse().status == 200
     connection.close()
     until(lambda: bool(np.allclose(viewer.session.q, target, atol=1e-6)))
-    until(lambda: state_text(ARM, target) in viewer.share._link.value)
-    until(lambda: viewer.share._line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}")
+    until(lambda: state_text(ARM, target) in viewer.share.ui.link.value)
+    until(lambda: viewer.share.ui.line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}")
 
 
 @pytest.mark.slow
@@ -97,7 +97,7 @@ def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:
 def test_an_arm_of_ones_own_opens_in_a_viewer_of_its_own(viewer: Viewer) -> None:
     viewer.share.open(SimpleNamespace(name="two.urdf", content=URDF.encode()))
     assert viewer._others[-1].session.live.robot.n == 2
-    assert viewer._others[-1].url in viewer.share._opened.content
+    assert viewer._others[-1].url in viewer.share.ui.opened.content
     assert viewer._others[-1].share._command == "rankdrop view two.urdf"
 
 
@@ -156,7 +156,7 @@ def test_the_handle_moves_the_arm(viewer: Viewer) -> None:
     viewer.session.set(START)
     target = pose(ARM, START)
     target[:3, 3] += [0.0, 0.0, 0.05]
-    viewer._handle.pull(target)
+    viewer.controls.pull(target)
     until(lambda: abs(float(pose(ARM, viewer.session.q)[2, 3]) - target[2, 3]) < 1e-4)
 
 
@@ -166,7 +166,8 @@ def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> Non
         until(lambda q=q: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, q))
     until(lambda: viewer.stage._ghost[-1].visible)
     nearest = viewer.controls.found.far.nearest
-    assert np.allclose(viewer.stage._ghost[-1].position, pose(ARM, np.array(nearest.q))[:3, 3])
+    at = pose(ARM, np.array(nearest.q))[:3, 3]
+    until(lambda: bool(np.allclose(viewer.stage._ghost[-1].position, at)))  # drawn a moment after it is explained
     assert not viewer.stage._ghost[0].visible  # a link that stands there already
     viewer.stage.show_ghost(None)
     viewer.shown(viewer.session.live.look(START), None)  # drawn later than explained, as when it opens
@@ -178,8 +179,8 @@ def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> Non
 def test_status_and_details_are_of_one_configuration(viewer: Viewer) -> None:
     viewer.session.set(START)
     until(lambda: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, START))
-    until(lambda: "nearest singular configuration found" in viewer.controls._status.content)
-    assert f"{viewer.controls.found.verdict}" in viewer.controls._status.content
+    until(lambda: "Next:" in viewer.controls._details.content)
+    until(lambda: f"{viewer.controls.found.verdict}" in viewer.controls._status.content)
     assert "opacity:0.4" not in viewer.controls._details.content
 
 
@@ -187,10 +188,10 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
     viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An explanation that is told while the arm moves on: the panel ends with where the arm is."""
-    controls, other = viewer.controls, START + 0.1
-    looked, thought = viewer.session.looked, viewer.session.thought
-    viewer.session.set(START)
-    until(lambda: viewer.session.looked > looked and viewer.session.thought > thought)
+    controls, here, other = viewer.controls, START + 0.05, START + 0.1
+    viewer.session.set(here)
+    until(lambda: controls.now is not None and np.array_equal(controls.now.q, here))
+    until(lambda: controls.found is not None and np.array_equal(controls.found.q, here))
     found, tell = controls.found, controls._tell
     assert found is not None
     looking = Thread(target=controls.shown, args=(viewer.session.live.look(other), None))
@@ -206,7 +207,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
     looking.join(timeout=10.0)
     assert controls.now is not None
     assert np.array_equal(controls.now.q, other)
-    assert "nearest singular configuration found" not in controls._status.content
+    assert "to the singular set" in controls._status.content
     assert "opacity:0.4" in controls._details.content
 
 

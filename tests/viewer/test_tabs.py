@@ -17,7 +17,7 @@ from rankdrop.task import Task, resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
-from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.trajectory import parse_trajectory
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import PACE
 
@@ -58,13 +58,11 @@ def test_a_path_plays_to_its_end_through_the_singularity(viewer: Viewer) -> None
         plain(now)  # type: ignore[arg-type]
 
     viewer.stage.show = show  # type: ignore[method-assign,assignment]
-    viewer.path._speed.value = 3.0
-    viewer.path._buttons.value = "▶ play"
-    viewer.path._toggle_playing()
+    viewer.path.ui.speed.value = 3.0
+    viewer.path._play()
     until(lambda: bool(np.allclose(viewer.session.q, viewer.path.trajectory.q[-1])))
     assert min(seen) < 0 < max(seen)
-    viewer.path._buttons.value = "worst"
-    viewer.path._toggle_playing()
+    viewer.path._show_worst()
     until(lambda: not viewer.session.moving)
 
 
@@ -72,14 +70,14 @@ def test_a_walk_goes_on_along_the_family_until_it_is_stopped(viewer: Viewer) -> 
     viewer.session.set(ELBOW)
     tab = viewer._families
     assert tab.family.name.startswith("elbow")
-    tab._joint.value = tab._joint.options[1]
+    tab.ui.joint.value = tab.ui.joint.options[1]
     tab._go(1)
     until(lambda: viewer.session.q[1] > ELBOW[1] + 5 * PACE)
-    tab._go(0)
+    viewer.session.stop()
     q = viewer.session.q
     assert smallest(q) <= 1e-9
     assert q[3] == pytest.approx(0.0, abs=1e-9)
-    tab._joint.value = tab._joint.options[3]  # the elbow itself stands still
+    tab.ui.joint.value = tab.ui.joint.options[3]  # the elbow itself stands still
     tab._step(1)
     assert "stands still" in viewer.controls.message.content
 
@@ -101,7 +99,7 @@ def test_the_end_effector_stays_where_it_is_on_a_self_motion_out(viewer: Viewer)
 def test_a_slice_shows_points_on_the_families(viewer: Viewer) -> None:
     viewer.session.set(ELBOW + 0.2)
     viewer.slice.draw()
-    told = viewer.slice._told.content
+    told = viewer.slice.ui.told.content
     assert "starts arrived" in told
     assert "corank" in told
     viewer.slice.clear()

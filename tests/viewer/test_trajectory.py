@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from rankdrop.families.monitor import Monitor
-from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.trajectory import TrajectoryError
+from rankdrop.motion.trajectory import TrajectoryError, parse_trajectory
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.tab_path import thinned, track_of

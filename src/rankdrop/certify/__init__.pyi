@@ -1,4 +1,5 @@
 from .ball import Certificate as Certificate
+from .ball import ModelTolerance as ModelTolerance
 from .ball import certified_radius as certified_radius
 from .certificates import Verified as Verified
 from .certificates import asked_about as asked_about
@@ -7,4 +8,3 @@ from .certificates import covering_certificate as covering_certificate
 from .certificates import existence_certificate as existence_certificate
 from .certificates import verify as verify
 from .certificates import write_certificate as write_certificate
-from .displaced import ModelTolerance as ModelTolerance

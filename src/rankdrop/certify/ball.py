@@ -4,11 +4,33 @@ Two steps. One enclosure of the whole ball gives a radius at once (CERTIFY: loca
 remainder). Branch and bound then cuts the ball asked for into boxes. Of each its enclosure tells how far from the
 centre it is free, as much as the ball leaves of it; the one that is free least far is cut next, until all are free or
 the budget is spent. What is certified then is how far the least is free.
+
+Arms near one arm: how far its Jacobian can change when every joint may stand a little elsewhere.
+
+A measured arm is not the described one. *Within δ_p and δ_a of this arm* means: every joint stands, in the link before
+it, turned by at most δ_a [rad] about a point of its axis and moved by at most δ_p [m]. Zero positions of the joints
+are among these errors, each being a turn about the axis itself. How far it is to the tip does not matter for the rank,
+unless the task is the translation of a point: this point, too, is moved by at most δ_p in the last link then.
+
+Seen from link c at a point P, column i is carried by the displacements of the joints between, its own included on the
+far side of c: N_i of them. One that turns about p_k carries an axis through a point a with direction z and turns by
+θ, |θ| ≤ δ_a, with |z' − z| ≤ δ_a; of the moment m = (a − P) × z changes (p_k − P) × z by at most |p_k − P| δ_a, the
+rest of m, which is turned, by at most |a − p_k| δ_a, and the move adds δ_p. |p_k − P| + |a − p_k| is at most the
+length R_i of the polygon from P over the points of the joints to that of joint i, which the moves before have made
+longer by at most N_i δ_p. So, lengths divided by ℓ,
+
+    ‖ΔJ_i‖ ≤ D_i = N_i √(δ_a² + ((δ_a (R_i + N_i δ_p) + δ_p) / ℓ)²)        turning joints
+    ‖ΔJ_i‖ ≤ D_i = N_i δ_a / ℓ                                             slides
+
+R_i grows by how far the slides between are out, and by how far joints that screw carry along their axes; of these the
+moment has the pitch times z as well, which adds the size of the pitch to R_i in their own D_i. Joints that follow
+others are displaced each for itself; how they follow is exact, and a column of the Jacobian is the sum of theirs, each
+times its multiplier. A point that is moved itself makes N_i in the inner bracket larger by
+one, and adds δ_p/ℓ. Then |(U₁ᵀ ΔJ V₁)_rj| ≤ Σ_i D_i |v_ij|, which is added to the bound of an enclosure.
 """
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +39,9 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import chain_of, one_configuration
-from rankdrop.robot.model import Array, Robot, fingerprint
+from rankdrop.kinematics import chain_of, one_configuration, whole_number
+from rankdrop.robot.model import Array, Robot, fingerprint, once
+from rankdrop.robot.numbers import nearest
 from rankdrop.task import WORLD_ALIGNED, Frame, Task, resolve_task
 from rankdrop.tolerances import MOST_EVALUATIONS
 from rankdrop.version import VERSION
@@ -63,46 +86,10 @@ class Certificate:
     frame: Frame = WORLD_ALIGNED
 
 
-_settings: dict[tuple[int, Task], tuple[Setting, ...]] = {}
-
-
-def settings_of(robot: Robot, task: Task) -> tuple[Setting, ...]:
-    """Every setting worth trying for an arm and a task, made once and kept.
-
-    Raises:
-        OptionError: as `settings_for`.
-    """
-    key = (id(robot), task)
-    if key not in _settings:
-        _settings[key] = settings_for(robot, task)
-        weakref.finalize(robot, _settings.pop, key, None)
-    return _settings[key]
-
-
-_looks: dict[tuple[int, Task], tuple[tuple[_core.View, _core.EnclosureSettings], ...]] = {}
-
-
-def _singles(robot: Robot, task: Task, row: Array) -> list[float]:
-    """The radius of one enclosure of each setting around one configuration (1, n); what the core is told is kept."""
-    key = (id(robot), task)
-    if key not in _looks:
-        _looks[key] = tuple((one.view(robot), one.told(LARGEST)) for one in settings_of(robot, task))
-        weakref.finalize(robot, _looks.pop, key, None)
-    chain = chain_of(robot)
-    return [float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _looks[key]]
-
-
-def check_budget(evaluations: int) -> None:
-    """Refuse what is no number of enclosures.
-
-    Raises:
-        OptionError: no whole number, or outside what is allowed.
-    """
-    whole = isinstance(evaluations, int | np.integer) and not isinstance(evaluations, bool)
-    if not whole or not 0 <= evaluations <= MOST_EVALUATIONS:
-        raise OptionError(
-            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {MOST_EVALUATIONS}"
-        )
+@once
+def _views(robot: Robot, task: Task) -> tuple[tuple[_core.View, _core.EnclosureSettings], ...]:
+    """What the core gets of each setting."""
+    return tuple((one.view(robot), one.told(LARGEST)) for one in settings_for(robot, task))
 
 
 def certified_radius(
@@ -145,10 +132,13 @@ def certified_radius(
     centre = one_configuration(robot, q)
     if not 0.0 < at_most <= LARGEST:
         raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
-    check_budget(evaluations)
+    whole_number("evaluations", evaluations, 0, MOST_EVALUATIONS)
     resolved = resolve_task(task, robot)
-    settings = settings_of(robot, resolved)
-    singles = _singles(robot, resolved, centre[None, :])
+    settings = settings_for(robot, resolved)
+    chain, row = chain_of(robot), centre[None, :]
+    singles = [
+        float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _views(robot, resolved)
+    ]
     best = int(np.argmax(singles))
     setting, single = settings[best], min(singles[best], at_most)
     if single < at_most:
@@ -157,7 +147,7 @@ def certified_radius(
     if evaluations and single < min(at_most, enough):
         smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
         radius, count, stopped, _, _ = _core.ball(
-            chain_of(robot), setting.view(robot), centre, setting.matters, setting.told(at_most),
+            chain, setting.view(robot), centre, setting.matters, setting.told(at_most),
             inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
         )  # fmt: skip
         used, complete = used + count, not stopped
@@ -165,3 +155,96 @@ def certified_radius(
         float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, fingerprint(robot),
         complete, rows=resolved.rows, frame=resolved.frame,
     )  # fmt: skip
+
+
+MOST_ANGLE = 0.1
+"""Larger errors are another arm [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelTolerance:
+    """How far an arm may be from the one that is described.
+
+    Attributes:
+        length: every joint is moved by at most this in the link before it [m].
+        angle: … and turned by at most this [rad].
+
+    Raises:
+        OptionError: below zero, not finite, or an angle above `MOST_ANGLE`.
+    """
+
+    length: float
+    angle: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.length < np.inf:
+            raise OptionError("this is no length", where="model_tolerance", got=self.length, allowed="0 or more [m]")
+        if not 0.0 <= self.angle <= MOST_ANGLE:
+            raise OptionError("this is no small angle", where="model_tolerance", got=self.angle,
+                              allowed=f"0 … {MOST_ANGLE} [rad]")  # fmt: skip
+
+
+def points_of(robot: Robot) -> Array:
+    """(N, 3) the point of each axis nearest to the origin of the joint's frame, of slides that origin, at q = 0 [m]."""
+    return np.array([nearest((joint.axis, joint.foot), joint.frame[:3, 3]) for joint in robot.joints])
+
+
+def coupling_of(robot: Robot) -> Array:
+    """(N, n) sizes of the multipliers with which joints follow the variables."""
+    found = np.zeros((len(robot.joints), robot.n))
+    found[np.arange(len(robot.joints)), robot.drivers] = [abs(joint.multiplier) for joint in robot.joints]
+    return found
+
+
+def displaced_jacobian(
+    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], far: Array | None = None
+) -> Array:
+    """(..., n) how far each column of the Jacobian can change: D_i of the joints of one variable together.
+
+    Arguments and errors as for `displaced_columns`.
+    """
+    return displaced_columns(robot, setting, tolerance, rows, far) @ coupling_of(robot)
+
+
+def displaced_columns(
+    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], far: Array | None = None
+) -> Array:
+    """(..., N) D_i: how far each column, seen as the setting has it, can change for any arm within the tolerance.
+
+    Args:
+        robot, setting: the arm as a certificate looks at it.
+        tolerance: how far a joint may be from where it is described.
+        rows: of the task; all that the setting has, for rows that are zero for this arm need not be for those near it.
+        far: (..., n) how far the variables go from zero, at most; of slides it is used. None for zero.
+
+    Raises:
+        OptionError: the task takes some rows only.
+    """
+    if tuple(rows) != setting.rows:
+        raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
+                          "not for those near it", where="model_tolerance", got=f"rows {rows}",
+                          allowed="pose, position, orientation", mend="task='pose': all rows, the same joints",
+                          typed="--task pose: all rows, the same joints")  # fmt: skip
+    points, count = points_of(robot), len(robot.joints)
+    start = setting.home_point(robot)
+    slides = np.array([joint.slides for joint in robot.joints])
+    pitch = np.array([abs(joint.pitch) for joint in robot.joints])
+    offset = np.array([abs(joint.offset) for joint in robot.joints])
+    out = (np.zeros(robot.n) if far is None else np.abs(far)) @ coupling_of(robot).T + offset
+    travel = np.where(slides, out, pitch * out)
+    found = np.zeros(travel.shape)
+    linear, angular = 0 in setting.rows, 3 in setting.rows
+    tool = int(not angular)  # a point that is moved with the others
+    for side, own in ((range(setting.link, count), 1), (range(setting.link - 1, -1, -1), 0)):
+        at, reach = start, np.zeros(travel.shape[:-1])
+        for place, i in enumerate(side):
+            reach = reach + float(np.linalg.norm(points[i] - at)) + (0.0 if own else travel[..., i])
+            at, times = points[i], place + own
+            if slides[i]:
+                found[..., i] = times * tolerance.angle * linear / setting.length
+            else:
+                moment = tolerance.angle * (reach + pitch[i] + (times + tool) * tolerance.length) + tolerance.length
+                part = (times * moment + tool * tolerance.length) * linear / setting.length
+                found[..., i] = np.hypot(times * tolerance.angle * angular, part)
+            reach = reach + (travel[..., i] if own else 0.0)
+    return found * (1 + 1e-12)

@@ -11,15 +11,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
-from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian, points_of
-from rankdrop.certify.enclosed import viewed
-from rankdrop.certify.setting import Setting, enclose, regular
+from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian, points_of
+from rankdrop.certify.setting import Setting, enclose, regular, settings_for, viewed
+from rankdrop.codec import Result
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.kinematics import one_configuration, task_jacobian
@@ -28,8 +26,9 @@ from rankdrop.proof.boxes import Plan
 from rankdrop.proof.check import Asked, Verdict, check_certificate
 from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Refused, Work, sealed
 from rankdrop.proof.regions import FREE, LETTERS, OUTSIDE
-from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
-from rankdrop.sections import Section, html, text
+from rankdrop.robot.model import Array, Robot, fingerprint
+from rankdrop.robot.transform import unmasked
+from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading
 from rankdrop.version import VERSION
@@ -49,17 +48,11 @@ _NEAR = 1e-9  # how far from q a singular configuration is claimed at least [rad
 
 def arm_record(robot: Robot) -> Record:
     """The numbers of an arm that decide its Jacobian, and its limits."""
-    place = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
-    joints = []
-    for joint in robot.joints:
-        mimic = joint.mimic
-        joints.append({
-            "name": joint.name, "kind": str(joint.kind), "screw": joint.screw.tolist(),
-            "variable": place[mimic.leader if mimic else joint.name],
-            "follows": mimic.leader if mimic else None,
-            "multiplier": mimic.multiplier if mimic else 1.0, "offset": mimic.offset if mimic else 0.0,
-            "lower": _finite(joint.lower), "upper": _finite(joint.upper),
-        })  # fmt: skip
+    joints = [{
+        "name": joint.name, "kind": str(joint.kind), "screw": joint.screw.tolist(), "variable": driver + 1,
+        "follows": joint.mimic.leader if joint.mimic else None, "multiplier": joint.multiplier, "offset": joint.offset,
+        "lower": _finite(joint.lower), "upper": _finite(joint.upper),
+    } for joint, driver in zip(robot.joints, robot.drivers, strict=True)]  # fmt: skip
     return {
         "name": robot.name, "joints": joints, "home": robot.home.tolist(), "last": robot.joints[-1].frame.tolist(),
         "fingerprint": fingerprint(robot),
@@ -81,10 +74,7 @@ def record_of(
     tolerance: ModelTolerance | None = None,
 ) -> Record:  # fmt: skip
     """A certificate with its hash."""
-    frame = np.eye(4)
-    if setting.link:
-        frame = robot.home if setting.link > len(robot.joints) else robot.joints[setting.link - 1].frame
-    point = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
+    point = setting.home_point(robot)
     near = None
     if tolerance is not None:
         near = {"length": tolerance.length, "angle": tolerance.angle, "points": points_of(robot).tolist()}
@@ -112,8 +102,10 @@ def write_certificate(record: Record, path: str | Path) -> Path:
 
 
 @dataclass(frozen=True)
-class Verified(Verdict):
+class Verified(Verdict, Result):
     """Result of checking a certificate, with its sections of text; true where the claim holds."""
+
+    FILE = "verified"
 
     def __bool__(self) -> bool:
         return self.holds
@@ -126,21 +118,6 @@ class Verified(Verdict):
             return (Section("Not confirmed", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
         lines = (f"{self.claim}.", *self.statement)
         return (Section("Holds", of, lines, notes=(*filter(None, (self.how,)), *counted, *self.assumed), tone="good"),)
-
-    def __str__(self) -> str:
-        return text(self.sections())
-
-    def _repr_html_(self) -> str:
-        return html(self.sections())
-
-    def to_dict(self) -> dict[str, Any]:
-        """The record that `rankdrop verify --json` writes."""
-        return {
-            "schema": "rankdrop/verified/1", "holds": self.holds, "kind": self.kind, "arm": self.arm,
-            "claim": self.claim, "statement": list(self.statement), "reason": self.reason,
-            "assumed": list(self.assumed), "how": self.how, "enclosures": self.enclosures, "complete": self.complete,
-            "version": VERSION,
-        }  # fmt: skip
 
 
 @contextmanager
@@ -185,9 +162,10 @@ def asked_about(
         resolved = resolve_task(task, robot)
         about = {**task_record(resolved), "scale": joint_scale(robot, resolved).tolist()}
     return Asked(
-        None if robot is None else arm_record(robot), about, None if q is None else np.asarray(q, dtype=np.float64),
-        None if path is None else file_hash(Path(path)), None if rows is None else np.asarray(rows, dtype=np.float64),
-        limits,
+        None if robot is None else arm_record(robot), about,
+        None if q is None else np.asarray(unmasked(q, "q"), dtype=np.float64),
+        None if path is None else file_hash(Path(path)),
+        None if rows is None else np.asarray(unmasked(rows, "rows"), dtype=np.float64), limits,
     )  # fmt: skip
 
 
@@ -316,7 +294,7 @@ def _with_tolerance(
     robot: Robot, task: Task, q: Array, tolerance: ModelTolerance, at_most: float, evaluations: int
 ) -> tuple[Setting, float]:
     """The setting and the radius: every setting is tried with a fortieth of the budget, the best with all."""
-    settings = settings_of(robot, task)
+    settings = settings_for(robot, task)
     tried = [free_radius(_Test(robot, one, task.rows, q, tolerance), at_most, evaluations // 40) for one in settings]
     best = settings[int(np.argmax(tried))]
     return best, free_radius(_Test(robot, best, task.rows, q, tolerance), at_most, evaluations)
@@ -397,12 +375,10 @@ def tree_of(test: _Test, radius: float, boxes: int) -> str | None:
 
     A box outside the ball is told so only where it is so beyond rounding: the checker computes it exactly.
     """
-    letters = [LETTERS[j] for j in test.places]
+    letters = np.array([LETTERS[j] for j in test.places])
     d = len(letters)
     centre, half = np.zeros((1, d)), np.full((1, d), radius)
-    number = np.zeros(1, dtype=np.int64)  # of each open box in `said`
-    said: list[str] = [""]
-    below: list[tuple[int, int] | None] = [None]
+    pieces = ["", ""]  # the tree, cut where boxes are open
     count = 0
     while len(centre):
         gap = np.linalg.norm(np.maximum(0.0, np.abs(centre) - half), axis=1)
@@ -412,30 +388,21 @@ def tree_of(test: _Test, radius: float, boxes: int) -> str | None:
             part = np.flatnonzero(~outside)[begin : begin + (1 << 14)]
             free[part] = test.free(centre[part], half[part])
         count += int(free.sum())
-        for node in number[outside].tolist():
-            said[node] = OUTSIDE
-        for node in number[free].tolist():
-            said[node] = FREE
         left = ~outside & ~free
         if count + int(left.sum()) > boxes or (half[left] < _NARROW).all(axis=1).any():
             return None
-        axis, open_ = np.argmax(half[left], axis=1), number[left]
-        middle, width = _halved(centre[left], half[left])
-        begin, size = len(said), int(left.sum())
-        for k, (node, along) in enumerate(zip(open_.tolist(), axis.tolist(), strict=True)):
-            said[node], below[node] = letters[along], (begin + k, begin + size + k)
-        said += [""] * (2 * size)
-        below += [None] * (2 * size)
-        number = np.arange(begin, len(said))
-        centre, half = middle, width
-    out, stack = [], [0]
-    while stack:
-        node = stack.pop()
-        out.append(said[node])
-        children = below[node]
-        if children is not None:
-            stack += [children[1], children[0]]
-    return "".join(out)
+        marks = np.where(outside, OUTSIDE, np.where(free, FREE, letters[np.argmax(half, axis=1)]))
+        joined = [pieces[0]]
+        for mark, is_halved, after in zip(marks.tolist(), left.tolist(), pieces[1:], strict=True):
+            joined[-1] += mark
+            if is_halved:
+                joined += ["", after]
+            else:
+                joined[-1] += after
+        pieces = joined
+        parts = _halved(centre[left], half[left])
+        centre, half = (both.reshape(2, -1, d).swapaxes(0, 1).reshape(-1, d) for both in parts)  # halves side by side
+    return "".join(pieces)
 
 
 def covering_certificate(robot: Robot, plan: Plan, sha256: str, file: str, task: Task) -> Record:
@@ -476,8 +443,8 @@ def existence_certificate(
     if not sigma[setting.rank - 1] <= 1e-6 * sigma[0]:
         raise OptionError("q is not singular", where="q", got=f"σ{setting.rank} = {sigma[setting.rank - 1]:.3g}",
                           mend="give the singular configuration that `rankdrop nearest` finds")  # fmt: skip
-    slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
-    claim = {"q": centre.tolist(), "radius": radius * (max(1.0, setting.length) if any(slides) else 1.0)}
+    slides = any(joint.slides for joint in robot.variables)
+    claim = {"q": centre.tolist(), "radius": radius * (max(1.0, setting.length) if slides else 1.0)}
     return record_of(robot, resolved, EXISTENCE, setting, claim, {})
 
 

@@ -19,6 +19,7 @@ import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from math import ceil, log2, pi
 from pathlib import Path
 
@@ -27,25 +28,35 @@ from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop.certify.certificates import refused_as_result
-from rankdrop.certify.enclosed import Batch, BudgetSpent, Looked, Near, closer, enclosed_trees, viewed
-from rankdrop.certify.setting import Setting
+from rankdrop.certify.setting import Setting, enclose, viewed
 from rankdrop.certify.split import split_of
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank
-from rankdrop.proof.boxes import BitTree, Masks, Plan, Shape, counts, covering_bytes, load, load_plan
+from rankdrop.proof.boxes import (
+    BitTree,
+    Cells,
+    Flags,
+    Masks,
+    Plan,
+    Shape,
+    allowed,
+    bits,
+    counts,
+    covering_bytes,
+    load,
+    load_plan,
+    packed,
+)
 from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 
-Progress = Callable[[int, int], None]
-
 SPLIT, ENCLOSURES = "split determinant", "enclosures"
 SPENT = "the budget is spent"
 BUDGET = 100_000_000
-"""Enclosures spent at most, about 1.5 µs each; the split determinant needs none."""
-FURTHER = 0
-"""Halvings by which leaves that are not proven are looked into: four prove 2 % more for PUMA in four times the time."""
+"""Enclosures that one chunk may take, about 1.5 µs each; the split determinant needs none."""
 NARROWEST = 2 * pi / 512
 """No leaf is made narrower [rad]: the tables of six joints have 500 MB then."""
 WIDEST = pi
@@ -55,6 +66,22 @@ _TOP = 3  # level of the boxes that are done one by one
 _CLOSER = 24  # halvings by which leaves that no family explains are looked into
 _PARTS = 10_000_000  # of them in all, about 2 µs each
 _CHUNKS = 64  # into which a covering is divided, at most
+_ROUNDING = 1e-12  # of a determinant, per product of the lengths of its columns: a thousand times what LU loses
+_SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wider
+_ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
+_PART = 1 << 16  # boxes tested at one go
+
+Batch = tuple[Masks, NDArray[np.int32], int, int]
+"""Of boxes of the level `top`: masks, box by box and in each level by level (the proven last); (boxes, levels + 1) how
+many; boxes tested; leaves freed."""
+Near = Callable[[Cells, int], NDArray[np.int64]]
+"""near(parts of leaves, how often they are halved) -> for each the number of a family that is near, or −1."""
+Looked = tuple[NDArray[np.int8], NDArray[np.int64]]
+"""Of leaves: 0 free, 1 proven to hold a singularity, 2 neither, 3 all that is left is near families; and which."""
+
+
+class BudgetSpent(Exception):
+    """More enclosures are needed than were allowed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,62 +158,6 @@ class Covering:
         x = np.where(turns, low + np.mod(x - low, 2 * pi), x)
         inside = np.asarray(((x >= low) & (x <= high)).all(axis=1))
         return np.clip((x - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0), inside
-
-
-def covering(
-    robot: Robot,
-    width: float = 0.05,
-    task: str | Task | None = None,
-    *,
-    corank: int = 1,
-    limits: bool = False,
-    budget: int = BUDGET,
-    further: int = FURTHER,
-    threads: int = 0,
-    progress: Progress | None = None,
-) -> Covering:
-    """Boxes no wider than `width` that hold every configuration of a corank or more.
-
-    Args:
-        robot: the arm.
-        width: of a leaf, at most [rad; slides divided by the length scale].
-        task: as everywhere.
-        corank: by how much the rank falls below the generic one, at least.
-        limits: within the joint limits only; else turning joints go all the way round. Slides need limits.
-        budget: enclosures, at most; arms of six turning joints need none.
-        further: halvings by which leaves not proven are looked into (six turning joints).
-        threads: 0 for all cores; the result does not depend on it.
-        progress: progress(done, total) parts.
-
-    Raises:
-        OptionError: a width, a corank or a budget outside what is allowed, a slide without limits, an arm or task that
-            cannot be certified, or more than five variables that matter.
-    """
-    plan = plan_of(robot, width, task, corank=corank, limits=limits, further=further)
-    check_budget(budget)
-    batches: dict[int, Batch] = {}
-    left, stopped, resolved = int(budget), "", resolve_task(task, robot)
-    try:
-        for chunk in range(chunks_of(plan)):
-            made = batches[chunk] = chunk_of(robot, resolved, plan, chunk, budget=left, threads=threads)
-            left -= 0 if plan.method == SPLIT else made[2]
-            if progress is not None:
-                progress(chunk + 1, chunks_of(plan))
-    except KeyboardInterrupt:
-        stopped = "interrupted"
-    except BudgetSpent:
-        stopped = SPENT
-    return put_together(plan, batches, stopped)
-
-
-def check_budget(budget: int) -> None:
-    """A budget is a whole number from 1.
-
-    Raises:
-        OptionError: else.
-    """
-    if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 1:
-        raise OptionError("no such budget", where="budget", got=budget, allowed="a whole number from 1")
 
 
 def chunks_of(plan: Plan) -> int:
@@ -312,19 +283,26 @@ def finished_leaves(path: Path) -> int:
 
 
 def plan_of(
-    robot: Robot, width: float, task: str | Task | None = None, *, corank: int = 1, limits: bool = False,
-    further: int = FURTHER,
+    robot: Robot, width: float, task: str | Task | None = None, *, corank: int = 1, limits: bool = False
 ) -> Plan:
     """What is to be covered, and how: all that decides the covering.
 
+    Args:
+        robot: the arm.
+        width: of a leaf, at most [rad; slides divided by the length scale].
+        task: as everywhere.
+        corank: by how much the rank falls below the generic one, at least.
+        limits: within the joint limits only; else turning joints go all the way round. Slides need limits.
+
     Raises:
-        OptionError: as `covering`.
+        OptionError: a width or a corank outside what is allowed, a slide without limits, an arm or task that cannot be
+            certified, or more than five variables that matter.
     """
     resolved = resolve_task(task, robot)
     if not NARROWEST <= width <= WIDEST:
         raise OptionError("no such width of boxes", where="width", got=width, allowed=f"{NARROWEST:.4f} … π [rad]")
     setting = viewed(robot, resolved)
-    if isinstance(corank, bool) or not isinstance(corank, int | np.integer) or not 1 <= corank <= setting.rank:
+    if not 1 <= corank <= setting.rank:
         raise OptionError("there is no such corank for this arm and task", where="corank", got=corank,
                           allowed=f"1 … {setting.rank}")  # fmt: skip
     split = corank == 1 and _splits(robot, resolved, setting)
@@ -347,7 +325,7 @@ def plan_of(
         robot=robot.name, fingerprint=fingerprint(robot), task=resolved.name, rows=resolved.rows,
         rank=generic_rank(robot, resolved), method=SPLIT if split else ENCLOSURES, width=float(width), limits=limits,
         variables=numbers, lower=lower, upper=upper, turns=turns, depth=depth, top=top,
-        further=further if split else 0, version=VERSION, corank=int(corank),
+        further=0, version=VERSION, corank=int(corank),
     )  # fmt: skip
 
 
@@ -382,11 +360,9 @@ def _halvings(length: float, width: float) -> int:
 
 def tables_of(robot: Robot, plan: Plan) -> _core.Split:
     """The split determinant of an arm in tables."""
-    made = split_of(robot)
     return _core.Split(
-        a=made.a, b=made.b, lower=np.array(plan.lower), upper=np.array(plan.upper),
-        depth=np.array(plan.depth, dtype=np.int32), curvature=made.curvature, rounding=made.rounding,
-        slope=made.slope, further=plan.further, top=plan.top,
+        **split_of(robot), lower=np.array(plan.lower), upper=np.array(plan.upper),
+        depth=np.array(plan.depth, dtype=np.int32), further=plan.further, top=plan.top,
     )  # fmt: skip
 
 
@@ -423,3 +399,139 @@ def _kept_tables(robot: Robot, plan: Plan) -> _core.Split:
 @lru_cache(1)
 def _kept_view(robot: Robot, task: Task, plan: Plan) -> Setting:
     return viewed(robot, task, plan.corank)
+
+
+def enclosed_trees(
+    robot: Robot, task: Task, setting: Setting, plan: Plan, begin: int, end: int, budget: int, threads: int
+) -> Batch:
+    """Trees of boxes begin … end − 1 of the level `top`, as `_core.cover` gives them.
+
+    Raises:
+        BudgetSpent: they need more than `budget` enclosures.
+    """
+    shape = plan.shape
+    boxes = _Boxes(robot, task, setting, plan, threads)
+    numbers = np.arange(begin, end)
+    cells = np.stack(np.unravel_index(numbers, shape.cells(shape.top)), axis=1).astype(np.int32)
+    tree = np.arange(len(numbers))
+    masks: list[Masks] = []
+    trees: list[NDArray[np.int64]] = []
+    tested = 0
+    for level in range(shape.top + 1, shape.levels + 1):
+        every = np.full(len(cells), allowed(shape, level), shape.kind)
+        below, parent = shape.children(cells, every, level)
+        tested += len(below)
+        if tested > budget:
+            raise BudgetSpent
+        free = boxes.free(below, level)
+        flags = bits(every, shape.variables).copy()
+        flags[flags] = ~free
+        masks.append(packed(flags, shape.kind))
+        trees.append(tree)
+        cells, tree = below[~free], tree[parent[~free]]
+    proven = boxes.proven(cells)
+    flags = bits(masks[-1], shape.variables).copy()
+    flags[flags] = proven
+    _prune(shape, masks)
+    last = masks[-1] != 0
+    masks.append(packed(flags, shape.kind))
+    kept = [one != 0 for one in masks[:-1]] + [last]
+    where = [*trees, trees[-1]]
+    rows = range(len(numbers))
+    sizes = np.stack([np.bincount(w[k], minlength=len(numbers)) for w, k in zip(where, kept, strict=True)], axis=1)
+    ends = [np.cumsum(np.bincount(w[k], minlength=len(numbers))) for w, k in zip(where, kept, strict=True)]
+    parts = [one[k] for one, k in zip(masks, kept, strict=True)]
+    ordered = [part[e[row] - sizes[row, p] : e[row]] for row in rows
+               for p, (part, e) in enumerate(zip(parts, ends, strict=True))]  # fmt: skip
+    return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), tested, 0
+
+
+def closer(
+    robot: Robot, task: Task, setting: Setting, plan: Plan, cells: Cells, threads: int, near: Near | None = None
+) -> Looked:
+    """Leaves (M, d) halved on, and what is left of them asked about.
+
+    Each takes at most `_ROUNDS` rounds, and no more than `_MOST` boxes are kept for all of them. Parts near a family
+    are halved no further; a leaf of which nothing else is left is explained, by the family of the first of them.
+    """
+    shape = plan.shape
+    boxes = _Boxes(robot, task, setting, plan, threads)
+    proven = boxes.proven(cells)
+    by = np.full(len(cells), -1, dtype=np.int64)
+    parts, owner, halvings = cells, np.arange(len(cells)), 0
+    corners = np.array(list(product((0, 1), repeat=shape.variables)), dtype=np.int32)
+    while len(parts) and halvings < _ROUNDS and len(parts) << shape.variables <= _MOST:
+        parts = (parts[:, None, :] * 2 + corners).reshape(-1, shape.variables)
+        owner, halvings = np.repeat(owner, len(corners)), halvings + 1
+        left = ~boxes.free(parts, shape.levels + halvings)
+        parts, owner = parts[left], owner[left]
+        if near is not None:
+            told = near(parts, halvings)
+            there = np.flatnonzero(told >= 0)[::-1]  # of several the first is the last to be written
+            by[owner[there]] = told[there]
+            parts, owner = parts[told < 0], owner[told < 0]
+    found = np.where(by >= 0, 3, 0).astype(np.int8)
+    left = np.unique(owner)
+    found[left] = np.where(proven[left], 1, 2)
+    return found, by
+
+
+def _prune(shape: Shape, masks: list[Masks]) -> None:
+    """Take back the bits of boxes below which nothing is left."""
+    for above in range(len(masks) - 2, -1, -1):
+        flags = bits(masks[above], shape.variables).copy()
+        flags[flags] = masks[above + 1] != 0
+        masks[above] = packed(flags, shape.kind)
+
+
+class _Boxes:
+    """Boxes of one plan as configurations of the arm."""
+
+    def __init__(self, robot: Robot, task: Task, setting: Setting, plan: Plan, threads: int) -> None:
+        self.robot, self.task, self.setting, self.plan, self.threads = robot, task, setting, plan, threads
+        self.low, self.high = np.array(plan.lower), np.array(plan.upper)
+        self.place = np.array(plan.variables) - 1
+
+    def _at(self, cells: Cells, level: int) -> tuple[Array, Array]:
+        """(M, n) centres, and (M, n) half-widths in units of motion, rounded outwards."""
+        deepest = self.plan.shape.levels
+        width = (self.high - self.low) / self.plan.shape.cells(level) / (1 << max(0, level - deepest))
+        q, half = np.zeros((len(cells), self.robot.n)), np.zeros((len(cells), self.robot.n))
+        unit = np.asarray(self.setting.scale)[self.place]
+        q[:, self.place] = self.low + (cells + 0.5) * width
+        far = 1.0 + np.maximum(np.abs(self.low), np.abs(self.high)) / unit
+        half[:, self.place] = width / 2 / unit * (1 + 1e-12) + _SEAM * far
+        return q, half
+
+    def free(self, cells: Cells, level: int) -> Flags:
+        """(M,) whether the rank is proven to hold in all of each box."""
+        found = np.zeros(len(cells), dtype=np.bool_)
+        for begin in range(0, len(cells), _PART):
+            part = slice(begin, begin + _PART)
+            q, half = self._at(cells[part], level)
+            found[part] = enclose(self.robot, self.setting, q, half, threads=self.threads)[0] != 0
+        return found
+
+    def proven(self, cells: Cells) -> Flags:
+        """(M,) whether a determinant has two signs among centre and corners.
+
+        False where the Jacobian is not square, and for coranks above 1, which no sign tells.
+        """
+        found = np.zeros(len(cells), dtype=np.bool_)
+        if not self.task.m == self.robot.n == self.plan.kept:
+            return found
+        for begin in range(0, len(cells), _PART):
+            part = slice(begin, begin + _PART)
+            q, half = self._at(cells[part], self.plan.shape.levels)
+            half = half * np.asarray(self.setting.scale)
+            plus, minus = np.zeros(len(q), dtype=np.bool_), np.zeros(len(q), dtype=np.bool_)
+            for corner in [(0,) * len(self.place), *product((-1, 1), repeat=len(self.place))]:
+                at = q.copy()
+                at[:, self.place] += half[:, self.place] * corner
+                jacobian = task_jacobian(self.robot, at, self.task)
+                value = np.linalg.det(jacobian)
+                least = _ROUNDING * np.prod(np.linalg.norm(jacobian, axis=1), axis=1)
+                plus |= value > least
+                minus |= value < -least
+            found[part] = plus & minus
+        return found

@@ -8,8 +8,8 @@ joints between axis i and that link, so the derivative bounds are short, and the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,14 @@ from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, jacobian
 from rankdrop.local.block import generic_rank, joint_scale, sample
-from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.model import Array, Joint, Robot, once
+from rankdrop.robot.numbers import feet, nearest, reach
+from rankdrop.robot.transform import dot, norm
 from rankdrop.task import TIP, Task
 
 _ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
 _LENGTHS = (0.1, 0.2, 0.4)  # lengths tried for the translation rows, in lengths of the arm
+_TRIED = 200  # random configurations at which settings are compared
 _MOST_JOINTS = 32  # what the core keeps room for
 
 
@@ -62,6 +64,11 @@ class Setting:
             factors=factors,
         )  # fmt: skip
 
+    def home_point(self, robot: Robot) -> Array:
+        """(3,) the point at q = 0 in base coordinates [m]."""
+        frame = frames_of(robot)[self.link]
+        return np.asarray(frame[:3, :3] @ np.array(self.point) + frame[:3, 3])
+
     def told(self, radius: float) -> _core.EnclosureSettings:
         """What the core is told besides, balls up to `radius` (scaled)."""
         return _core.EnclosureSettings(
@@ -69,6 +76,7 @@ class Setting:
         )
 
 
+@once
 def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     """Every setting worth trying for an arm and a task.
 
@@ -83,7 +91,7 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     found = []
     size = _size(robot)
     for link, home in _viewpoints(robot, task, rows):
-        frame = robot.home if link == len(robot.joints) + 1 else _frames(robot)[link]
+        frame = frames_of(robot)[link]
         point = frame[:3, :3].T @ (home - frame[:3, 3])
         arm = _arms(robot, link, home)
         moved, repeats = _moved(robot, link)
@@ -128,8 +136,9 @@ def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...]:
     return rows
 
 
-def _frames(robot: Robot) -> list[Array]:
-    return [np.eye(4), *(joint.frame for joint in robot.joints)]
+def frames_of(robot: Robot) -> list[Array]:
+    """(4, 4) poses at q = 0 of the base, of the frame of every link, and of the tip."""
+    return [np.eye(4), *(joint.frame for joint in robot.joints), robot.home]
 
 
 def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tuple[int, Array]]:
@@ -144,60 +153,41 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
         return
     middle = middle_of(robot)
     for link in range(1, joints):
-        before, after = _line(robot, link - 1), _line(robot, link)
-        yield from ((link, point) for point in _feet(before, after, middle))
+        yield from ((link, point) for point in _points_between(robot.joints[link - 1 : link + 1], middle))
 
 
 def middle_of(robot: Robot) -> Array:
     """A point amid the axes that does not move with the tool: the mean of the feet of their common perpendiculars."""
-    lines = [line for line in (_line(robot, i) for i in range(len(robot.joints))) if line is not None]
-    feet = [
-        np.mean(_feet(a, b, robot.home[:3, 3])[:2], axis=0)
-        for place, a in enumerate(lines) for b in lines[:place] if abs(a[1] @ b[1]) < 0.99
+    lines = [(joint.axis, joint.foot) for joint in robot.joints if not joint.slides]
+    middles = [
+        np.mean(feet(a, b), axis=0) for place, a in enumerate(lines) for b in lines[:place]
+        if abs(dot(a[0], b[0])) < 0.99
     ]  # fmt: skip
-    return np.asarray(np.mean(feet, axis=0)) if feet else robot.home[:3, 3]
+    return np.asarray(np.mean(middles, axis=0)) if middles else robot.home[:3, 3]
 
 
 def _size(robot: Robot) -> float:
     """Length from the first axis to the last; with slides, or where it is zero, the reach [m]."""
-    if any(joint.kind is JointKind.PRISMATIC for joint in robot.joints):
+    if any(joint.slides for joint in robot.joints):
         return reach(robot)
-    last = _line(robot, len(robot.joints) - 1)
-    start = robot.home[:3, 3] if last is None else last[0] + last[1] * (last[1] @ (middle_of(robot) - last[0]))
+    last = robot.joints[-1]
+    start = nearest((last.axis, last.foot), middle_of(robot))
     total = float(_arms(robot, len(robot.joints), start)[0])
     return total if total > 1e-6 * reach(robot) else reach(robot)
 
 
-def _line(robot: Robot, i: int) -> tuple[Array, Array] | None:
-    """Point and direction of axis i at q = 0; None for a slide."""
-    joint = robot.joints[i]
-    if joint.kind is JointKind.PRISMATIC:
-        return None
-    omega = joint.screw[3:]
-    return np.cross(omega, joint.screw[:3]), omega
-
-
-def _feet(
-    before: tuple[Array, Array] | None, after: tuple[Array, Array] | None, fallback: Array
-) -> list[Array]:
-    """Points of the common perpendicular of two axes: on the one, on the other, between."""
-    if before is None or after is None:
-        line = before or after
-        if line is None:
-            return [fallback]
-        return [line[0] + line[1] * (line[1] @ (fallback - line[0]))]
-    (p, z), (r, w) = before, after
-    normal = np.array([[1.0, -z @ w], [z @ w, -1.0]])
-    offset = r - p
-    if abs(np.linalg.det(normal)) < 1e-9:
-        s = float(z @ (fallback - p))
-        first, second = p + z * s, r + w * (w @ (p + z * s - r))
+def _points_between(joints: Sequence[Joint], middle: Array) -> list[Array]:
+    """Points of the common normal of two axes: on the one, on the other, between; slides have no axis."""
+    lines = [(joint.axis, joint.foot) for joint in joints if not joint.slides]
+    if len(lines) < 2:
+        return [nearest(lines[0], middle) if lines else middle]
+    before, after = lines
+    if 1.0 - dot(before[0], after[0]) ** 2 < 1e-9:  # parallel
+        first = nearest(before, middle)
+        second = nearest(after, first)
     else:
-        s, t = np.linalg.solve(normal, [z @ offset, w @ offset])
-        first, second = p + z * s, r + w * t
-    if np.linalg.norm(first - second) < 1e-9:
-        return [first]
-    return [first, second, (first + second) / 2]
+        first, second = feet(before, after)
+    return [first] if norm(first - second) < 1e-9 else [first, second, (first + second) / 2]
 
 
 def _arms(robot: Robot, link: int, home: Array) -> Array:
@@ -206,9 +196,9 @@ def _arms(robot: Robot, link: int, home: Array) -> Array:
     for order in (range(link, len(robot.joints)), range(link - 1, -1, -1)):
         at, total = home, 0.0
         for i in order:
-            line = _line(robot, i)
-            if line is not None:
-                point = line[0] + line[1] * (line[1] @ (at - line[0]))
+            joint = robot.joints[i]
+            if not joint.slides:
+                point = nearest((joint.axis, joint.foot), at)
                 size = float(np.linalg.norm(point) + np.linalg.norm(at))  # rounding is of this size, not of the length
                 total += float(np.linalg.norm(point - at)) * (1 + 1e-12) + 1e-14 * size
                 at = point
@@ -218,14 +208,10 @@ def _arms(robot: Robot, link: int, home: Array) -> Array:
 
 def _moved(robot: Robot, link: int) -> tuple[NDArray[np.bool_], float]:
     """(n,) whether any column depends on a variable; and √ of the largest number of joints driven by one."""
-    index = {joint.name: i for i, joint in enumerate(robot.variables)}
-    driver = [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+    drivers = robot.drivers
     matters = np.zeros(robot.n, dtype=np.bool_)
-    last = len(robot.joints) - 1
-    for i, variable in enumerate(driver):
-        if (link <= i < last) or (0 < i < link):
-            matters[variable] = True
-    return matters, float(np.sqrt(max(driver.count(variable) for variable in driver)))
+    matters[[*drivers[1:link], *drivers[link:-1]]] = True
+    return matters, float(np.sqrt(max(map(drivers.count, drivers))))
 
 
 def enclose(
@@ -237,6 +223,22 @@ def enclose(
         free (B,), radius (B,), bound B (B, r, r), Σ (B, r), U₁ (B, m, r), V₁ (B, n, r), M (B, N); see enclosure.hpp.
     """
     return _core.enclose(chain_of(robot), setting.view(robot), q, half, setting.told(radius), threads=threads)
+
+
+def viewed(robot: Robot, task: Task, corank: int = 1) -> Setting:
+    """The setting that certifies the largest balls at random configurations.
+
+    Args:
+        robot, task: the arm and what it does.
+        corank: that must not be reached in a ball: the setting's rank is the one that is kept then.
+
+    Raises:
+        OptionError: the arm or the task cannot be certified.
+    """
+    settings = [replace(one, rank=one.rank - corank + 1) for one in settings_for(robot, task)]
+    q = sample(robot, task, _TRIED, seed=7)
+    sizes = [float(np.median(enclose(robot, setting, q)[1])) for setting in settings]
+    return settings[int(np.argmax(sizes))]
 
 
 def regular(sigma: Array, bound: Array) -> NDArray[np.bool_]:

@@ -1,20 +1,29 @@
-"""`rankdrop analyze`: every family of singularities of an arm."""
+"""`rankdrop analyze`: every family of singularities of an arm.
+
+The tables, one per corank, are laid out like Tables 3–5 of AM. The layout gives way as the window narrows: lost
+directions in the row, then under the table; columns two blanks apart, then one; and where even that is too wide, a
+list.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import radians
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Parameter
+from rich import box
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
 
-from rankdrop.cli import exits
-from rankdrop.cli.arm import (
+from rankdrop import results, text, verbs
+from rankdrop.cli.command import (
     NO_IDEAL,
-    OUTPUT,
+    PROGRESS,
     ROBOT,
+    Done,
     IdealOptions,
     Output,
     arm_section,
@@ -23,28 +32,34 @@ from rankdrop.cli.arm import (
     near_line,
     of_ideal,
     open_ideal,
+    starts_line,
 )
-from rankdrop.cli.terminal import (
-    BAD,
-    check_targets,
-    hand_over,
-    print_sections,
-    reporter,
-    results,
-    show,
-    verdict_line,
-    write_json,
-    write_text,
-)
+from rankdrop.cli.terminal import BAD, answer_lines, screen
+from rankdrop.options import option
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    from rankdrop.results import Analysis
-    from rankdrop.task import Task
-    from rankdrop.verbs import Idealised
+    from rich.console import Console, RenderableType
 
+    from rankdrop.cli.terminal import Block
+    from rankdrop.family import CorankSummary, Derivation, Family
+    from rankdrop.robot import Robot
+    from rankdrop.task import Task
+
+_NAME_COLUMN = 28
+_LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
+_BOUNDLESS = 10_000
+_LONGEST_UNBROKEN = 6  # "0, π" and "±π/2" stay on one line
 OWN = "--ideal off analyses it alone"
+
+
+@dataclass(frozen=True)
+class Tables(Output):
+    """Which rows of the tables are shown, and where they go."""
+
+    all: Annotated[bool, option("Show every row of calibrated arms, not a few of each kind")] = False
+    latex: Annotated[str | None, option("Write the tables as LaTeX to this file; - for stdout", writes=())] = None
 
 
 @command
@@ -53,13 +68,10 @@ def analyze(
     /,
     *,
     options: AnalyzeOptions = AnalyzeOptions(),
-    all: Annotated[
-        bool, Parameter(negative=(), help="Show every row of calibrated arms, not a few of each kind.")
-    ] = False,
-    latex: Annotated[str | None, Parameter(help="Write the tables as LaTeX to this file; - for stdout.")] = None,
     arm: IdealOptions = NO_IDEAL,
-    output: Output = OUTPUT,
-) -> int:
+    output: Tables = Tables(),
+    report: PROGRESS,
+) -> Done:
     """Find every family of singularities of an arm.
 
     Per family: the values of its pinned joints, × for a free joint, c for a coupled one (the condition follows the
@@ -75,15 +87,13 @@ def analyze(
     """
     from rankdrop import analyze as run
 
-    check_targets({"--json": output.json, "--latex": latex})
     begun = monotonic()
-    model, task, made = open_ideal(robot, arm, arm.ideal, intended=True)
+    model, task, made = open_ideal(robot, arm, intended=True)
     within = radians(5.0) if options.within is None and options.limits else options.within
     options = replace(options, within=within or None)
-    offsets = arm.ideal is None and made is not None and not made.tolerance.angle
-    with reporter(quiet=output.quiet) as report:
-        analysis = run(model, task, options, progress=report)
-        own = run(made.real, task, options, progress=report) if made is not None and offsets else None
+    analysis = run(model, task, options, progress=report)
+    alone = made is not None and arm.ideal is None and not made.tolerance.angle
+    own = run(made.real, task, options, progress=report) if made is not None and alone else None
     nearby, *about_ideal = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
@@ -93,46 +103,129 @@ def analyze(
         verdict = of_ideal(analysis.verdict, made).to_dict()
         return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
 
-    hand_over(
-        lambda: _print(analysis, task, made, about_ideal, own, seconds=seconds, every=all),
-        (output.json, lambda target: write_json(record(), target)),
-        (latex, lambda target: write_text(analysis.latex(), target)),
-    )
-    if not analysis.complete or (analysis.exact is not None and analysis.exact.interrupted):
-        return exits.INTERRUPTED
-    return exits.FINE if analysis.verdict.holds else exits.UNEXPLAINED
+    return Done(
+        lambda: _blocks(analysis, task, made, about_ideal, own, seconds=seconds, every=output.all),
+        {"json": record, "latex": analysis.latex}, holds=analysis.verdict.holds,
+        complete=analysis.complete and not (analysis.exact is not None and analysis.exact.interrupted),
+    )  # fmt: skip
 
 
-def _print(
-    analysis: Analysis, task: Task, made: Idealised | None, about_ideal: Sequence[Sequence[Section]],
-    own: Analysis | None, *, seconds: float, every: bool,
-) -> None:  # fmt: skip
-    from rich.text import Text
-
-    from rankdrop.cli.table import corank_section
-    from rankdrop.results import sampled, unseen
-    from rankdrop.text import agreement, legend, near_overview
-
-    console, settings, (moved, there) = results(), analysis.settings, about_ideal
-    where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
-    starts = {"starts": f"{settings.starts:,} per corank {where}, seed {settings.seed}"}
-    starts |= near_line(analysis.robot, made)
-    verdict = verdict_line(of_ideal(analysis.verdict, made))
-    show(console, [verdict, ""])
-    show(console, arm_section(analysis.robot, task, analysis.generic_rank, starts))
-    show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
-    print_sections(moved, first=False)
-    for summary in analysis.coranks:
-        show(console, corank_section(console, analysis, summary, every=every))
-    print_sections(there, first=False)
+def _blocks(
+    analysis: results.Analysis, task: Task, made: verbs.Idealised | None, about_ideal: Sequence[Sequence[Section]],
+    own: results.Analysis | None, *, seconds: float, every: bool,
+) -> Iterator[Block]:  # fmt: skip
+    console, settings, (moved, there) = screen(), analysis.settings, about_ideal
+    answer = answer_lines(analysis.answer, of_ideal(analysis.verdict, made))
+    starts = starts_line(f"{settings.starts:,} per corank", settings.seed, limits=settings.limits)
+    yield answer
+    yield arm_section(analysis.robot, task, analysis.generic_rank, starts | near_line(analysis.robot, made))
+    yield from ([Text(note, style="bold yellow")] for note in analysis.notes)
+    yield from moved
+    yield from (corank_section(console, analysis, summary, every=every) for summary in analysis.coranks)
+    yield from there
     if own is not None:
-        show(console, [Text(f"\nThe arm with the file's own numbers ({OWN})", style="bold")])
-        for summary in own.coranks:
-            show(console, corank_section(console, own, summary, every=every))
-    key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
-    compared = agreement(analysis.exact, analysis.robot, analysis.families)
-    lines = [Text(line, style=BAD if differs else "") for line, differs in compared]
+        yield [Text(f"The arm with the file's own numbers ({OWN})", style="bold")]
+        yield from (corank_section(console, own, summary, every=every) for summary in own.coranks)
     if analysis.near is not None and analysis.families:
-        print_sections([near_overview(analysis.near, analysis.families)], first=False)
-    checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))
-    show(console, [*key, *([""] if lines else []), *lines, "", checked, "", verdict])
+        yield text.near_overview(analysis.near, analysis.families)
+    if analysis.families:
+        yield [Text(text.legend(analysis.robot, analysis.families), style="dim")]
+    if analysis.exact is not None:
+        compared = text.agreement(analysis.exact, analysis.robot, analysis.families)
+        yield [Text(line, style=BAD if differs else "") for line, differs in compared]
+    checked = (text.sampled(analysis), text.unseen(analysis), f"Time taken: {seconds:.1f} s.")
+    yield [" ".join(filter(None, checked))]
+    yield answer
+
+
+def corank_section(
+    console: Console, analysis: results.Analysis, summary: CorankSummary, *, every: bool = False
+) -> Iterator[RenderableType]:
+    """One corank: title, table with its footnotes, and what the starts did.
+
+    Of very many rows, those of calibrated arms, a few are shown and the others counted by their kind, unless `every`
+    one is asked for.
+    """
+    rows, robot, limits = analysis.of_corank(summary.corank), analysis.robot, analysis.settings.limits
+    shown = dict(enumerate(rows, start=1)) if every else text.examples(rows)
+    title = Text.assemble((f"Corank {summary.corank}", "bold"), f" (rank {summary.rank} of {analysis.generic_rank}): ")
+    if not rows:
+        yield title.append(text.nothing_found(summary))
+    else:
+        share = summary.completeness
+        failed = "" if share.agree == share.tested else BAD
+        yield title.append(f"{text.number_of(rows)}, ").append(text.explained(share), failed)
+        kept = {i: text.within(row, robot, limits=limits) for i, row in shown.items()}
+        yield from _rows(console, robot, kept, analysis.exact, lost=len(shown) == len(rows))
+    if len(shown) < len(rows):
+        others = [row for number, row in enumerate(rows, start=1) if number not in shown]
+        yield Text(text.folded(robot, others), style="dim")
+    yield Text(text.starts(summary), style="dim")
+
+
+def _rows(
+    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Derivation | None, *, lost: bool
+) -> Iterator[RenderableType]:
+    """The table as the window has room for it; each row comes with what of it lies outside the limits."""
+    shown = {number: row for number, (row, _) in kept.items()}
+    roomy, tight = _family_table(robot, shown, gap=1), _family_table(robot, shown, gap=0)
+    boundless = console.options.update(max_width=_BOUNDLESS)
+    wide = lost and console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN
+    fitting = [one for one in (roomy, tight) if Measurement.get(console, boundless, one).minimum <= console.width]
+    if wide:
+        yield _family_table(robot, shown, gap=1, lost=True)
+    else:
+        yield fitting[0] if fitting else _family_list(robot, shown)
+    notes = _grid("right", "left", "left", fixed=2)
+    for index, (row, outside) in kept.items():
+        for place, (label, line) in enumerate(text.footnotes(robot, row, outside, exact, lost=lost and not wide)):
+            notes.add_row(str(index) if place == 0 else "", label, line)
+    if notes.row_count:
+        yield from ("", notes)
+
+
+def _grid(*sides: Literal["left", "right"], fixed: int) -> Table:
+    """A table without lines, the first `fixed` columns not wrapped."""
+    grid = Table.grid(padding=(0, 1, 0, 0))
+    for number, side in enumerate(sides):
+        grid.add_column(justify=side, no_wrap=number < fixed)
+    return grid
+
+
+def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
+    rows = tuple(shown.values())
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), pad_edge=False, show_edge=False)
+    every = [one for one in text.columns(robot, rows[0].corank) if lost or one.key != "lost"]
+    for one in every:
+        if one.key == "lost":
+            table.add_column(one.title, ratio=1)
+        elif one.holds == text.WORDS:
+            widest = max(len(line) for row in rows for line in text.lines_of(one, row))
+            table.add_column(one.title, min_width=min(14, widest), max_width=_NAME_COLUMN)
+        elif one.holds == text.JOINT:
+            widest = max(_unbroken(text.broken(one, row)) for row in rows)
+            table.add_column(one.title, justify="center", min_width=widest)
+        else:
+            table.add_column(one.title, justify="right", no_wrap=True, min_width=len(one.title))
+    for index, row in shown.items():
+        table.add_row(*(str(index) if one.key == "id" else _cell(one, row) for one in every))
+    return table
+
+
+def _cell(column: text.Column, row: Family) -> Text:
+    return Text(text.broken(column, row), style=BAD if column.failed(row) else "")
+
+
+def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
+    grid = _grid("right", "left", fixed=1)
+    for index, row in shown.items():
+        cells = {one.key: one for one in text.columns(robot, row.corank)}
+        line = Text.assemble(_cell(cells["name"], row), f": {text.asked(robot, row)}")
+        for number, one in enumerate(one for one in cells.values() if one.holds == text.NUMBER and one.key != "id"):
+            line.append(f"{', ' if number else '; '}{one.title} ").append_text(_cell(one, row))
+        grid.add_row(str(index), line)
+    return grid
+
+
+def _unbroken(cell: str) -> int:
+    return len(cell) if len(cell) <= _LONGEST_UNBROKEN else max(map(len, cell.split()))

@@ -7,20 +7,10 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from rankdrop import designs, jobs
 from rankdrop.cli import exits
-from rankdrop.cli.arm import OUTPUT, Output, command
-from rankdrop.cli.terminal import (
-    STDOUT,
-    check_targets,
-    hand_over,
-    kept,
-    print_sections,
-    reporter,
-    say,
-    write_bytes,
-    write_json,
-    write_text,
-)
+from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, Done, Output, command
+from rankdrop.cli.terminal import STDOUT, kept, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
@@ -34,8 +24,12 @@ class SweepOptions(Options):
         option("Folder for finished parts, with a journal: after an interruption run the same command to continue"),
     ] = None
     parquet: Annotated[bool, option("Write the tables `variants` and `families` as Parquet into --out")] = False
-    figure: Annotated[str | None, option("Draw every measure as a map over two parameters: .svg, .png or .pdf")] = None
-    html: Annotated[str | None, option("Write a page that stands alone, with maps and every variant: .html")] = None
+    figure: Annotated[
+        str | None, option("Draw every measure as a map over two parameters: .svg, .png or .pdf", writes=DRAWN)
+    ] = None  # fmt: skip
+    html: Annotated[
+        str | None, option("Write a page that stands alone, with maps and every variant: .html", writes=PAGES)
+    ] = None  # fmt: skip
     over: Annotated[str | None, option("The two parameters of the maps: upper_arm,offset; else the first two")] = None
     every: Annotated[bool, option("Every variant in the table, not only the Pareto-optimal ones", name="--all")] = False
     precision: (
@@ -61,7 +55,8 @@ def sweep(
     *,
     options: SweepOptions = SweepOptions(),
     output: Output = OUTPUT,
-) -> int:
+    report: PROGRESS,
+) -> Done | int:
     """Measure many variants of an arm.
 
     Lengths, angles, offsets, base or tool are parameters. Per variant what the file asks for: families, and how they
@@ -80,40 +75,35 @@ def sweep(
     same command continues; 2: bad input.
     """
     from rankdrop import sweep as run
-    from rankdrop.designs import write_tables
-    from rankdrop.jobs import progress_of
-    from rankdrop.report.design_page import design_figure, design_page
-    from rankdrop.report.figures import rendered
-
     if options.status is not None:
-        write_text(f"{progress_of(options.status).sentence}\n", STDOUT)
+        write_text(f"{jobs.progress_of(options.status).sentence}\n", STDOUT)
         return exits.FINE
-    check_targets(
-        {"--json": output.json, "--figure": options.figure, "--html": options.html},
-        {"--figure": (".svg", ".png", ".pdf"), "--html": (".html", ".htm")},
-    )
     name = _checked(spec, options)
     try:
-        with reporter(quiet=output.quiet) as report:
-            found = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
-                        precision=options.precision, report=report)  # fmt: skip
+        found = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
+                    precision=options.precision, report=report)  # fmt: skip
     except KeyboardInterrupt:
         say(f"interrupted: {kept(options.out)}")
         return exits.INTERRUPTED
 
-    def draw(target: str) -> None:
-        ending = target.rpartition(".")[2].lower()
-        write_bytes(rendered(design_figure(found, options.axes), ending), target)
+    def figure() -> bytes:
+        from rankdrop.report.design_page import design_figure
+        from rankdrop.report.figures import rendered
 
-    hand_over(
-        lambda: print_sections(found.sections(every=options.every)),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-        (options.figure, draw),
-        (options.html, lambda target: write_text(design_page(found, options.axes), target)),
-        (options.out if options.parquet else None,
-         lambda folder: say("Parquet: {}, {}".format(*write_tables(found, folder)))),
-    )  # fmt: skip
-    return exits.FINE if found.holds else exits.UNEXPLAINED
+        assert options.figure is not None
+        return rendered(design_figure(found, options.axes), options.figure.rpartition(".")[2].lower())
+
+    def page() -> str:
+        from rankdrop.report.design_page import design_page
+
+        return design_page(found, options.axes)
+
+    def tables() -> None:
+        if options.parquet:
+            say("Parquet: {}, {}".format(*designs.write_tables(found, str(options.out))))
+
+    files = {"json": found.to_dict, "figure": figure, "html": page}
+    return Done(lambda: found.sections(every=options.every), files, holds=found.holds, last=tables)
 
 
 def _checked(spec: str | None, options: SweepOptions) -> str:
@@ -122,8 +112,6 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
     Raises:
         OptionError: no specification, or no folder for what needs one.
     """
-    from rankdrop.designs import check_tables
-
     if spec is None:
         raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER")
     if options.out == STDOUT:
@@ -131,7 +119,7 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
     if options.parquet and options.out is None:
         raise OptionError("the tables need a folder", where="--parquet", mend="name one with --out")
     if options.parquet:
-        check_tables()
+        designs.check_tables()
     return spec
 
 
@@ -144,6 +132,9 @@ class CompareOptions(Options):
                     "first arm's")
     ] = None  # fmt: skip
     within: Annotated[str, option("Report the share of the joint space within this distance of singularities")] = "5deg"
+    speed: Annotated[
+        str | None, option("Report the share inside the limits where the tool is slower along a line (25mm/s)")
+    ] = None
     lower: Annotated[str | None, option("Corner of a box of the workspace, in the base frame: x,y,z [m]; 300mm")] = None
     upper: Annotated[str | None, option("The opposite corner")] = None
     rpy: Annotated[str | None, option("Orientation of the tool in the box: roll,pitch,yaw; else any")] = None
@@ -174,7 +165,13 @@ class CompareOptions(Options):
         Raises:
             OptionError: a corner or an orientation is not three quantities.
         """
-        asked: dict[str, Any] = {"families": {"starts": self.starts, "fresh": 1000}, "near": {"within": self.within}}
+        asked: dict[str, Any] = {
+            "task": self.task, "length_scale": self.length_scale, "limits": self.limits, "seed": self.seed,
+            "as_written": self.as_written, "families": {"starts": self.starts, "fresh": 1000},
+            "near": {"within": self.within},
+        }  # fmt: skip
+        if self.speed is not None:
+            asked["slow"] = {"speed": self.speed}
         if self.lower is not None or self.upper is not None:
             region = {"lower": _three(self.lower, "--lower"), "upper": _three(self.upper, "--upper")}
             turned = {} if self.rpy is None else {"rpy": _three(self.rpy, "--rpy")}
@@ -191,7 +188,8 @@ def compare(
     *arms: Annotated[str, Parameter(help="Names in the catalogue (`rankdrop robots`) or files.")],
     options: CompareOptions = CompareOptions(),
     output: Output = OUTPUT,
-) -> int:
+    report: PROGRESS,
+) -> Done:
     """Compare arms for the same task.
 
     Two to ten arms, by the same measures: families, the share of the joint space near them, and on request σ over a
@@ -205,24 +203,12 @@ def compare(
 
     Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
     """
-    from rankdrop.designs import asks_of, side_by_side
-
-    check_targets({"--json": output.json})
-    asks = asks_of(options.document(), file="the command line")
-    with reporter(quiet=output.quiet) as report:
-        found = side_by_side(
-            arms, asks, task=options.task, length_scale=options.length_scale, limits=options.limits, seed=options.seed,
-            as_written=options.as_written, workers=options.workers, scheduler=options.scheduler, report=report,
-        )  # fmt: skip
-    hand_over(
-        lambda: print_sections(found.sections()),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
-    return exits.FINE if found.holds else exits.UNEXPLAINED
+    found = designs.side_by_side(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
+                                 report=report)  # fmt: skip
+    return Done(found.sections, {"json": found.to_dict}, holds=found.holds)
 
 
 def _three(text: str | None, option: str) -> list[float | str]:
-
     words = [] if text is None else [word.strip() for word in text.split(",")]
     if len(words) != 3:
         raise OptionError("it is three numbers", where=option, got=text, allowed="such as 0.3,-0.3,0.1")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from rankdrop import local, results, text, verbs
 from rankdrop.cli import exits
-from rankdrop.cli.arm import (
+from rankdrop.cli.command import (
     NO_IDEAL,
     NO_TOOL,
     ROBOT,
+    Done,
     IdealOptions,
     Output,
     Q,
@@ -19,16 +23,15 @@ from rankdrop.cli.arm import (
     open_ideal,
     parse_configuration,
 )
-from rankdrop.cli.proof import in_words, model_tolerance, of_place, save_certificate
-from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, results, show, write_json
+from rankdrop.cli.proof import in_words, model_tolerance, of_place
+from rankdrop.cli.terminal import say
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions
 from rankdrop.sections import Section
-from rankdrop.tolerances import EVALUATIONS
+from rankdrop.tolerances import DEFAULT, EVALUATIONS
 
 if TYPE_CHECKING:
-    from rankdrop.results import Explanation
-    from rankdrop.verbs import Here, Idealised
+    from rankdrop.cli.terminal import Block
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class Parts(Output):
         bool, option("With --only escape: Gallardo-Alvarado and Rico-Martinez's procedure, and where it goes wrong")
     ] = False
     certificate: Annotated[
-        str | None, option("File for `rankdrop verify`: the ball proven to be free, or the proof that q is singular")
+        str | None,
+        option("File for `rankdrop verify`: the ball proven to be free, or the proof that q is singular", writes=()),
     ] = None
     model_tolerance: Annotated[
         str | None, option("The ball holds for every arm so near to this one, joint by joint: 0.3mm,1mrad")
@@ -56,6 +60,7 @@ class Parts(Output):
 
 
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
+STOPPED = "interrupted: the certified radius could have become larger"
 BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
 
 
@@ -69,7 +74,7 @@ def explain(
     options: ExplainOptions = ExplainOptions(),
     arm: IdealOptions = NO_IDEAL,
     output: Parts = Parts(),
-) -> int:
+) -> Done:
     """Explain a configuration: what is lost, how to get out.
 
     With --only escape: the joints that lead out, which way and how far, and those that cannot. With --only nearest:
@@ -86,71 +91,67 @@ def explain(
     found; 3: none. 2: bad input.
     """
     from rankdrop import explain as run
-    from rankdrop.local import OrderedScrewSet, render, report
-    from rankdrop.results import Analysis
-    from rankdrop.tolerances import DEFAULT
-    from rankdrop.verbs import here
 
-    check_targets({"--json": output.json, "--certificate": output.certificate})
     near = model_tolerance(output.model_tolerance)
-    model, task, made = open_ideal(robot, arm, arm.ideal, tool.tcp, deg=tool.deg)
+    model, task, made = open_ideal(robot, arm, tool)
     budget = BUDGET[output.only] if options.evaluations == EVALUATIONS else options.evaluations
     coranks = 6 if output.only == "nearest" else options.coranks
     found = run(
         model, parse_configuration(q, model, deg=tool.deg), task, replace(options, evaluations=budget, coranks=coranks),
-        analysis=None if output.analysis is None else Analysis.load(output.analysis),
+        analysis=None if output.analysis is None else results.Analysis.load(output.analysis),
         tolerances=DEFAULT if output.tolerance is None else replace(DEFAULT, singular=output.tolerance),
     )  # fmt: skip
-    beside = None if made is None else here(made, found)
+    here = None if made is None else verbs.here(made, found)
     proven = None if output.certificate is None and near is None else of_place(found, near, budget)
-    procedure = report(OrderedScrewSet.of(found.robot, found.q), options.seed) if output.lie else None
+    procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed) if output.lie else None
 
-    def to_stdout() -> None:
+    def blocks() -> list[Block]:
         certified = [] if proven is None or output.only != "nearest" else [Section("certificate", in_words(proven))]
-        print_sections([*_sections(found, made, beside, output), *certified])
-        show(results(), [] if procedure is None else ["", render(procedure)])
+        lie: list[Block] = [] if procedure is None else [[text.procedure_text(procedure)]]
+        return [*_sections(found, made, here, output), *certified, *lie]
 
-    hand_over(
-        to_stdout,
-        (output.json, lambda target: write_json(_record(found, made, beside, procedure, output.only), target)),
-        (output.certificate, lambda target: save_certificate(proven, target)),
-    )
-    return interrupted(found) or _code(found, output.only)
+    return Done(
+        blocks,
+        {"json": lambda: _record(found, made, here, procedure, output.only),
+         "certificate": lambda: proven},
+        last=partial(say, STOPPED) if stopped_early(found) else None,
+        code=exits.INTERRUPTED if stopped_early(found) else _code(found, output.only),
+    )  # fmt: skip
+
+
+def stopped_early(found: results.Explanation) -> bool:
+    """Whether Ctrl-C ended the proof early; what was proven holds."""
+    return found.far.certificate is not None and not found.far.certificate.complete
 
 
 def _sections(
-    found: Explanation, made: Idealised | None, beside: Here | None, output: Parts
-) -> tuple[Section, ...] | list[Section]:
-    from rankdrop.verbs import here_section, moved_section
-
+    found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, output: Parts
+) -> Iterable[Section]:
     if output.only == "nearest":
         return found.sections(parts=("summary", "far", "numbers"), full=True)
     if output.only == "escape":
-        parts = (
-            ("summary", "escape", "lost", "blame", "numbers") if output.full else ("summary", "escape", "lost", "more")
-        )
-        return found.sections(parts=parts, full=output.full)
+        rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
+        return found.sections(parts=("summary", "escape", *rest), full=output.full)
     more = found.sections(parts=("more",), full=output.full)
     first, *sections = (*found.sections(full=output.full), *more)
-    if made is not None and beside is not None:
-        sections[:0] = [here_section(made, beside), *([moved_section(made)] if output.full else [])]
+    if made is not None and here is not None:
+        sections[:0] = [verbs.here_section(made, here), *([verbs.moved_section(made)] if output.full else [])]
     sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
     return [first, *sections]
 
 
 def _record(
-    found: Explanation, made: Idealised | None, beside: Here | None, procedure: Any, only: str | None
+    found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, procedure: Any, only: str | None
 ) -> dict[str, Any]:
-    from rankdrop.codec import record_of
-    from rankdrop.results import plain
+    from rankdrop.codec import plain, record_of
 
     if only is not None:
         return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})
-    nearby = {} if made is None or beside is None else {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
+    nearby = {} if made is None or here is None else {"ideal": {**made.to_dict(found.task), "here": plain(here)}}
     return found.to_dict() | nearby
 
 
-def _code(found: Explanation, only: str | None) -> int:
+def _code(found: results.Explanation, only: str | None) -> int:
     if only is None:
         return EXIT[found.verdict]
     out = any(one.order is not None for one in found.escape.single) or found.escape.best_direction.restores

@@ -25,7 +25,7 @@ try:
     import errno
     import io
     import traceback
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from threading import current_thread, main_thread
     from types import FrameType
     from typing import Literal
@@ -40,7 +40,7 @@ try:
     )
 
     from rankdrop.cli import exits
-    from rankdrop.cli.arm import Help, prose
+    from rankdrop.cli.command import Help, prose
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
@@ -79,7 +79,7 @@ GROUPS = {
 """Group -> command -> its line in the help. The file of a command is imported when the command is typed."""
 FILES = {
     **dict.fromkeys(GROUPS["Design"], "design"), **dict.fromkeys(("cover", "verify"), "proof"),
-    **dict.fromkeys(GROUPS["Export"], "export"), **dict.fromkeys(GROUPS["Research"], "research"),
+    **dict.fromkeys(("robots", *GROUPS["Export"]), "arms"), **dict.fromkeys(GROUPS["Research"], "research"),
 }  # fmt: skip
 """Command -> its file, where several share one; else the file has the name of the command."""
 COMMANDS = tuple(name for commands in GROUPS.values() for name in commands)
@@ -212,10 +212,20 @@ def _expand(argv: Sequence[str]) -> list[str]:
         return [*words[1:], "--help"]
     if words in (["-v"], ["-V"]):
         return ["--version"]
+    if words[:1] == ["robots"]:
+        words = list(_printed_json(words))
     first, *rest = ALIASES.get(words[0], (words[0],)) if words else ("--help",)
     full = ["--full"] if {"-v", "--verbose"} & set(words) and "--full" in _options(first) else []
     plain = {"--degrees": ["--deg"], "-v": full, "--verbose": full}
     return [first, *(one for word in words[1:] for one in plain.get(word, [word])), *rest]
+
+
+def _printed_json(words: Sequence[str]) -> Iterator[str]:
+    """The words of `rankdrop robots`, whose --json needs no file name: it is for stdout then."""
+    for word, following in zip(words, [*words[1:], ""], strict=True):
+        yield word
+        if word == "--json" and following != "-" and not following.endswith(".json"):
+            yield "-"
 
 
 def _run(argv: Sequence[str]) -> int:

@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+from rankdrop import certify, jobs, motion, results, text
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Output, ToolOptions, command, open_arm, parse_configuration
-from rankdrop.cli.proof import model_tolerance, save_certificate
-from rankdrop.cli.terminal import (
-    STDOUT,
-    check_targets,
-    hand_over,
-    print_sections,
-    reporter,
-    say,
-    write_bytes,
-    write_json,
-    write_text,
+from rankdrop.cli.command import (
+    DRAWN,
+    NO_OPTIONS,
+    PAGES,
+    ArmOptions,
+    Done,
+    Output,
+    ToolOptions,
+    command,
+    open_arm,
+    parse_configuration,
 )
+from rankdrop.cli.proof import model_tolerance
+from rankdrop.cli.terminal import STDOUT, kept, reporter, say, write_text
 from rankdrop.errors import OptionError
-from rankdrop.motion import PathOptions, RemedyOptions
 from rankdrop.options import Options, option
+from rankdrop.questions import PathOptions, RemedyOptions
 from rankdrop.sections import Section
-
-if TYPE_CHECKING:
-    from rankdrop.certify import ModelTolerance
-    from rankdrop.motion import Mending, PathCheck
-    from rankdrop.results import Analysis
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,8 @@ class Remedies(RemedyOptions):
         float, option("Limit of joint accelerations [rad/s², m/s²], for new time laws; arms state none", gt=0)
     ] | None = None  # fmt: skip
     fixed: Annotated[
-        str | None, option("Write the first path that is proven free here, or retimed: .csv, .npz, .json")
+        str | None, option("Write the first path that is proven free here, or retimed: .csv, .npz, .json",
+                           writes=(".csv", ".npz", ".json"))
     ] = None  # fmt: skip
 
     @property
@@ -93,25 +92,26 @@ class PathOutput(Output):
 
     full: Annotated[bool, option("Print every crossing and every free stretch")] = False
     figure: Annotated[
-        str | None, option("Draw distance, singular value and joint rates along the path: .svg, .png or .pdf")
+        str | None,
+        option("Draw distance, singular value and joint rates along the path: .svg, .png or .pdf", writes=DRAWN),
+    ] = None
+    html: Annotated[
+        str | None, option("Write a page that stands alone, with the arm playing the path: .html", writes=PAGES)
     ] = None  # fmt: skip
-    html: Annotated[str | None, option("Write a page that stands alone, with the arm playing the path: .html")] = None
     rows: Annotated[
         str | None, option("Write a table, one line for each row: .parquet, .json or .csv. Units are in the names of "
-                           "the columns")
+                           "the columns", writes=(".parquet", ".json", ".csv"))
     ] = None  # fmt: skip
     certificate: Annotated[
         str | None, option("Write what is proven to this file, for `rankdrop verify`: the path, its free spans and "
-                           "crossings")
+                           "crossings", writes=())
     ] = None  # fmt: skip
     model_tolerance: Annotated[
         str | None, option("Prove the path free for every arm so near to this one, joint by joint: 0.3mm,1mrad")
     ] = None  # fmt: skip
 
 
-PLAIN_CHECK, NO_REMEDIES, PLAIN_INPUT, ONE_FILE, TEXT_ONLY = (
-    PathOptions(), Remedies(), Input(), ManyFiles(), PathOutput()
-)  # fmt: skip
+NO_REMEDIES = Remedies()
 OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 """Outputs of a single path."""
 
@@ -122,12 +122,12 @@ def path(
     /,
     *files: str,
     arm: ArmOptions = NO_OPTIONS,
-    source: Input = PLAIN_INPUT,
-    check: PathOptions = PLAIN_CHECK,
+    source: Input = Input(),
+    check: PathOptions = PathOptions(),
     mend: Remedies = NO_REMEDIES,
-    many: ManyFiles = ONE_FILE,
-    output: PathOutput = TEXT_ONLY,
-) -> int:
+    many: ManyFiles = ManyFiles(),
+    output: PathOutput = PathOutput(),
+) -> Done | int:
     """Check a path for singularities, between its samples too.
 
     Free, crossing one, touching one, too fast, outside joint limits, or undecided.
@@ -158,66 +158,35 @@ def path(
             the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
             with poses.
     """
-    from rankdrop.jobs import progress_of
-    from rankdrop.motion import (
-        FORMATS,
-        WRITTEN,
-        PathQuestion,
-        check_files,
-        check_format,
-        many_section,
-        paths_to_dict,
-    )
-    from rankdrop.results import Analysis
-
     if many.status is not None:
-        write_text(f"{progress_of(many.status).sentence}\n", STDOUT)
+        write_text(f"{jobs.progress_of(many.status).sentence}\n", STDOUT)
         return exits.FINE
-    check_targets(
-        {"--json": output.json, "--figure": output.figure, "--html": output.html, "--rows": output.rows,
-         "--fixed": mend.fixed, "--certificate": output.certificate},
-        {"--figure": (".svg", ".png", ".pdf"), "--html": (".html", ".htm"), "--rows": FORMATS, "--fixed": WRITTEN},
-    )  # fmt: skip
     near = model_tolerance(output.model_tolerance)
     if output.rows is not None:
-        check_format(output.rows)
+        motion.check_format(output.rows)
     name, found = _files(robot, files)
     several = len(found) > 1 or many.out is not None or many.scheduler is not None
     if several:
         _check_several(output, mend)
-    model, task = open_arm(name, arm, source.tcp, deg=source.deg)
-    start = (
-        None
-        if source.start is None
-        else tuple(parse_configuration(source.start, model, deg=source.deg, option="--start"))
-    )
-    families = None if source.analysis is None else Analysis.load(source.analysis)
-    question = PathQuestion(task, families, check, source.deg, source.topic, start)
-    if not several:
-        from rankdrop.motion import check_file, mend_path
-
-        with reporter(quiet=output.quiet) as report:
-            result = check_file(
-                model, found[0], question, say=say,
-                progress=lambda done, total: report(f"{found[0].name}: stretches decided", done, total),
-            )  # fmt: skip
-            remedies = None
-            if mend.wanted and result.complete:
-                remedies = mend_path(
-                    result, analysis=families, acceleration=mend.acceleration,
-                    options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
-                    progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
-                )  # fmt: skip
-        return _hand_over_one(result, remedies, near, families, output, mend.fixed, found[0])
+    model, task = open_arm(name, arm, source)
+    given = [] if source.start is None else [source.start]
+    start = [tuple(parse_configuration(one, model, deg=source.deg, option="--start")) for one in given]
+    families = None if source.analysis is None else results.Analysis.load(source.analysis)
+    question = motion.PathQuestion(task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
-        checked = check_files(model, found, question, out=many.out, workers=many.workers, scheduler=many.scheduler,
-                              report=report)  # fmt: skip
-    for line in (line for one in checked for line in one["said"]):
-        say(line)
-
-    hand_over(lambda: print_sections([many_section(checked)]),
-              (output.json, lambda target: write_json(paths_to_dict(model, checked), target)))  # fmt: skip
-    return _worst(checked, len(found), many.out)
+        if several:
+            checked = motion.check_files(model, found, question, out=many.out, workers=many.workers,
+                                         scheduler=many.scheduler, report=report)  # fmt: skip
+            return _of_several(model, checked, len(found), many.out)
+        progress = partial(report, f"{found[0].name}: stretches decided")
+        result, remedies = motion.check_file(model, found[0], question, say=say, progress=progress), None
+        if mend.wanted and result.complete:
+            remedies = motion.mend_path(
+                result, analysis=families, acceleration=mend.acceleration,
+                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
+                progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
+            )  # fmt: skip
+    return _of_one(result, remedies, near, families, output, mend.fixed, found[0])
 
 
 def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
@@ -226,16 +195,18 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
     Raises:
         OptionError: none is named, or a folder holds none.
     """
-    from rankdrop.motion import ENDINGS, is_bag, trajectories_in
-
     if robot is None or not names:
         raise OptionError("no file is named", where="FILE", mend="rankdrop path ROBOT FILE",
                           allowed="trajectory files, or folders of them; or --status FOLDER")  # fmt: skip
     found: list[Path] = []
-    for name in names:
-        inside = [Path(name)] if not Path(name).is_dir() or is_bag(Path(name)) else trajectories_in(Path(name))
+    if Path(robot).suffix.lower() in motion.ENDINGS and not Path(names[0]).exists():
+        raise OptionError("the arm is named first, then its files", where="ROBOT", got=robot,
+                          mend=f"rankdrop path {names[0]} {robot}")  # fmt: skip
+    for path in map(Path, names):
+        inside = [path] if not path.is_dir() or motion.is_bag(path) else motion.trajectories_in(path)
         if not inside:
-            raise OptionError("there is no trajectory in the folder", where=name, allowed=", ".join(ENDINGS))
+            raise OptionError("there is no trajectory in the folder", where=str(path),
+                              allowed=", ".join(motion.ENDINGS))  # fmt: skip
         found += inside
     return robot, found
 
@@ -246,73 +217,70 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
     Raises:
         OptionError: of several files, remedies or an output of one path are asked for.
     """
-
-    asked = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
-    for name in (["--remedies"] if mend.wanted else []) + asked:
+    given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
+    for name in (["--remedies"] if mend.wanted else []) + given:
         raise OptionError("this option is for one path", where=name, mend="name one file, without --out")
 
 
-def _hand_over_one(
-    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, families: Analysis | None,
-    output: PathOutput, fixed: str | None, file: Path,
-) -> int:  # fmt: skip
-    from rankdrop.motion import path_certificate, path_rows, proven_for_near_arms, rows_file
+def _of_one(
+    result: motion.PathCheck, remedies: motion.Mending | None, near: certify.ModelTolerance | None,
+    families: results.Analysis | None, output: PathOutput, fixed: str | None, file: Path,
+) -> Done:  # fmt: skip
+    proven = near is not None and result.complete and result.clear and motion.proven_for_near_arms(result, near)
+    complete = result.complete and (remedies is None or remedies.complete)
 
-    sections = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
-    kept = near is not None and result.complete and result.clear and proven_for_near_arms(result, near)
-    if near is not None:
-        within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
-        arms = f"for every arm within {within} of this one, joint by joint"
-        sections.append(Section("model", f"free {arms}: {'proven' if kept else 'not proven'}"))
-    wanted = output.certificate is not None and result.complete
-    proven = path_certificate(result, near if kept else None, file=file) if wanted else None
-    record = result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()})
+    def sections() -> list[Section]:
+        found = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
+        if near is not None:
+            within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
+            arms = f"for every arm within {within} of this one, joint by joint"
+            found.append(Section("model", f"free {arms}: {'proven' if proven else 'not proven'}"))
+        return found
 
-    def draw(target: str) -> None:
+    def figure() -> bytes:
         from rankdrop.report.figures import rendered
         from rankdrop.report.path_page import path_figure
 
-        write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
+        return rendered(path_figure(result), Path(output.figure or "").suffix.lower()[1:])
 
-    def write_page(target: str) -> None:
+    def page() -> str:
         from rankdrop.report.path_page import path_page
 
-        write_text(path_page(result), target)
+        return path_page(result)
 
-    hand_over(
-        lambda: print_sections(sections),
-        (output.certificate, lambda target: save_certificate(proven, target)),
-        (output.json, lambda target: write_json(record, target)),
-        (fixed, lambda target: None if remedies is None else _write_fixed(remedies, target)),
-        (output.figure, draw),
-        (output.html, write_page),
-        (output.rows, lambda target: write_bytes(rows_file(path_rows(result, families), target), target)),
-    )
-    if not result.complete or (remedies is not None and not remedies.complete):
-        say("interrupted: what was proven so far holds")
-        return exits.INTERRUPTED
-    return exits.FINE if result.holds and (near is None or kept) else exits.UNEXPLAINED
+    files = {
+        "certificate": lambda: motion.path_certificate(result, near if proven else None, file=file)
+        if result.complete else None,
+        "json": lambda: result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()}),
+        "fixed": lambda: None if remedies is None or fixed is None else _fixed(remedies, fixed),
+        "figure": figure,
+        "html": page,
+        "rows": lambda: motion.rows_file(motion.path_rows(result, families), output.rows or ""),
+    }  # fmt: skip
+    return Done(
+        sections, files, holds=result.holds and (near is None or proven), complete=complete,
+        last=None if complete else partial(say, "interrupted: what was proven so far holds"),
+    )  # fmt: skip
 
 
-def _write_fixed(mending: Mending, target: str) -> None:
-    from rankdrop.motion import trajectory_bytes
-
+def _fixed(mending: motion.Mending, target: str) -> bytes | None:
+    """The mended trajectory; what was done, or why there is none, goes to stderr."""
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
         say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
-        return
-    write_bytes(trajectory_bytes(one.trajectory, mending.before.robot, target), target)
+        return None
     between = "" if one.interpolate == "linear" else f", read it with --interpolate {one.interpolate}"
     say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}")
+    return motion.trajectory_bytes(one.trajectory, mending.before.robot, target)
 
 
-def _worst(many: list[dict[str, Any]], asked: int, out: str | None) -> int:
-
-    if len(many) < asked:
-        kept = f"; finished files are kept in {out}: run the same command to continue" if out else "; --out keeps them"
-        say(f"interrupted: {len(many)} of {asked} files were checked{kept}")
-        return exits.INTERRUPTED
-    verdicts = {one["verdict"] for one in many}
-    if "bad input" in verdicts:
-        return exits.BAD_INPUT
-    return exits.FINE if verdicts == {"free"} else exits.UNEXPLAINED
+def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:
+    for line in (line for one in checked for line in one["said"]):
+        say(line)
+    verdicts, complete = {one["verdict"] for one in checked}, len(checked) == files
+    note = f"interrupted: {len(checked)} of {files} files were checked; {kept(out)}"
+    return Done(
+        lambda: [text.many_section(checked)], {"json": lambda: motion.paths_to_dict(model, checked)},
+        holds=verdicts == {"free"}, complete=complete, last=None if complete else partial(say, note),
+        code=exits.BAD_INPUT if complete and "bad input" in verdicts else None,
+    )  # fmt: skip

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from rankdrop import certify, motion, results, text, verbs
+from rankdrop import robot as arms
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ROBOT, ArmOptions, Output, command, open_arm, parse_configuration
-from rankdrop.cli.terminal import (
-    STDOUT,
-    check_targets,
-    hand_over,
-    print_sections,
-    reporter,
-    say,
-    write_json,
-    write_text,
+from rankdrop.cli.command import (
+    NO_OPTIONS,
+    PROGRESS,
+    ROBOT,
+    ArmOptions,
+    Done,
+    Output,
+    command,
+    open_arm,
+    parse_configuration,
 )
+from rankdrop.cli.terminal import STDOUT, kept, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import CoverOptions
-
-if TYPE_CHECKING:
-    from rankdrop.certify import ModelTolerance
-    from rankdrop.results import Covered, Explanation
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,13 @@ class CoverFiles(Output):
         str | None, option("Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786)")
     ] = None
     out: Annotated[
-        str | None, option("Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile")
+        str | None,
+        option("Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile", writes=()),
     ] = None
     status: Annotated[str | None, option("Only say how far the covering of this file is")] = None
     certificate: Annotated[
         str | None, option("Write a certificate for `rankdrop verify`; it refers to the file of --out, in the same "
-                           "folder")
+                           "folder", writes=())
     ] = None  # fmt: skip
 
 
@@ -57,7 +58,8 @@ def cover(
     options: CoverOptions = CoverOptions(),
     arm: ArmOptions = NO_OPTIONS,
     output: CoverFiles = CoverFiles(),
-) -> int:
+    report: PROGRESS,
+) -> Done | int:
     """Enclose all singular configurations in boxes.
 
     Every box that is left out is proven free. What is left is held against the
@@ -77,43 +79,32 @@ def cover(
     budget is spent; 130: interrupted, with --out the same command goes on; 2: bad
     input.
     """
-    from rankdrop.results import Analysis
-    from rankdrop.verbs import cover as covered
-    from rankdrop.verbs import how_far
-
     if output.status is not None:
-        write_text(f"{how_far(output.status)}\n", STDOUT)
+        write_text(f"{verbs.how_far(output.status)}\n", STDOUT)
         return exits.FINE
     if robot is None:
         raise OptionError("no arm is named", where="ROBOT", allowed="a name, a file, or --status FILE")
     out, certificate = output.out, output.certificate
-    check_targets({"--json": output.json, "--out": out, "--certificate": certificate})
     if out == STDOUT:
         raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
     if certificate is not None and (out is None or Path(out).resolve().parent != Path(certificate).resolve().parent):
         raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
                           mend="name the covering with --out, in the same folder")  # fmt: skip
     model, task = open_arm(robot, arm)
-    families = None if output.analysis is None else Analysis.load(output.analysis)
-    with reporter(quiet=output.quiet) as report:
-        result = covered(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
-    proven = None if certificate is None or out is None or not result.complete else _proven(result, out)
-    hand_over(
-        lambda: print_sections(result.sections()),
-        (output.json, lambda target: write_json(result.to_dict(), target)),
-        (certificate, lambda target: save_certificate(proven, target)),
-    )
-    if result.covering.stopped == "interrupted":
-        kept = f"what is done is kept in {out}.parts: the same command goes on there" if out else "--out keeps it"
-        say(f"interrupted: {kept}")
-        return exits.INTERRUPTED
-    return exits.FINE if result.complete and result.holds else exits.UNEXPLAINED
+    families = None if output.analysis is None else results.Analysis.load(output.analysis)
+    found = verbs.cover(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
+    stopped = found.covering.stopped == "interrupted"
 
+    def proven() -> results.Record | None:
+        if out is None or not found.complete:
+            return None
+        return certify.covering_certificate(model, found.covering.plan, found.sha256, Path(out).name, task)
 
-def _proven(result: Covered, out: str) -> dict[str, Any]:
-    from rankdrop.certify import covering_certificate
-
-    return covering_certificate(result.robot, result.covering.plan, result.sha256, Path(out).name, result.task)
+    return Done(
+        found.sections, {"json": found.to_dict, "certificate": proven},
+        holds=found.complete and found.holds, complete=not stopped,
+        last=partial(say, f"interrupted: {kept(f'{out}.parts' if out else None)}") if stopped else None,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -157,7 +148,8 @@ def verify(
     *,
     arm: ArmOptions = NO_OPTIONS,
     output: VerifyOptions = VerifyOptions(),
-) -> int:
+    report: PROGRESS,
+) -> Done:
     """Check a certificate: prove its claim again.
 
     Code that shares nothing with what made it, by interval arithmetic, on the
@@ -177,44 +169,30 @@ def verify(
     Exit code 0: the claim holds; 3: it does not, could not be confirmed, or is
     another claim, with the reason; 2: no certificate, or a malformed one.
     """
-    from rankdrop.certify import verify as check
-
-    check_targets({"--json": output.json})
-    asked = _asked(output, arm)
-    with reporter(quiet=output.quiet) as report:
-        found = check(
-            file, asked, enclosures=output.enclosures, sample=output.sample, every=output.everything,
-            journal=output.journal,
-            progress=lambda done, total: report("checked", done, total),
-        )  # fmt: skip
-    hand_over(
-        lambda: print_sections(found.sections()),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
-    if not found.complete:
-        return exits.INTERRUPTED
-    return exits.FINE if found.holds else exits.UNEXPLAINED
+    found = certify.verify(
+        file, _claim(output, arm), enclosures=output.enclosures, sample=output.sample, every=output.everything,
+        journal=output.journal, progress=partial(report, "checked"),
+    )  # fmt: skip
+    return Done(found.sections, {"json": found.to_dict}, holds=found.holds, complete=found.complete)
 
 
-def _asked(about: VerifyOptions, arm: ArmOptions) -> Any:
-    from rankdrop.certify import asked_about
-    from rankdrop.motion import holds_poses, read_trajectory
-
+def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
+    """What the certificate has to be about."""
     if about.robot is None:
         for option, value in (("--q", about.q), ("--task", arm.task), ("--length-scale", arm.length_scale)):
             if value is not None:
                 raise OptionError("this is compared for an arm", where=option, got=value, mend="name it with --robot")
-        return asked_about(None, path=about.path, limits=about.limits)
+        return certify.asked_about(None, path=about.path, limits=about.limits)
     model, task = open_arm(about.robot, arm)
     q = None if about.q is None else parse_configuration(about.q, model, deg=about.deg)
     rows = None
-    if about.path is not None and not holds_poses(Path(about.path), model):
-        rows = read_trajectory(Path(about.path), model, deg=about.deg).q
+    if about.path is not None and not motion.holds_poses(Path(about.path), model):
+        rows = motion.read_trajectory(Path(about.path), model, deg=about.deg).q
     stated = task if arm.task is not None or arm.length_scale is not None else None
-    return asked_about(model, stated, q=q, path=about.path, rows=rows, limits=about.limits)
+    return certify.asked_about(model, stated, q=q, path=about.path, rows=rows, limits=about.limits)
 
 
-def model_tolerance(text: str | None) -> ModelTolerance | None:
+def model_tolerance(text: str | None) -> certify.ModelTolerance | None:
     """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
 
     Raises:
@@ -222,46 +200,30 @@ def model_tolerance(text: str | None) -> ModelTolerance | None:
     """
     if text is None:
         return None
-    from rankdrop.certify import ModelTolerance
-    from rankdrop.robot import read_tolerance
-
-    given = read_tolerance(text, where="--model-tolerance")
-    return ModelTolerance(given.length or 0.0, given.angle or 0.0)
+    given = arms.read_tolerance(text, where="--model-tolerance")
+    return certify.ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
-def of_place(explanation: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
+def of_place(
+    explanation: results.Explanation, tolerance: certify.ModelTolerance | None, evaluations: int
+) -> results.Record:
     """What can be proven at a configuration: that a singular one exists there, or a ball without any.
 
     Raises:
         OptionError: nothing can.
     """
-    from rankdrop.certify import ball_certificate, existence_certificate
-
+    place = (explanation.robot, explanation.q, explanation.task)
     if explanation.rank.corank and tolerance is None:
-        return existence_certificate(explanation.robot, explanation.q, explanation.task)
-    return ball_certificate(
-        explanation.robot, explanation.q, explanation.task, tolerance=tolerance, evaluations=max(evaluations, 1)
-    )
+        return certify.existence_certificate(*place)
+    return certify.ball_certificate(*place, tolerance=tolerance, evaluations=max(evaluations, 1))
 
 
-def in_words(record: dict[str, Any]) -> str:
+def in_words(record: results.Record) -> str:
     """One line: what the certificate claims."""
-    from rankdrop.results import angle_below
-
     claim, near = record["claim"], record["tolerance"]
     if record["kind"] == "existence":
         return f"a singular configuration exists within {claim['radius']:.1g} of q, joint by joint"
-    said = f"no singularity within {angle_below(claim['radius'])}"
+    free = f"no singularity within {text.angle_below(claim['radius'])}"
     if near is None:
-        return said
-    return f"{said}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"
-
-
-def save_certificate(record: dict[str, Any] | None, target: str) -> None:
-    """Write a certificate where something was proven; to stdout when `target` is "-"."""
-    from rankdrop.certify import write_certificate
-
-    if record is not None and target == STDOUT:
-        write_json(record, target)
-    elif record is not None:
-        write_certificate(record, target)
+        return free
+    return f"{free}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"

@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from rankdrop import results, verbs
+from rankdrop import robot as arms
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_IDEAL, OUTPUT, IdealOptions, Output, command, open_ideal
-from rankdrop.cli.terminal import Report, check_different, check_target, reporter, say, write_bytes, write_json
+from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, IdealOptions, Output, command, open_ideal
+from rankdrop.cli.terminal import Report, check_different, check_target, say, write_bytes, write_json
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.options import Options, option
+from rankdrop.questions import AnalyzeOptions
 
 if TYPE_CHECKING:
     from rankdrop.report.content import Content
-    from rankdrop.results import Analysis
-    from rankdrop.robot import Mesh
-    from rankdrop.verbs import Idealised
 
 _ANALYSIS = ".json"
 
 
 @dataclass(frozen=True)
 class ReportOptions(Options):
-    """What is written, and how an arm is analysed whose families are not known."""
+    """What is written."""
 
     out: Annotated[
         str | None,
@@ -40,10 +40,6 @@ class ReportOptions(Options):
     ] = ()  # fmt: skip
     exact_seconds: Annotated[float, option("Limit for the exact conditions; 0 leaves them out", unit="s", ge=0)] = 8.0
     no_meshes: Annotated[bool, option("Draw links as rods though the robot's file has shapes of them")] = False
-    limits: Annotated[bool, option("Families within the joint limits only; the arm is then analysed first")] = False
-    starts: Annotated[int, option("Random starts for each corank, where the arm has to be analysed first")] = 10_000
-    seed: Annotated[int, option("Seed of every random choice of the analysis and of the figures")] = 0
-    threads: Annotated[int, option("Processors to use for the analysis; 0 means all")] = 0
 
     def target(self, default: str) -> Path:
         """Where to write.
@@ -51,7 +47,6 @@ class ReportOptions(Options):
         Raises:
             OptionError: nothing can be written there; found before the work.
         """
-
         paper = self.format != "html"
         out = self.out or f"{default}-figures" if paper else self.out or f"{default}.html"
         path = Path(out)
@@ -72,9 +67,11 @@ def report(
     )],
     /,
     *,
-    options: ReportOptions = ReportOptions(),
+    page: ReportOptions = ReportOptions(),
+    options: AnalyzeOptions = AnalyzeOptions(),
     arm: IdealOptions = NO_IDEAL,
     output: Output = OUTPUT,
+    report: PROGRESS,
 ) -> int:  # fmt: skip
     """Write a page about an arm, or figures for papers.
 
@@ -92,28 +89,26 @@ def report(
     from rankdrop.report.content import content
     from rankdrop.report.figures import check_figures
 
-    paper = options.format != "html"
-    if options.figure and not paper:
-        raise OptionError("figures are files", where="--figure", got=options.figure[0],
+    paper = page.format != "html"
+    if page.figure and not paper:
+        raise OptionError("figures are files", where="--figure", got=page.figure[0],
                           mend="add --format pdf, png or svg")  # fmt: skip
-    if options.out is not None:
-        options.target("")
-    check_target(output.json, "--json")
-    check_different({"--out": options.out, "--json": output.json})
-    with reporter(quiet=output.quiet) as progress:
-        analysis, made = _analysis(robot, arm, options, progress)
-        target = options.target(analysis.robot.name.replace("/", "-"))
-        if paper:
-            check_figures(analysis, options.figure)
-        plain = options.no_meshes or paper or robot.lower().endswith(_ANALYSIS)
-        shown = content(
-            analysis, exact=not paper and options.exact_seconds > 0, exact_seconds=options.exact_seconds,
-            seed=options.seed, made=made, progress=progress,
-            meshes=() if plain else _meshes(analysis, arm, quiet=output.quiet),
-        )  # fmt: skip
-        written = _write(shown, options, target)
-    for path in () if output.quiet else written:
-        say(f"wrote {path}")
+    if page.out is not None:
+        page.target("")
+    check_different({"--out": page.out, "--json": output.json})
+    analysis, made = _analysis(robot, arm, options, report)
+    target = page.target(analysis.robot.name.replace("/", "-"))
+    if paper:
+        check_figures(analysis, page.figure)
+    plain = page.no_meshes or paper or robot.lower().endswith(_ANALYSIS)
+    shown = content(
+        analysis, exact=not paper and page.exact_seconds > 0, exact_seconds=page.exact_seconds,
+        seed=options.seed, made=made, progress=report,
+        meshes=() if plain else _meshes(analysis, arm, quiet=output.quiet),
+    )  # fmt: skip
+    for path in _write(shown, page, target):
+        if not output.quiet:
+            say(f"wrote {path}")
     if output.json is not None:
         write_json(analysis.to_dict(), output.json)
     if shown.interrupted or not analysis.complete:
@@ -123,50 +118,48 @@ def report(
 
 
 def _analysis(
-    robot: str, arm: IdealOptions, options: ReportOptions, progress: Report
-) -> tuple[Analysis, Idealised | None]:
+    robot: str, arm: IdealOptions, options: AnalyzeOptions, report: Report
+) -> tuple[results.Analysis, verbs.Idealised | None]:
     from rankdrop import analyze
-    from rankdrop.results import Analysis, known_analysis
 
+    plain = options == AnalyzeOptions(starts=options.starts, seed=options.seed, threads=options.threads)
     if robot.lower().endswith(_ANALYSIS):
-        if arm != NO_IDEAL or options.limits:
+        if arm != NO_IDEAL or not plain:
             raise OptionError("an analysis has its arm, task and limits already", where=robot,
                               mend="leave the options out")  # fmt: skip
-        return Analysis.load(robot), None
-    model, task, made = open_ideal(robot, arm, arm.ideal)
-    known = known_analysis(model, task) if arm.length_scale is None and not options.limits else None
-    search = {name: getattr(options, name) for name in ("starts", "seed", "threads", "limits")}
-    return known or analyze(model, task, progress=progress, **search), made
+        return results.Analysis.load(robot), None
+    model, task, made = open_ideal(robot, arm)
+    known = results.known_analysis(model, task) if arm.length_scale is None and plain else None
+    return known or analyze(model, task, options, progress=report), made
 
 
-def _write(shown: Content, options: ReportOptions, target: Path) -> list[Path]:
+def _write(shown: Content, page: ReportOptions, target: Path) -> list[Path]:
     from rankdrop.report.figures import figure_names, figures
-    from rankdrop.report.page import page
+    from rankdrop.report.page import page as whole_page
 
-    if options.format == "html":
-        write_bytes(page(shown).encode(), str(target))
+    if page.format == "html":
+        write_bytes(whole_page(shown).encode(), str(target))
         return [target]
-    names = figure_names(shown, options.figure)
-    single = target.suffix.lower() == f".{options.format}"
+    names = figure_names(shown, page.figure)
+    single = target.suffix.lower() == f".{page.format}"
     if single and len(names) > 1:
         raise OptionError("one file holds one figure", where="--out", got=f"{len(names)} figures", mend="give a folder")
     if not single:
         target.mkdir(exist_ok=True)
     paths = []
-    for name, drawn in figures(shown, names, options.format):
-        paths.append(target if single else target / f"{name}.{options.format}")
+    for name, drawn in figures(shown, names, page.format):
+        paths.append(target if single else target / f"{name}.{page.format}")
         write_bytes(drawn, str(paths[-1]))
     return paths
 
 
-def _meshes(analysis: Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[Mesh, ...]:
+def _meshes(analysis: results.Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[arms.Mesh, ...]:
     """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
     from rankdrop.report.content import simplified
-    from rankdrop.robot import meshes_of, visuals_of
 
-    visuals, left_out = visuals_of(analysis.robot, arm.packages, arm.arguments)
+    visuals, left_out = arms.visuals_of(analysis.robot, arm.packages, arm.arguments)
     try:
-        meshes, unread = meshes_of(visuals)
+        meshes, unread = arms.meshes_of(visuals)
     except MissingExtraError as error:
         meshes, unread = (), (str(error),)
     for note in () if quiet else (*left_out, *unread):

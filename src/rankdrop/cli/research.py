@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import degrees
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 
+from rankdrop import families, local, motion, results, text
 from rankdrop.cli import exits
-from rankdrop.cli.arm import (
+from rankdrop.cli.command import (
     NO_OPTIONS,
     OUTPUT,
+    PROGRESS,
     ROBOT,
     ArmOptions,
+    Done,
     Output,
     Q,
     arm_section,
@@ -23,54 +29,42 @@ from rankdrop.cli.arm import (
     numbers_of,
     open_arm,
     parse_configuration,
-    whole,
+    starts_line,
 )
-from rankdrop.cli.terminal import (
-    check_targets,
-    hand_over,
-    print_sections,
-    reporter,
-    results,
-    say,
-    show,
-    write_bytes,
-    write_json,
-    write_text,
-)
+from rankdrop.cli.terminal import STDOUT, say, write_text
+from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
-from rankdrop.motion import AspectsOptions
 from rankdrop.options import Options, option
-from rankdrop.questions import SearchOptions, TolerantOptions
+from rankdrop.questions import AspectsOptions, SearchOptions, TolerantOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    from rankdrop.families import Search
-    from rankdrop.motion import Postures, Through
+    from rankdrop.cli.terminal import Block
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
 
 _SHOWN = 5
-_LINE = "line"
 
 
 @dataclass(frozen=True)
 class Where(Options):
-    """Where the search starts, and where its configurations go."""
+    """Which corank, where the search starts, and where its configurations go."""
 
+    corank: Annotated[int, option("How many directions the tool loses: generic rank minus rank")]
     start: Annotated[
         str | None, option("One start in place of the random ones: a configuration (as for explain --q), or the number "
                     "that --out and --json give to a random one")
     ] = None  # fmt: skip
     deg: Annotated[bool, option("Angles of --start without a unit are in degrees")] = False
-    step: Annotated[
-        str | None, option("With gradient and almarkhi: a number up to 2, share of the step at whose end a linear σ is "
-                    "zero (default 0.5); or line, the length that brings σ lowest, which gets stuck more often")
+    out: Annotated[
+        str | None, option("Write every start's outcome to this file: .csv, .json or .npz",
+                           writes=(".csv", ".json", ".npz"))
     ] = None  # fmt: skip
-    out: Annotated[str | None, option("Write every start's outcome to this file: .csv, .json or .npz")] = None
     history: Annotated[
-        str | None, option("Write the singular values of every iteration to this file: .csv or .npz")
-    ] = None
+        str | None, option("Write the singular values of every iteration to this file: .csv or .npz",
+                           writes=(".csv", ".npz"))
+    ] = None  # fmt: skip
     store: Annotated[
         str | None, option("Keep the configurations as partitioned Parquet in this folder, a part in memory at a time; "
                     "after an interruption run the same command to continue")
@@ -86,14 +80,12 @@ def find(
     robot: ROBOT,
     /,
     *,
-    corank: Annotated[int, Parameter(
-        help="How many directions the tool loses: generic rank minus rank.", converter=whole
-    )],
+    where: Where,
     options: SearchOptions = SearchOptions(),
-    where: Where = Where(),
     arm: ArmOptions = NO_OPTIONS,
     output: Output = OUTPUT,
-) -> int:  # fmt: skip
+    report: PROGRESS,
+) -> Done | int:
     """Find singular configurations of one corank.
 
     For example:
@@ -104,55 +96,40 @@ def find(
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
         rankdrop find ur5 --corank 1 --starts 10_000_000 --store cloud
     """
-    from rankdrop.codec import record_of
-
-    check_targets(
-        {"--json": output.json, "--out": where.out, "--history": where.history},
-        {"--out": (".csv", ".json", ".npz"), "--history": (".csv", ".npz")},
-    )
     begun = monotonic()
     model, task = open_arm(robot, arm)
-    with reporter(quiet=output.quiet) as report:
-        if where.store is not None:
-            return _stored(model, task, corank, options, where, output, report)
-        found = _search(model, task, corank, options, where, report)
+    if where.store is not None:
+        return _stored(model, task, where.store, options, where, output, report)
+    found = _search(model, task, options, where, report)
     seconds = monotonic() - begun
 
-    def to_stdout() -> None:
-        lines = {"starts": _starts(found, where.start), "method": _method(found)}
-        show(results(), arm_section(model, task, found.rank + found.corank, lines))
-        print_sections([_outcome(found, seconds) if found.stratum is None else _drawn(found, seconds)], first=False)
+    def blocks() -> Iterator[Block]:
+        yield arm_section(model, task, found.rank + found.corank, _starts(found, where.start) | _method(found))
+        yield _outcome(found, seconds) if found.stratum is None else _drawn(found, seconds)
 
-    hand_over(
-        to_stdout,
-        (output.json, lambda target: write_json(record_of("find", found), target)),
-        (where.out, lambda target: _save(found, target, history=False)),
-        (where.history, lambda target: _save(found, target, history=True)),
-    )
-    return exits.FINE if found.complete else exits.INTERRUPTED
+    return Done(
+        blocks,
+        {"json": lambda: record_of("find", found), "out": lambda: _outcomes(found, str(where.out)),
+         "history": lambda: _history(found, str(where.history))},
+        complete=found.complete,
+    )  # fmt: skip
 
 
-def _search(robot: Robot, task: Task, corank: int, options: SearchOptions, where: Where, report: Any) -> Search:
-    from rankdrop.families import refine, search
-
-    rest: dict[str, Any] = {
-        "task": task, "step": _rule(where.step), "history": where.history is not None,
-        "progress": lambda done, total: report(f"corank {corank}: search", done, total),
-    }  # fmt: skip
+def _search(robot: Robot, task: Task, options: SearchOptions, where: Where, report: Any) -> families.Search:
+    rest: dict[str, Any] = {"task": task, "history": where.history is not None,
+                            "progress": partial(report, f"corank {where.corank}: search")}  # fmt: skip
     if where.start is None:
-        return search(robot, corank, options, **rest)
+        return families.search(robot, where.corank, options, **rest)
     if options.method == "reciprocal":
         raise OptionError("nothing is searched from a start with reciprocal wrenches", where="--start",
                           got=where.start, mend="leave it out")  # fmt: skip
     q0, number = _one_start(where.start, robot, task, options, deg=where.deg)
-    return refine(robot, [q0], corank, options, first=number, **rest)
+    return families.refine(robot, [q0], where.corank, options, first=number, **rest)
 
 
 def _stored(
-    robot: Robot, task: Task, corank: int, options: SearchOptions, where: Where, output: Output, report: Any
+    robot: Robot, task: Task, store: str, options: SearchOptions, where: Where, output: Output, report: Any
 ) -> int:
-    from rankdrop.results import store_cloud
-
     if options.method != "lm":
         raise OptionError("a cloud is searched by lm", where="--method", got=options.method,
                           mend="leave --method or --store out")  # fmt: skip
@@ -161,88 +138,72 @@ def _stored(
     for name, value in alone.items():
         if value is not None:
             raise OptionError("it does not go with --store", where=name, got=value, mend="leave one of them out")
-    assert where.store is not None
-    count = store_cloud(
-        robot, corank, where.store, task=task, starts=options.starts, seed=options.seed, limits=options.limits,
-        workers=where.workers, scheduler=where.scheduler,
-        report=lambda done, total: report(f"corank {corank}: parts", done, total),
+    count = results.store_cloud(
+        robot, where.corank, store, task=task, starts=options.starts, seed=options.seed, limits=options.limits,
+        workers=where.workers, scheduler=where.scheduler, report=partial(report, f"corank {where.corank}: parts"),
     )  # fmt: skip
-    line = f"{count:,} of {options.starts:,} starts ended at corank {corank} or more: {where.store}/parts/*.parquet\n"
-    write_text(line, "-")
+    ended = f"{count:,} of {options.starts:,} starts ended at corank {where.corank} or more"
+    write_text(f"{ended}: {store}/parts/*.parquet\n", STDOUT)
     return exits.FINE
 
 
-def _rule(step: str | None) -> float | None:
-    if step is None or step.strip().lower() == _LINE:
-        return None if step is None else 0.0
-    try:
-        return float(step)
-    except ValueError as error:
-        raise OptionError(
-            "this is no rule of the steps", where="--step", got=repr(step), allowed="line, or a number up to 2"
-        ) from error
-
-
-def _one_start(text: str, robot: Robot, task: Task, options: SearchOptions, *, deg: bool) -> tuple[list[float], int]:
+def _one_start(typed: str, robot: Robot, task: Task, options: SearchOptions, *, deg: bool) -> tuple[list[float], int]:
     """A configuration, and its number from 0 among the random starts (0 for one that is given).
 
     Raises:
         ConfigurationError: neither one number per joint nor the number of a random start.
         OptionError: no random start has this number.
     """
-    from rankdrop.families import MOST_STARTS
-    from rankdrop.local import sample
     from rankdrop.units import in_units, out_of_units, task_in_units
 
-    if robot.n == 1 or not text.strip().isdecimal():
-        return parse_configuration(text, robot, deg=deg, option="--start"), 0
-    number = int(text) if len(text) < 12 else 0
-    if not 1 <= number <= MOST_STARTS:
-        raise OptionError("no random start has this number", where="--start", got=number, allowed=f"1 … {MOST_STARTS}")
-    drawn = sample(in_units(robot), task_in_units(task, robot), number, options.seed, limits=options.limits)[-1]
+    if robot.n == 1 or not typed.strip().isdecimal():
+        return parse_configuration(typed, robot, deg=deg, option="--start"), 0
+    number = int(typed) if len(typed) < 12 else 0
+    if not 1 <= number <= families.MOST_STARTS:
+        raise OptionError("no random start has this number", where="--start", got=number,
+                          allowed=f"1 … {families.MOST_STARTS}")  # fmt: skip
+    drawn = local.sample(in_units(robot), task_in_units(task, robot), number, options.seed, limits=options.limits)[-1]
     values: list[float] = out_of_units(robot, drawn).tolist()
     return values, number - 1
 
 
-def _save(search: Search, target: str, *, history: bool) -> None:
-    from rankdrop.codec import record_of
-    from rankdrop.results import find_to_csv, find_to_npz, history_to_csv, history_to_npz
-
-    csv = target.lower().endswith(".csv")
-    if history:
-        if search.history is not None:
-            write_bytes(history_to_csv(search.history).encode() if csv else history_to_npz(search.history), target)
-    elif target.lower().endswith(".json"):
-        write_json(record_of("find", search), target)
-    else:
-        write_bytes(find_to_csv(search).encode() if csv else find_to_npz(search), target)
+def _outcomes(search: families.Search, target: str) -> Any:
+    """Every start's outcome, as the ending of the file says."""
+    if target.lower().endswith(".json"):
+        return record_of("find", search)
+    return results.find_to_csv(search) if target.lower().endswith(".csv") else results.find_to_npz(search)
 
 
-def _starts(search: Search, start: str | None) -> str:
-    where = "within the joint limits" if search.limits else "in the whole joint space (limits ignored)"
-    if start is None:
-        return f"{len(search.q):,} {where}, seed {search.seed}"
-    return f"random start {start} {where}, seed {search.seed}" if start.strip().isdecimal() else f"one, {start}"
+def _history(search: families.Search, target: str) -> str | bytes | None:
+    """Singular values of every iteration; None where the method has none."""
+    if search.history is None:
+        return None
+    to_csv = target.lower().endswith(".csv")
+    return results.history_to_csv(search.history) if to_csv else results.history_to_npz(search.history)
 
 
-def _method(search: Search) -> str:
-    words = [search.method]
+def _starts(search: families.Search, start: str | None) -> dict[str, str]:
+    if start is not None and not start.strip().isdecimal():
+        return {"starts": f"one, {start}"}
+    which = f"{len(search.q):,}" if start is None else f"random start {start}"
+    return starts_line(which, search.seed, limits=search.limits)
+
+
+def _method(search: families.Search) -> dict[str, str]:
     if search.method == "reciprocal":
-        if search.corank == 1:
-            return "reciprocal wrenches: every joint in closed form, or some joints by Newton's method"
-        return "reciprocal wrenches: some joints by Newton's method, the others drawn"
+        how = ("every joint in closed form, or some joints by Newton's method" if search.corank == 1
+               else "some joints by Newton's method, the others drawn")  # fmt: skip
+        return {"method": f"reciprocal wrenches: {how}"}
+    words = [search.method]
     if search.method != "lm":
         words.append("line search" if not search.step else f"steps of {search.step:g} of that to linearised zero")
     if search.method == "almarkhi":
         words.append(f"ties below {search.tie:g}" if search.tie else "ties not treated")
-    return ", ".join([*words, f"at most {search.most:,} iterations"])
+    return {"method": ", ".join([*words, f"at most {search.most:,} iterations"])}
 
 
-def _outcome(search: Search, seconds: float) -> Section:
-    import numpy as np
-
-    from rankdrop.families import Outcome
-
+def _outcome(search: families.Search, seconds: float) -> Section:
+    Outcome = families.Outcome
     counts = {outcome: search.count(outcome) for outcome in Outcome}
     lines = []
     if counts[Outcome.CONVERGED]:
@@ -265,22 +226,18 @@ def _outcome(search: Search, seconds: float) -> Section:
     return _table(search, f"{title}{converged}", [*lines, f"{rest} Time taken: {seconds:.1f} s."])
 
 
-def _drawn(search: Search, seconds: float) -> Section:
-    from rankdrop.families import EXACT
-
+def _drawn(search: families.Search, seconds: float) -> Section:
     ratio = (search.sigma[:, search.rank] / search.sigma[:, 0]).max(initial=0.0)
     counts = Counter(search.strata[k] for k in (() if search.stratum is None else search.stratum.tolist()))
     rest = "Families that none of these lies on are missing: this is no covering."
     return _table(search, f"{len(search.q):,} exact singular configurations, corank {search.corank} or more", [
         "From " + "; ".join(f"{name}: {count:,}" for name, count in counts.items()) + ".",
-        f"Largest σ{search.rank + 1}/σ1: {ratio:.2g}, all at most {EXACT:g}. Time taken: {seconds:.1f} s.",
+        f"Largest σ{search.rank + 1}/σ1: {ratio:.2g}, all at most {families.EXACT:g}. Time taken: {seconds:.1f} s.",
         rest if search.complete else f"{rest} Interrupted: fewer were drawn than were asked for.",
     ])  # fmt: skip
 
 
-def _table(search: Search, title: str, lines: list[str]) -> Section:
-    from rankdrop.text import joint_symbol
-
+def _table(search: families.Search, title: str, lines: list[str]) -> Section:
     kinds = [str(joint.kind) for joint in search.robot.variables]
     slides = [kind == "prismatic" for kind in kinds]
     rows: list[tuple[str, ...]] = []
@@ -288,7 +245,7 @@ def _table(search: Search, title: str, lines: list[str]) -> Section:
         rows.append(("rad, m" if any(slides) else "rad", *(_fixed(value, 4) for value in q)))
         in_degrees = ("" if slide else _fixed(degrees(x), 2) for x, slide in zip(q, slides, strict=True))
         rows.append(("deg", *in_degrees))
-    columns = ("", *(joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)))
+    columns = ("", *(text.joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)))
     return Section(title, columns=columns, rows=tuple(rows), after=tuple(lines))
 
 
@@ -296,15 +253,25 @@ def _fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
-def _hand_over_path(found: Postures | Through, path: str | None, output: Output, none: str, *, deg: bool) -> None:
+@dataclass(frozen=True)
+class MotionOutput(Output):
+    """Where a result and its path go."""
+
+    path: Annotated[
+        str | None, option("Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout",
+                           writes=(".csv", STDOUT))
+    ] = None  # fmt: skip
+
+
+def _with_path(
+    found: motion.Postures | motion.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
+) -> Done:
+    """A motion with its path as a table, or why there is none."""
     csv = found.path_csv()
-    hand_over(
-        lambda: print_sections(found.sections(deg=deg)),
-        (path if csv else None, lambda target: write_text(csv, target)),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
-    if path is not None and not csv:
-        say(f"{path} is not written: {none}")
+    return Done(
+        lambda: found.sections(deg=deg), ({"path": lambda: csv} if csv else {}) | {"json": found.to_dict},
+        last=None if csv or output.path is None else partial(say, f"{output.path} is not written: {none}"), **ending,
+    )  # fmt: skip
 
 
 @command
@@ -316,9 +283,9 @@ def aspects(
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
     search: AspectsOptions = AspectsOptions(),
-    path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    output: Output = OUTPUT,
-) -> int:
+    output: MotionOutput = MotionOutput(),
+    report: PROGRESS,
+) -> Done:
     """Find changes of posture without a singularity.
 
     An aspect is a connected set of regular configurations. The inverse of a pose
@@ -338,22 +305,12 @@ def aspects(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: A configuration whose pose is solved: one number per joint [rad, m]. Default: poses of random ones.
         deg: Angles without a unit are in degrees, and so are those printed.
-        path: Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout.
     """
-    from rankdrop.motion import NOT_FOUND, aspects_of
-
-    check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})
     model, task = open_arm(robot, arm)
     start = None if q is None else parse_configuration(q, model, deg=deg)
-    with reporter(quiet=output.quiet) as report:
-        found = aspects_of(
-            model, task, q=start, options=search,
-            progress=lambda done, total: report("poses solved", done, total),
-        )  # fmt: skip
-    _hand_over_path(found, path, output, "there is no path", deg=deg)
-    if not found.complete:
-        return exits.INTERRUPTED
-    return exits.UNEXPLAINED if found.verdict == NOT_FOUND else exits.FINE
+    found = motion.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
+    decided = found.verdict != motion.NOT_FOUND
+    return _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
 
 
 @command
@@ -373,12 +330,9 @@ def through(
     deg: Annotated[
         bool, Parameter(negative=(), help="Angles without a unit are in degrees, and so are those printed.")
     ] = False,
-    path: Annotated[str | None, Parameter(
-        help="Write the motion with its times to this file (.csv); - writes it to stdout.", allow_leading_hyphen=True
-    )] = None,
     arm: ArmOptions = NO_OPTIONS,
-    output: Output = OUTPUT,
-) -> int:  # fmt: skip
+    output: MotionOutput = MotionOutput(),
+) -> Done:  # fmt: skip
     """Check whether a path through a singularity can be tracked.
 
     A path in the lost direction may still lead through: with a time law s = c t^k that stands still at the singularity
@@ -391,15 +345,10 @@ def through(
 
     Exit code 0: trackable; 3: not, or undecided; 2: bad input.
     """
-    from rankdrop.motion import through as judge
-
-    check_targets({"--json": output.json, "--path": path}, {"--path": (".csv",)})
     model, task = open_arm(robot, arm)
-    at = parse_configuration(q, model, deg=deg)
-    direction = numbers_of(along, "--along")
-    found = judge(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
-    _hand_over_path(found, path, output, "there is no motion", deg=deg)
-    return exits.FINE if found.trackable else exits.UNEXPLAINED
+    at, direction = parse_configuration(q, model, deg=deg), numbers_of(along, "--along")
+    found = motion.through(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
+    return _with_path(found, output, "there is no motion", deg=deg, holds=found.trackable)
 
 
 @command
@@ -410,7 +359,8 @@ def tolerant(
     options: TolerantOptions = TolerantOptions(),
     arm: ArmOptions = NO_OPTIONS,
     output: Output = OUTPUT,
-) -> int:
+    report: PROGRESS,
+) -> Done:
     """Find configurations that tolerate a failed joint best.
 
     A joint that fails stands still: its column is gone from the Jacobian. What remains is measured by σ_r, r the rank
@@ -422,22 +372,10 @@ def tolerant(
 
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
     """
-    from rankdrop.codec import record_of
-    from rankdrop.families import most_tolerant
-    from rankdrop.results import tolerant_sections
-
-    check_targets({"--json": output.json})
     model, task = open_arm(robot, arm)
-    with reporter(quiet=output.quiet) as report:
-        found = most_tolerant(model, task, options, progress=lambda done, total: report("climb", done, total))
-    where = "within the joint limits" if options.limits else "in the whole joint space (limits ignored)"
-    lines = {"starts": f"{options.starts:,} {where}, seed {options.seed}"}
-
-    def to_stdout() -> None:
-        show(results(), arm_section(model, task, found.generic_rank, lines))
-        print_sections(tolerant_sections(found), first=False)
-
-    hand_over(to_stdout, (output.json, lambda target: write_json(record_of("tolerant", found), target)))
-    if not found.complete:
-        return exits.INTERRUPTED
-    return exits.FINE if found.places else exits.UNEXPLAINED
+    found = families.most_tolerant(model, task, options, progress=partial(report, "climb"))
+    lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
+    return Done(
+        lambda: [arm_section(model, task, found.generic_rank, lines), *text.tolerant_sections(found)],
+        {"json": lambda: record_of("tolerant", found)}, holds=bool(found.places), complete=found.complete,
+    )  # fmt: skip

@@ -14,22 +14,22 @@ import sys
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from itertools import accumulate
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from rankdrop.cli import exits
 from rankdrop.errors import HIDDEN, OptionError, visible
+from rankdrop.sections import Formula, Section
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.progress import Progress
     from rich.text import Text
 
-    from rankdrop.results import Explanation, Verdict
-    from rankdrop.sections import Section
+    from rankdrop.text import Verdict
 
+    Block = Section | Iterable[RenderableType]  # blank lines stand between blocks
 
 _ASCII = {
     "θ": "q", "π": "pi", "σ": "sigma", "ρ": "rho", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-",
@@ -74,7 +74,7 @@ def _plain(letter: str) -> str:
     return unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"
 
 
-def results() -> Console:
+def screen() -> Console:
     """Console for results: stdout, plain when it is not a terminal; width from COLUMNS or the terminal, else 80."""
     return _console(stderr=False)
 
@@ -91,11 +91,12 @@ TONES = {"": "bold", "good": "bold green", "warning": "bold yellow", "bad": "bol
 """Style of a heading or a verdict; Rich leaves the colour out where NO_COLOR is set, and all of it off a terminal."""
 
 
-def verdict_line(verdict: Verdict) -> Text:
-    """The sentence that stands first and last."""
+def answer_lines(answer: str, verdict: Verdict) -> list[Text]:
+    """What stands first: the answer and how sure it is, or the other way round."""
     from rich.text import Text
 
-    return Text(verdict.sentence, style=TONES["good" if verdict.holds else "bad"])
+    tone = TONES["good" if verdict.holds else "bad"]
+    return [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.beside(answer)]
 
 
 def _console(*, stderr: bool) -> Console:
@@ -185,37 +186,75 @@ _GAP = 2  # between columns
 _LABEL = 24  # a column of words is wrapped, but not narrower than this
 
 
-def print_sections(sections: Iterable[Section], *, first: bool = True) -> None:
-    """Print to stdout: headings bold, notes dim, tables aligned; a blank line before each but the `first`."""
-    console = results()
-    for number, section in enumerate(sections):
-        show(console, _parts(section, console.width, first=first and number == 0))
+def print_blocks(blocks: Iterable[Block]) -> None:
+    """Print to stdout: headings bold, notes dim, tables aligned, blank lines between."""
+    console = screen()
+    for number, block in enumerate(blocks):
+        parts = section_parts(block, console.width) if isinstance(block, Section) else block
+        show(console, [*([""] if number else []), *parts])
 
 
-def interrupted(explanation: Explanation) -> int:
-    """Exit code where Ctrl-C ended the proof early (what was proven holds), else 0."""
-    if explanation.far.certificate is None or explanation.far.certificate.complete:
-        return exits.FINE
-    say("interrupted: the certified radius could have become larger")
-    return exits.INTERRUPTED
-
-
-def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableType]:
+def section_parts(section: Section, width: int) -> Iterable[RenderableType]:
+    """What Rich prints of a section."""
     from rich.padding import Padding
     from rich.text import Text
 
-    if not first:
-        yield ""
     if section.title or section.summary:
         yield Text.assemble((section.title, TONES[section.tone]), f"  {section.summary}" if section.summary else "")
     for line in section.lines:
-        yield _indented(line)
+        yield from map(_indented, formula(line, width - INDENT) if isinstance(line, Formula) else [line])
     for columns in _pieces(section, width - INDENT):
         yield Padding(_table(section, columns), (0, 0, 0, INDENT))
     for line in section.after:
         yield _indented(line)
     for note in section.notes:
         yield Padding(Text(note, style="dim"), (0, 0, 0, INDENT))
+
+
+_HANG = 4
+
+
+def formula(line: str, width: int) -> list[str]:
+    """A formula in pieces of at most `width` characters, where its words allow that.
+
+    It is broken before a sign or a bracket, outside of as many brackets as can be had; the rest is indented.
+
+    Args:
+        line: blanks before it are an indent.
+        width: characters in a line.
+
+    Example:
+        >>> formula("a2 c2 + a3 (c23 + s23) = 0", 24)
+        ['a2 c2', '    + a3 (c23 + s23) = 0']
+    """
+    rest = line.lstrip(" ")
+    blanks = " " * (len(line) - len(rest))
+    pieces = []
+    while len(blanks) + len(rest) > width and (place := _place(rest, max(width - len(blanks), 20))) < len(rest):
+        pieces.append(blanks + rest[:place].rstrip())
+        rest = rest[place:].lstrip()
+        blanks = " " * (len(line) - len(line.lstrip(" ")) + _HANG)
+    return [*pieces, blanks + rest]
+
+
+def _place(text: str, room: int) -> int:
+    """Where to break: at the shallowest good place that is not at the beginning, else at a blank, else nowhere."""
+    depths = list(accumulate((letter == "(") - (letter == ")") for letter in f" {text}"))
+    near = [place for place, letter in enumerate(text[: room + 1]) if letter == " "]
+    late = [place for place in near if place > room // 5] or near
+    if not late:
+        return text.find(" ") if " " in text else len(text)
+    kinds = {place: _kind_of_break(text[place - 1], text[place + 1 :]) for place in late}
+    return min(late, key=lambda place: (kinds[place] == _PLAIN, depths[place], kinds[place], -place))
+
+
+_PLAIN = 3
+
+
+def _kind_of_break(before: str, after: str) -> int:
+    """How good a break at a blank is: after a comma, before a sign, before a bracket or "= 0" at the end, elsewhere."""
+    sign = after[:2] in ("+ ", "− ", "= ", "≠ ") and after != "= 0"
+    return (before in ",;", sign, after[:1] == "(" or after == "= 0", True).index(True)
 
 
 def _indented(line: str) -> RenderableType:
@@ -274,23 +313,31 @@ STDOUT = "-"
 def check_target(target: str | None, option: str, endings: tuple[str, ...] = ()) -> None:
     """Find out before a long run whether `target` can be written.
 
+    Args:
+        target: a file, "-" for stdout, or None.
+        option: that names it.
+        endings: what a file may end in, with "-" where stdout is allowed too; () for anything.
+
     Raises:
         OptionError: wrong ending, no such folder, a folder, or not writable.
     """
-    if target is None or target == STDOUT:
+    if target is None or (target == STDOUT and (not endings or STDOUT in endings)):
         return
-    if target.startswith("--"):  # an option was taken for the file that another one is to write
-        raise OptionError("it needs the name of a file", where=option, got=target, allowed="a file name, or -",
-                          mend=f"./{target} if that is its name")  # fmt: skip
-    path = Path(target)
-    if endings and path.suffix.lower() not in endings:
-        raise OptionError("the ending names no format", where=option, got=target, allowed=", ".join(endings))
-    if path.is_dir():
-        raise OptionError("it is a folder", where=option, got=target, allowed="a file name")
-    if not path.parent.is_dir():
-        raise OptionError("there is no such folder", where=option, got=str(path.parent), mend="make it first")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise OptionError("no permission to write there", where=option, got=target)
+    path, formats = Path(target), [ending for ending in endings if ending != STDOUT]
+    folder = path.parent.is_dir()
+    refused: tuple[tuple[bool, str, dict[str, str]], ...] = (
+        (target.startswith("--"), "it needs the name of a file",  # an option was taken for the file of another one
+         {"got": target, "allowed": "a file name, or -", "mend": f"./{target} if that is its name"}),
+        (bool(formats) and path.suffix.lower() not in formats, "the ending names no format",
+         {"got": target, "allowed": ", ".join(formats)}),
+        (path.is_dir(), "it is a folder", {"got": target, "allowed": "a file name"}),
+        (not folder, "there is no such folder", {"got": str(path.parent), "mend": "make it first"}),
+        (folder and not os.access(path if path.exists() else path.parent, os.W_OK), "no permission to write there",
+         {"got": target}),
+    )  # fmt: skip
+    for wrong, what, rest in refused:
+        if wrong:
+            raise OptionError(what, where=option, **rest)
 
 
 def check_targets(targets: Mapping[str, str | None], endings: Mapping[str, tuple[str, ...]] | None = None) -> None:
@@ -298,10 +345,10 @@ def check_targets(targets: Mapping[str, str | None], endings: Mapping[str, tuple
 
     Args:
         targets: option -> file, "-" for stdout, or None.
-        endings: option -> what its file may end in, where that names the format.
+        endings: option -> what its file may end in, where that names the format: as for `check_target`.
 
     Raises:
-        OptionError: as `check_target` and `check_different`.
+        OptionError: as `check_target`; two options name the same file, or both stdout.
     """
     for option, target in targets.items():
         check_target(target, option, (endings or {}).get(option, ()))
@@ -317,15 +364,14 @@ def check_different(targets: Mapping[str, str | None]) -> None:
     Raises:
         OptionError: two options name the same file, or both stdout.
     """
-    printed = [option for option, target in targets.items() if target == STDOUT]
-    if len(printed) > 1:
-        raise OptionError(f"stdout is taken by {printed[0]}", where=printed[1], got=STDOUT, mend="name a file")
-    first: dict[Path, str] = {}
+    first: dict[str | Path, str] = {}
     for option, target in targets.items():
-        if target is None or target == STDOUT:
+        if target is None:
             continue
-        path = Path(target).resolve()
-        if path in first and (path.is_file() or not path.exists()):  # not /dev/null
+        if target == STDOUT and STDOUT in first:
+            raise OptionError(f"stdout is taken by {first[STDOUT]}", where=option, got=STDOUT, mend="name a file")
+        path = STDOUT if target == STDOUT else Path(target).resolve()
+        if isinstance(path, Path) and path in first and (path.is_file() or not path.exists()):  # not /dev/null
             raise OptionError(f"it is the file of {first[path]} as well", where=option, got=target, mend="name another")
         first.setdefault(path, option)
 
@@ -335,31 +381,19 @@ def kept(folder: str | None) -> str:
     return f"finished work is kept in {folder}; run the same command to continue" if folder else "--out keeps the work"
 
 
-def hand_over(show: Callable[[], object], *results: tuple[str | None, Callable[[str], object]]) -> None:
-    """Show finished work, and write every result that has a target; each is tried, even where one before has failed.
-
-    Args:
-        show: prints it; not called where a result is written to stdout in its place.
-        results: where to, None for nowhere, and what writes there.
-
-    Raises:
-        OptionError, OSError: of the first that failed; a reader that has gone counts only where all else is well.
-    """
-    steps = [] if any(target == STDOUT for target, _ in results) else [show]
-    steps += [partial(write, target) for target, write in results if target is not None]
-    failed: Exception | None = None
-    for step in steps:
-        try:
-            step()
-        except (OptionError, OSError) as error:
-            failed = error if failed is None or isinstance(failed, BrokenPipeError) else failed
-    if failed is not None:
-        raise failed
+def write(content: Any, target: str) -> None:
+    """Write bytes, a text, or a record as JSON."""
+    if isinstance(content, bytes):
+        write_bytes(content, target)
+    elif isinstance(content, str):
+        write_text(content, target)
+    else:
+        write_json(content, target)
 
 
 def write_json(record: Any, target: str) -> None:
     """Write `record` to a file, or to stdout when `target` is "-"."""
-    from rankdrop.results import json_text
+    from rankdrop.codec import json_text
 
     write_text(json_text(record), target)
 

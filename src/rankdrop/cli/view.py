@@ -8,8 +8,18 @@ from shlex import join
 from time import sleep
 from typing import TYPE_CHECKING, Annotated, Literal
 
+from rankdrop import motion, results
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions, command, open_arm, parse_configuration
+from rankdrop.cli.command import (
+    NO_OPTIONS,
+    NO_TOOL,
+    ROBOT,
+    ArmOptions,
+    ToolOptions,
+    command,
+    open_arm,
+    parse_configuration,
+)
 from rankdrop.cli.terminal import say
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
@@ -70,7 +80,6 @@ def view(
 
     Exit code 0: ended by Ctrl-C; 2: bad input.
     """
-
     _check_host(options.host, expose=options.expose)
     viewer = _viewer(robot, options, tool, arm)
     try:
@@ -93,19 +102,18 @@ def view(
 def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions) -> Viewer:
     import numpy as np
 
-    from rankdrop.motion import read_trajectory
-    from rankdrop.results import Analysis
     from rankdrop.viewer.server import Viewer, Wishes
 
-    model, task = open_arm(robot, arm, tool.tcp, deg=tool.deg)
+    model, task = open_arm(robot, arm, tool)
+    played = None if options.trajectory is None else motion.read_trajectory(options.trajectory, model, deg=tool.deg)
     wishes = Wishes(
         q=None if options.q is None else np.array(parse_configuration(options.q, model, deg=tool.deg)),
-        analysis=None if options.analysis is None else Analysis.load(options.analysis),
+        analysis=None if options.analysis is None else results.Analysis.load(options.analysis),
         packages=arm.packages,
         args=arm.arguments,
         limits=options.limits,
         frame=options.frame,
-        trajectory=None if options.trajectory is None else read_trajectory(options.trajectory, model, deg=tool.deg),
+        trajectory=played,
         deg=tool.deg,
         dark=options.dark,
         host=options.host,
@@ -118,7 +126,6 @@ def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions
 
 def _command(robot: str, arm: ArmOptions, frame: str | None, tcp: str | None) -> str:
     """What was typed of the arm, its task and its tool: the same arm opens, not another one of the same file."""
-
     given = {"frame": frame, "tcp": tcp} | {field.name: getattr(arm, field.name) for field in fields(arm)}
     words = ["rankdrop", "view", robot]
     for name, value in given.items():
@@ -133,7 +140,6 @@ def _command(robot: str, arm: ArmOptions, frame: str | None, tcp: str | None) ->
 
 
 def _check_host(host: str, *, expose: bool) -> None:
-
     local = host in {"localhost", "::1"} or host.startswith("127.")
     if not local and not expose:
         raise OptionError("this address is reachable from other machines", where="--host", got=host,
@@ -153,6 +159,5 @@ def _open_browser(url: str) -> None:
 
 def _wait() -> None:
     """Until Ctrl-C, in pieces: a signal that comes as a wait begins is noticed only when that wait ends."""
-
     while True:
         sleep(0.5)

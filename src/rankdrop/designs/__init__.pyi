@@ -1,14 +1,13 @@
-from .arms import SideBySide as SideBySide
-from .arms import side_by_side as side_by_side
 from .outcome import MEANINGS as MEANINGS
 from .outcome import UNITS as UNITS
 from .outcome import Designs as Designs
+from .outcome import SideBySide as SideBySide
 from .outcome import check_tables as check_tables
 from .outcome import measure_text as measure_text
 from .outcome import shown as shown
 from .outcome import write_tables as write_tables
-from .spec import Asks as Asks
 from .spec import Parameter as Parameter
-from .spec import asks_of as asks_of
+from .spec import Spec as Spec
 from .spec import read_spec as read_spec
+from .sweeping import side_by_side as side_by_side
 from .sweeping import sweep as sweep

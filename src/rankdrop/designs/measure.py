@@ -22,65 +22,43 @@ nothing between them. Solutions come from Newton's method with damping from rand
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rankdrop.certify.covering import covering
-from rankdrop.codec import plain
-from rankdrop.designs.changes import form_of, key_of
-from rankdrop.designs.ranking import bits_to_text
+from rankdrop.certify.covering import plan_of
+from rankdrop.codec import encode, plain, restored
+from rankdrop.designs.compare import bits_to_text, form_of, key_of
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.family import ExactFamily
-from rankdrop.families.searching import search
-from rankdrop.families.share import NearShare, near_shares
+from rankdrop.exact import ExactFamily, exact_chain
+from rankdrop.families import search
+from rankdrop.families.share import near_shares, slow_share
 from rankdrop.families.table import families
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, family_out_of_units
-from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
-from rankdrop.motion.check import check_poses
-from rankdrop.motion.inverse import Aim
-from rankdrop.motion.record import FREE
-from rankdrop.problem import Problem
-from rankdrop.results.analysis import Analysis, Settings
-from rankdrop.results.codec import restored
-from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_analysis, known_conditions
-from rankdrop.robot.drawing import Drawing, Place
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.family import CorankSummary, Family
+from rankdrop.family.record import CorankFamilies, family_out_of_units
+from rankdrop.local import generic_rank, sample, singular_values
+from rankdrop.motion import FREE, Aim, check_poses
+from rankdrop.problem import Problem, into_limits
+from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
+from rankdrop.results.analysis import Settings
+from rankdrop.robot import Array, Drawing, Robot, from_xyz_rpy
+from rankdrop.robot.drawing import Place
+from rankdrop.schema.design import NEAR_SHARE
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_units, task_in_units
 from rankdrop.verbs.analyze import SECONDS
 from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.covering import covering
 from rankdrop.version import VERSION
 
 MORE = (3, 10)
 """Times the starts, where something is left open."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How hard the families of a variant are looked for.
-
-    Attributes:
-        starts: random starts for each corank.
-        fresh: independent points for completeness, of each corank.
-        limits: within the joint limits only.
-        seed: of every random choice.
-    """
-
-    starts: int
-    fresh: int
-    limits: bool
-    seed: int
 
 
 def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
@@ -114,13 +92,18 @@ def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tup
     return tuple(replace(one, numbers=chain.numbers) for one in nominal.families)
 
 
-def families_of(robot: Robot, task: Task, effort: Effort, nominal: Conditions | None) -> Analysis:
+def families_of(
+    robot: Robot, task: Task, nominal: Conditions | None, *, starts: int, fresh: int, limits: bool, seed: int
+) -> Analysis:
     """Every family of an arm, each with its own evidence.
 
     Args:
         robot, task: the arm.
-        effort: how hard.
         nominal: of an arm with the same letters for lengths; None: conditions are fitted.
+        starts: random starts for each corank.
+        fresh: independent points for completeness, of each corank.
+        limits: within the joint limits only.
+        seed: of every random choice.
 
     Returns:
         An analysis whose smallest near misses are not sought.
@@ -129,40 +112,32 @@ def families_of(robot: Robot, task: Task, effort: Effort, nominal: Conditions | 
     rank = generic_rank(own, inner)
     derived = with_lengths_of(robot, task, nominal)
     known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
-    found: list[CorankFamilies] = []
-    for corank in range(1, rank + 1):
+
+    def once(corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
+        """Families of one corank; nominal ones that have no real configuration with these lengths are left out."""
+        cloud = search(own, corank, task=inner, starts=times * starts, seed=seed, limits=limits, threads=1)
+        if not cloud.complete:
+            raise KeyboardInterrupt  # the core received Ctrl-C
+        tested = families(cloud, known=given, seed=seed, threads=1, fresh=fresh, near_misses=False)
+        unreal = {family.id for family, _ in tested.contradictions}
+        return replace(tested, families=tuple(one for one in tested.families if one.id not in unreal))
+
+    def settled(corank: int) -> CorankFamilies:
+        """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
         here = None if known is None else [one for one in known if one.corank == corank]
-        found.append(_of_corank(own, inner, corank, effort, here))
-        if found[-1].summary.converged == 0:
-            break
-    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
-    settings = Settings(effort.seed, effort.starts, effort.limits, float(task.scale(robot)), DEFAULT, VERSION)
-    return Analysis(robot, task, rank, settings, tuple(one.summary for one in found), rows)
+        tested = once(corank, 1, here)
+        for times, given in ([] if here is None else [(MORE[0], here)]) + [(times, None) for times in MORE]:
+            if holds(tested.summary, tested.families):
+                break
+            tested = once(corank, times, given)
+        return tested
 
-
-def _of_corank(
-    robot: Robot, task: Task, corank: int, effort: Effort, known: Sequence[Family] | None
-) -> CorankFamilies:
-    """The families of one corank: with the nominal conditions, or fitted where these leave something open."""
-    for times, given in (*(((1, known), (MORE[0], known)) if known is not None else ((1, None),)),
-                         *((times, None) for times in MORE)):  # fmt: skip
-        found = _once(robot, task, corank, effort, times, given)
-        if holds(found.summary, found.families):
-            break
-    return found
-
-
-def _once(
-    robot: Robot, task: Task, corank: int, effort: Effort, times: int, known: Sequence[Family] | None
-) -> CorankFamilies:
-    """The families of one corank; nominal ones that have no real configuration with these lengths are left out."""
-    cloud = search(robot, corank, task=task, starts=times * effort.starts, seed=effort.seed, limits=effort.limits,
-                   threads=1)  # fmt: skip
-    if not cloud.complete:
-        raise KeyboardInterrupt  # the core met Ctrl-C
-    found = families(cloud, known=known, seed=effort.seed, threads=1, fresh=effort.fresh, near_misses=False)
-    unreal = {family.id for family, _ in found.contradictions}
-    return replace(found, families=tuple(one for one in found.families if one.id not in unreal))
+    coranks: list[CorankFamilies] = []
+    while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
+        coranks.append(settled(len(coranks) + 1))
+    rows = tuple(family_out_of_units(family, robot) for one in coranks for family in one.families)
+    settings = Settings(seed, starts, limits, float(task.scale(robot)), DEFAULT, VERSION)
+    return Analysis(robot, task, rank, settings, tuple(one.summary for one in coranks), rows)
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
@@ -172,12 +147,19 @@ def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
 
 
 Record = dict[str, Any]
+Measured = tuple[Record, Record]
 STARTS, FRESH = 300, 300
 """Of families that are needed but were not asked for."""
 
 
 def measured(
-    robot: Robot, task: Task, asks: Mapping[str, Any], nominal: Conditions | None, *, limits: bool, seed: int,
+    robot: Robot,
+    task: Task,
+    asks: Mapping[str, Any],
+    nominal: Conditions | None,
+    *,
+    limits: bool,
+    seed: int,
     known: Analysis | None = None,
 ) -> Record:
     """Everything that is asked of an arm.
@@ -195,32 +177,27 @@ def measured(
         asked of has the reason in `error`, and what was found before it.
     """
     record: Record = {"measures": {}, "error": None}
+    problem = Problem(robot, task, limits=limits)
     try:
-        asked, found = asks["families"], known
-        if known is None and any(asks[ask] is not None for ask in ("families", "near", "paths")):
-            starts, fresh = (STARTS, FRESH) if asked is None else (asked["starts"], asked["fresh"])
-            found = families_of(robot, task, Effort(starts, fresh, limits, seed), nominal)
-        if asked is not None and found is not None:
-            _report_families(found, record)
-        if asks["near"] is not None and found is not None:
-            _near(found, asks["near"], limits, seed, record)
-        if asks["region"] is not None:
-            _region(robot, task, asks["region"], limits, seed, record)
-        if asks["paths"] is not None and found is not None:
-            _paths(found, asks["paths"], limits, record)
-        if asks["certified"] is not None:
-            _certified(robot, task, float(asks["certified"]), limits, record)
+        if known is None and any(asks[ask] is not None for ask in NEED_FAMILIES):
+            sought = asks["families"] or {"starts": STARTS, "fresh": FRESH}
+            known = families_of(robot, task, nominal, starts=sought["starts"], fresh=sought["fresh"], limits=limits,
+                                seed=seed)  # fmt: skip
+        for ask, measure in _MEASURES.items():
+            if asks[ask] is not None:
+                entries, values = measure(problem, known, asks[ask], seed)
+                record |= entries
+                record["measures"] |= values
     except RankdropError as error:
         record["error"] = str(error)
     return record
 
 
-def _report_families(found: Analysis, record: Record) -> None:
-    record["verdict"] = found.verdict.word
-    record["sentence"] = found.verdict.sentence
-    record["rank"] = found.generic_rank
-    record["families"] = [_family(one, found.robot) for one in found.families]
-    record["measures"]["families"] = len(found.families)
+def _families(_: Problem, known: Analysis, _asked: Any, _seed: int) -> Measured:
+    return {
+        "verdict": known.verdict.word, "sentence": known.verdict.sentence, "rank": known.generic_rank,
+        "families": [_family(one, known.robot) for one in known.families],
+    }, {"families": len(known.families)}  # fmt: skip
 
 
 def _family(family: Family, robot: Robot) -> Record:
@@ -243,32 +220,29 @@ def _family(family: Family, robot: Robot) -> Record:
     }
 
 
-def _near(analysis: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
-    near = near_shares(analysis.families, Problem(analysis.robot, analysis.task, limits=limits), asked["within"],
-                       samples=asked["samples"], seed=seed)  # fmt: skip
-    record["near"] = {"any": _share(near.any), "families": [_share(one) for one in near.families],
-                      "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip
-    record["measures"]["near"] = near.any.share
+def _near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
+    near = near_shares(known.families, problem, asked["within"], samples=asked["samples"], seed=seed)
+    entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, one) for one in near.families],
+             "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip
+    return {"near": entry}, {"near": near.any.share}
 
 
-def _share(share: NearShare) -> Record:
-    return {
-        "id": share.id,
-        "share": share.share,
-        "error": share.error,
-        "interval": list(share.interval),
-        "bound": share.bound,
-    }
+def _slow(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Measured:
+    slow, hits = slow_share(problem, speed=asked["speed"], turn_speed=asked["turn_speed"], samples=asked["samples"],
+                            seed=seed)  # fmt: skip
+    if slow is None:
+        return {"slow": None}, {"slow": None}
+    entry = {"share": slow.share, "error": slow.error, "bound": slow.bound, "samples": slow.samples}
+    return {"slow": entry | {"hits": bits_to_text(hits)}}, {"slow": slow.share}
 
 
-def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
+def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Measured:
     rpy = None if asked["rpy"] is None else np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
-    sigma, q, lowest = reached(robot, task, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed,
-                               limits=limits)  # fmt: skip
+    sigma, q, lowest = reached(problem, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed)
     there = np.isfinite(sigma)
     worst = int(np.nanargmin(sigma)) if there.any() else None
-    record["region"] = {
+    entry = {
         "poses": len(targets),
         "reached": int(there.sum()),
         "each": [finite(value) for value in sigma],
@@ -277,23 +251,22 @@ def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, se
         "at": None if worst is None else targets[worst, :3, 3].tolist(),
         "q": None if worst is None else q[worst].tolist(),
     }
-    record["measures"]["sigma"] = record["region"]["sigma"]
-    record["measures"]["reached"] = float(there.mean())
+    return {"region": entry}, {"sigma": entry["sigma"], "reached": float(there.mean())}
 
 
-def _paths(analysis: Analysis, asked: Mapping[str, Any], limits: bool, record: Record) -> None:
-    rows = [_path(analysis, name, given, limits) for name, given in asked.items()]
-    record["paths"] = rows
+def _paths(problem: Problem, known: Analysis, asked: Mapping[str, Any], _: int) -> Measured:
+    rows = [_path(known, name, given, limits=problem.limits) for name, given in asked.items()]
+    values: Record = {}
     for measure, key in (("path_sigma", "sigma"), ("path_distance", "distance")):
-        values = [row[key] for row in rows]
-        record["measures"][measure] = None if None in values else min(values)
-    record["measures"]["paths_free"] = sum(row["verdict"] == FREE for row in rows) / len(rows)
+        each = [row[key] for row in rows]
+        values[measure] = None if None in each else min(each)
+    return {"paths": rows}, values | {"paths_free": sum(row["verdict"] == FREE for row in rows) / len(rows)}
 
 
-def _path(analysis: Analysis, name: str, given: Mapping[str, Any], limits: bool) -> Record:
+def _path(known: Analysis, name: str, given: Mapping[str, Any], *, limits: bool) -> Record:
     try:
-        judged = check_poses(analysis.robot, np.array(given["poses"]), given["t"], task=analysis.task, limits=limits,
-                             analysis=analysis)  # fmt: skip
+        judged = check_poses(known.robot, np.array(given["poses"]), given["t"], task=known.task, limits=limits,
+                             analysis=known)  # fmt: skip
     except RankdropError as error:  # the first pose is out of reach, say
         return {"name": name, "verdict": "not reached", "sigma": None, "distance": None, "q": None, "why": error.what}
     least = min(judged.stretches, key=lambda one: one.closest.sigma)
@@ -309,14 +282,20 @@ def _path(analysis: Analysis, name: str, given: Mapping[str, Any], limits: bool)
     }
 
 
-def _certified(robot: Robot, task: Task, width: float, limits: bool, record: Record) -> None:
-    found = covering(robot, width, task, limits=limits, threads=1)
-    record["certified"] = {"free": found.free_share, "boxes": found.tree.leaves, "complete": found.complete}
-    record["measures"]["free"] = found.free_share if found.complete else None
+def _certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
+    robot, task = problem.robot, problem.task
+    proven = covering(robot, task, plan_of(robot, width, task, limits=problem.limits))
+    entry = {"free": proven.free_share, "boxes": proven.tree.leaves, "complete": proven.complete}
+    return {"certified": entry}, {"free": proven.free_share if proven.complete else None}
 
 
+_MEASURES: dict[str, Callable[..., Measured]] = {
+    "families": _families, "near": _near, "slow": _slow, "region": _region, "paths": _paths, "certified": _certified,
+}  # fmt: skip
+"""What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
+NEED_FAMILIES = ("families", "near", "paths")
 _ITERATIONS = 40
-_LONGEST = 0.5  # of a step [rad; slides scaled]
+_EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
 _CLOSE = 1e-9  # |e| at a solution: lengths divided by the length scale, angles in rad
 _ROWS_OF_POSITION = 3
 
@@ -330,73 +309,34 @@ def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: 
     return found
 
 
-def reached(
-    robot: Robot, task: Task, targets: Array, *, oriented: bool, starts: int, seed: int, limits: bool
-) -> tuple[Array, Array, float]:
+def reached(problem: Problem, targets: Array, *, oriented: bool, starts: int, seed: int) -> tuple[Array, Array, float]:
     """The best posture found at every pose.
 
     Args:
-        robot: the arm.
-        task: whose σ counts.
+        problem: the arm, the task of which σ counts, and whether solutions have to be inside the joint limits.
         targets: (P, 4, 4) [m].
         oriented: the orientation is meant too, as far as the task has rows for it; else places alone.
         starts: random starts for each pose.
         seed: of the starts.
-        limits: solutions within the joint limits only.
 
     Returns:
         (P,) the largest σ_r of a solution, NaN where none was found; (P, n) that solution; the smallest σ_r of any
-        solution, NaN where there is none.
+        solution, inf where there is none.
     """
+    robot, task = problem.robot, problem.task
     rows = tuple(row for row in task.rows if oriented or row < _ROWS_OF_POSITION)
-    inner = Task(",".join(map(str, rows)), rows, task.frame, task.scale(robot))
-    count = len(targets)
-    q = sample(robot, task, count * starts, seed, limits=limits)
-    which = np.repeat(np.arange(count), starts)
-    good = _solve(robot, inner, targets[which], q)
-    if limits:
-        q, inside = _inside(robot, q)
-        good &= inside
-    sigma = np.where(good, singular_values(robot, q, task)[:, generic_rank(robot, task) - 1], -np.inf)
-    sigma = sigma.reshape(count, starts)
-    best = sigma.argmax(axis=1)
-    top = sigma[np.arange(count), best]
-    lowest = sigma[np.isfinite(sigma)]
-    found = q.reshape(count, starts, -1)[np.arange(count), best]
-    return np.where(np.isfinite(top), top, np.nan), found, float(lowest.min()) if len(lowest) else float("nan")
-
-
-def _solve(robot: Robot, task: Task, targets: Array, q: Array) -> NDArray[np.bool_]:
-    """Damped steps from q (N, n), in place, each to its own target (N, 4, 4): (N,) which arrived."""
-    aim, scale = Aim(robot, task), joint_scale(robot, task)
-    good = np.zeros(len(q), dtype=np.bool_)
-    going = np.arange(len(q))
-    for _ in range(_ITERATIONS):
-        e = aim.error(targets[going], q[going])
-        size = np.linalg.norm(e, axis=1)
-        done = size <= _CLOSE
-        good[going[done]] = True
-        going, e, size = going[~done], e[~done], size[~done]
-        if not len(going):
-            break
-        step = aim.step(q[going], e, np.minimum(size**2, 1.0))
-        length = np.linalg.norm(step / scale, axis=1)
-        q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-    return good
-
-
-def _inside(robot: Robot, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Solutions turned by whole turns into their limits where that is possible, and (N,) which are inside."""
-    moved = np.array(q)
-    inside = np.ones(len(q), dtype=np.bool_)
-    for j, (low, high) in enumerate(zip(robot.lower, robot.upper, strict=True)):
-        if robot.periodic[j]:
-            middle = 0.5 * (low + high) if np.isfinite(low) and np.isfinite(high) else 0.0
-            moved[:, j] -= 2 * np.pi * np.round((moved[:, j] - middle) / (2 * np.pi))
-            if np.isfinite(low):
-                moved[:, j] += 2 * np.pi * np.maximum(0, np.ceil((low - 1e-9 - moved[:, j]) / (2 * np.pi)))
-        inside &= (moved[:, j] >= low - 1e-9) & (moved[:, j] <= high + 1e-9)
-    return moved, inside
+    aim = Aim(robot, Task(",".join(map(str, rows)), rows, task.frame, task.scale(robot)))
+    begin = sample(robot, task, len(targets) * starts, seed, limits=problem.limits)
+    q, step = aim.descend(np.repeat(targets, starts, axis=0), begin, close=_CLOSE, rounds=_ITERATIONS)
+    good = step >= 0
+    if problem.limits:
+        q = into_limits(robot, q)
+        good &= ((q >= robot.lower - _EDGE) & (q <= robot.upper + _EDGE)).all(axis=1)
+    sigma = np.where(good, singular_values(robot, q, task)[:, problem.generic_rank - 1], -np.inf)
+    sigma, q = sigma.reshape(-1, starts), q.reshape(-1, starts, robot.n)
+    best, every = sigma.argmax(axis=1), np.arange(len(targets))
+    top, lowest = sigma[every, best], sigma[np.isfinite(sigma)].min(initial=np.inf)
+    return np.where(np.isfinite(top), top, np.nan), q[every, best], float(lowest)
 
 
 def variants(plan: Record, chunk: int) -> bytes:
@@ -406,7 +346,7 @@ def variants(plan: Record, chunk: int) -> bytes:
     """
     drawing, task = Drawing(**plan["drawing"]), restored(Task, plan["task"])
     places = [[Place(*one) for one in parameter] for parameter in plan["places"]]
-    searched = any(plan["asks"][ask] is not None for ask in ("families", "near", "paths"))
+    searched = any(plan["asks"][ask] is not None for ask in NEED_FAMILIES)
     nominal = _nominal(json.dumps([plan["drawing"], plan["task"]])) if searched else None
     size = plan["size"]
     lines = []

@@ -13,66 +13,66 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from rankdrop.codec import Result
-from rankdrop.designs.changes import Change, Structure, changes, structures
-from rankdrop.designs.ranking import Ranking, rank
-from rankdrop.designs.spec import Parameter
+from rankdrop.designs.compare import Change, Ranking, Structure, changes, neighbours, rank, structures
+from rankdrop.designs.spec import GOALS, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
+from rankdrop.robot import Robot, reach
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
+from rankdrop.task import Task
+from rankdrop.text.words import SWEEP_NEXT
 
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
 _BETWEEN = "a change lies somewhere between two variants that were searched; one that comes and goes is not seen"
 APART = 2.0  # standard errors by which shares of samples have to differ
 _ALMOST_ALL = "for almost all lengths; where two lengths are equal or one is zero more may hold"
+
+
 @dataclass(frozen=True, eq=False)
 class Designs(Result):
     """A finished sweep.
 
     Attributes:
-        robot: name of the arm that was varied.
-        task: name of the task.
-        length_scale: of σ, the same for every variant [m].
-        limits: inside the joint limits only.
-        parameters: in their order.
-        kind, seed: how variants were chosen.
-        goals: measure -> "less" or "more".
+        spec: the arm, its parameters, the task, what is measured.
         records: of every variant, by its number; docs/howto/comparing-designs.md says what is in them.
-        pairs: of neighbours.
         exact: one variant of each of the commonest sets of families, derived exactly with letters for the lengths:
             its families, and for which lengths they are real; empty where not asked for or not derived.
         folder: where parts and tables are kept; None: nowhere.
     """
 
-    robot: str
-    task: str
-    length_scale: float
-    limits: bool
-    parameters: tuple[Parameter, ...]
-    kind: str
-    seed: int
-    goals: Mapping[str, str]
+    spec: Spec
     records: Sequence[Mapping[str, Any]]
-    pairs: Sequence[tuple[int, int]]
     exact: tuple[Mapping[str, Any], ...] = ()
     folder: Path | None = None
     FILE: ClassVar[str] = "sweep"
 
     @property
+    def robot(self) -> str:
+        """Name of the arm that was varied."""
+        return self.spec.drawing.nominal.name
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What was varied, in order."""
+        return self.spec.parameters
+
+    @property
     def measures(self) -> list[str]:
         """Names of the measures, in their order."""
-        names = {name for record in self.records for name in record["measures"]}
-        return [name for name in UNITS if name in names]
+        return measures_of(self.records)
 
     @cached_property
     def failed(self) -> tuple[int, ...]:
@@ -82,8 +82,7 @@ class Designs(Result):
     @cached_property
     def unverified(self) -> tuple[int, ...]:
         """Numbers of the variants whose families were asked for and do not hold, from 0."""
-        asked = [one for one in self.records if "verdict" in one]
-        return tuple(int(one["number"]) for one in asked if one["verdict"] != "verified")
+        return tuple(int(one["number"]) for one in self.records if one.get("verdict", "verified") != "verified")
 
     @property
     def holds(self) -> bool:
@@ -98,12 +97,12 @@ class Designs(Result):
     @cached_property
     def changes(self) -> list[Change]:
         """What differs between neighbours."""
-        return changes(self.records, [one.name for one in self.parameters], self.pairs)
+        return changes(self.records, [one.name for one in self.parameters], neighbours(self.spec, self.records))
 
     @cached_property
     def ranking(self) -> Ranking:
         """The variants that no other one dominates beyond the error of the samples."""
-        return rank(self.records, self.goals)
+        return rank(self.records, self.spec.goals)
 
     @property
     def pareto(self) -> list[int]:
@@ -132,32 +131,49 @@ class Designs(Result):
         if self.structures:
             sets = len(self.structures)
             parts.append("all have the same families" if sets == 1 else f"{sets} different sets of families")
-        if self.pareto:
+        if self.pareto or self.spec.goals:
             parts.append(self._best())
-        elif self.goals:
-            missing = [name for name in self.goals if all(value is None for value in self.values(name))]
-            parts.append(f"none is ranked, since none has {' and '.join(missing) or 'every measure'}")
         verified = ", the families of each verified by sampling" if self.structures else ""
         return f"{count}{verified}: {'; '.join(parts)}." if parts else f"{count} measured."
 
     def _best(self) -> str:
         best = len(self.pareto)
+        if not best:
+            missing = [name for name in self.spec.goals if all(value is None for value in self.values(name))]
+            return f"none is ranked, since none has {' and '.join(missing) or 'every measure'}"
         if best == 1:
             return f"variant {self.pareto[0] + 1} is better than every other one"
         if self.ranking.differ:
             return f"{best:,} Pareto-optimal variants"
         return f"{best:,} of {len(self.records):,} cannot be distinguished by their measures"
 
+    @property
+    def summary(self) -> tuple[str, ...]:
+        """The lines printed first: the result, the best variant or one of several, ranges of measures, what is next."""
+        titles = [*(one.name for one in self.parameters), *self.measures]
+        best = [self.row(self.records[number]) for number in self._in_order(self.pareto)[:1]]
+        head = "Best" if len(self.pareto) == 1 else f"One of {len(self.pareto)}"
+        known = {name: [x for x in self.values(name) if x is not None] for name in self.measures}
+        ranges = [f"{name} {measure_text(name, min(values))} … {measure_text(name, max(values))}"
+                  for name, values in known.items() if values]  # fmt: skip
+        return (
+            self.sentence,
+            *(f"{head}: {', '.join(map(' '.join, zip(titles, row, strict=True)))}." for row in best),
+            *([f"Range: {', '.join(ranges)}."] if ranges else []),
+            SWEEP_NEXT,
+        )
+
     def sections(self, *, every: bool = False) -> Iterator[Section]:
         """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
-        yield Section("", lines=(self.sentence,))
+        yield Section("", lines=self.summary)
         ranges = tuple(
             (one.name, ", ".join(map(str, one.places)), shown(one.lower, one), shown(one.upper, one))
             for one in self.parameters
         )
-        where = "inside the joint limits" if self.limits else "the whole joint space"
-        about = f"{len(self.records):,} variants ({self.kind}); task {self.task}; {where}; seed {self.seed}"
-        after = (f"σ has translation divided by {self.length_scale:.4g} m, for every variant",)
+        where = "inside the joint limits" if self.spec.limits else "the whole joint space"
+        spec = self.spec
+        about = f"{len(self.records):,} variants ({spec.kind}); task {spec.task.name}; {where}; seed {spec.seed}"
+        after = (f"σ has translation divided by {self.spec.task.length_scale:.4g} m, for every variant",)
         columns = ("parameter", "sets", "from", "to")
         yield Section(f"{self.robot}: sweep", about, columns=columns, rows=ranges, texts=(0, 1), after=after)
         yield from self._ranking(every)
@@ -167,37 +183,36 @@ class Designs(Result):
         yield Section("", lines=(self.sentence,))
 
     def _ranking(self, every: bool) -> Iterator[Section]:
-        chosen = list(range(len(self.records))) if every or not self.pareto else self.pareto
-        names = self.measures
-        if self.goals:
-            chosen = sorted(chosen, key=self._rank)
+        best = not every and self.pareto
+        chosen = self._in_order(self.pareto if best else range(len(self.records)))
+        names, goals = self.measures, self.spec.goals
         if not chosen or not names:
             return
         most = len(chosen) if every else SHOWN
-        rows = tuple(
-            (str(i + 1), *(shown(x, p) for x, p in zip(self.records[i]["values"], self.parameters, strict=True)),
-             *(measure_text(name, self.records[i]["measures"].get(name)) for name in names))
-            for i in chosen[:most]
-        )  # fmt: skip
-        wants = ", ".join(f"{want} {name}" for name, want in self.goals.items())
-        title = "Variants" if every or not self.pareto else "Pareto-optimal variants"
+        rows = tuple((str(i + 1), *self.row(self.records[i])) for i in chosen[:most])
+        wants = ", ".join(f"{want} {name}" for name, want in goals.items())
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
         after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
-        notes = tuple(f"{name}: {MEANINGS[name]}{self._doubt_of(name)}" for name in names)
-        yield Section(title, summary, columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
+        notes = tuple(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in names)
+        yield Section("Pareto-optimal variants" if best else "Variants", summary,
+                      columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
                       texts=(), after=after, notes=notes)  # fmt: skip
 
-    def _doubt_of(self, measure: str) -> str:
-        """How far a share may be off, by its samples."""
-        errors = [float(one["near"]["any"]["error"]) for one in self.records if one.get("near")]
-        told = measure == "near" and max(errors, default=0.0) > 0.0
-        return f", by samples: ± {APART * 100 * max(errors):.2g} %" if told else ""
+    def row(self, record: Mapping[str, Any]) -> tuple[str, ...]:
+        """Parameters and measures of a variant, for people."""
+        values = [shown(x, one) for x, one in zip(record["values"], self.parameters, strict=True)]
+        return (*values, *(measure_text(name, record["measures"].get(name)) for name in self.measures))
 
-    def _rank(self, number: int) -> tuple[bool, float]:
-        """By the first goal, best first; variants without it last."""
-        first, want = next(iter(self.goals.items()))
-        value = self.records[number]["measures"].get(first)
-        return value is None, 0.0 if value is None else float(value) * (1.0 if want == "less" else -1.0)
+    def _in_order(self, numbers: Iterable[int]) -> list[int]:
+        """Variants by the first goal, best first; variants without it last."""
+        first, want = next(iter(self.spec.goals.items()), ("", "less"))
+        sign = 1.0 if want == "less" else -1.0
+
+        def cost(number: int) -> float:
+            value = self.records[number]["measures"].get(first)
+            return np.inf if value is None else sign * value
+
+        return sorted(numbers, key=cost)
 
     def _families(self) -> Iterator[Section]:
         found = self.structures
@@ -265,6 +280,27 @@ class Designs(Result):
         lines = [f"variant {i + 1}: {self.records[i]['error']}" for i in self.failed[:SHOWN]]
         lines += [f"variant {i + 1}: {self.records[i]['sentence']}" for i in self.unverified[:SHOWN]]
         return Section("What does not hold", lines=tuple(lines))
+
+
+def measures_of(records: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Names of the measures of records, in their order."""
+    names = {name for record in records for name in record["measures"]}
+    return [name for name in UNITS if name in names]
+
+
+def in_doubt(record: Mapping[str, Any]) -> bool:
+    """Whether an arm could not be measured as a whole, or its families are not verified."""
+    return record["error"] is not None or record.get("verdict", "verified") != "verified"
+
+
+def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
+    """How far a share may be off, by its samples; "" for a measure without error."""
+    tables = {"near": [one["near"]["any"] for one in records if one.get("near")],
+              "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
+    shares = tables.get(measure, [])
+    most = max((float(one["error"]) for one in shares), default=0.0)
+    larger = " or more" if any(one["bound"] for one in shares) else ""
+    return f", by samples: ± {APART * 100 * most:.2g} %{larger}" if most else ""
 
 
 def shown(value: float, parameter: Parameter) -> str:
@@ -379,7 +415,114 @@ def _table(
     types = {"int64": arrow.int64(), "float64": arrow.float64(), "string": arrow.string()}
     fields = [arrow.field(name, types[kind], metadata={"meaning": meaning}) for name, kind, meaning, _ in columns]
     arrays = [arrow.array([take(row) for row in rows], types[kind]) for _, kind, _, take in columns]
-    schema = arrow.schema(fields, metadata={"schema": SCHEMA, "robot": designs.robot, "task": designs.task})
+    schema = arrow.schema(fields, metadata={"schema": SCHEMA, "robot": designs.robot, "task": designs.spec.task.name})
     out = io.BytesIO()
     parquet.write_table(arrow.table(arrays, schema=schema), out, compression="zstd")
     return out.getvalue()
+
+
+_BEST = {
+    "slow": "smallest share of the configurations inside the limits at which the tool is slow",
+    "near": "smallest share of the joint space near singularities",
+    "sigma": "largest σ over the region",
+    "reached": "most poses of the region reached",
+    "path_sigma": "largest σ on the paths",
+    "path_distance": "farthest from singularities on the paths",
+    "paths_free": "most paths proven free",
+    "free": "largest share proven free",
+}
+"""What the best arm by a measure has; numbers of families are told and not judged."""
+
+
+@dataclass(frozen=True, eq=False)
+class SideBySide(Result):
+    """Arms measured for the same task.
+
+    Attributes:
+        names: of the arms, as they were given.
+        robots: the arms.
+        task: with the length scale of σ, the same for all.
+        limits: inside the joint limits.
+        seed: of every random choice.
+        records: of the arms, in their order; as those of a sweep.
+    """
+
+    names: tuple[str, ...]
+    robots: tuple[Robot, ...]
+    task: Task
+    limits: bool
+    seed: int
+    records: Sequence[Mapping[str, Any]]
+    FILE: ClassVar[str] = "side-by-side"
+
+    @property
+    def measures(self) -> list[str]:
+        """Names of the measures, in their order."""
+        return measures_of(self.records)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every arm was measured and its families, where asked for, are verified."""
+        return not any(map(in_doubt, self.records))
+
+    def best(self, measure: str) -> tuple[int, ...]:
+        """The arms, from 0, that are best by one measure; those within the error of the best are too."""
+        records = [{**one, "error": None} for one in self.records]
+        return tuple(rank(records, {measure: GOALS[measure]}).best)
+
+    @property
+    def sentence(self) -> str:
+        """What was found, in one sentence."""
+        doubt = [name for name, one in zip(self.names, self.records, strict=True) if in_doubt(one)]
+        if doubt:
+            return f"Incomplete: not all holds of {', '.join(doubt)}."
+        told = []
+        for name in self.measures:
+            best = self.best(name)
+            if name != "families" and 0 < len(best) < len(self.names):
+                told.append(f"{_BEST[name]}: {', '.join(self.names[i] for i in best)}")
+        count = f"{len(self.names)} arms, task {self.task.name}"
+        return f"{count}; {'; '.join(told)}." if told else f"{count}: no measure tells them apart."
+
+    def sections(self) -> Iterator[Section]:
+        """As sections of text: a column for each arm."""
+        yield Section("", lines=(self.sentence,))
+        rows = [("joints", *(str(robot.n) for robot in self.robots)),
+                ("reach", *(f"{reach(robot):.4g} m" for robot in self.robots))]  # fmt: skip
+        rows += [
+            (name, *(measure_text(name, one["measures"].get(name)) + ("  ←" if i in self._ranked_best(name) else "")
+                     for i, one in enumerate(self.records)))
+            for name in self.measures
+        ]  # fmt: skip
+        where = "inside the joint limits" if self.limits else "the whole joint space"
+        notes = [f"σ has translation divided by {self.task.length_scale:.4g} m for every arm; ← best",
+                 *(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in self.measures)]  # fmt: skip
+        yield Section("Side by side", f"task {self.task.name}; {where}; seed {self.seed}", columns=("", *self.names),
+                      rows=tuple(rows), texts=(0,), notes=tuple(notes))  # fmt: skip
+        for name, robot, one in zip(self.names, self.robots, self.records, strict=True):
+            yield _arm(name, robot.about, one)
+        yield Section("", lines=(self.sentence,))
+
+    def _ranked_best(self, measure: str) -> tuple[int, ...]:
+        best = self.best(measure)
+        return best if measure != "families" and len(best) < len(self.names) else ()
+
+
+def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
+    shares = {share["id"]: share for share in one.get("near", {}).get("families", [])}
+    rows = tuple(
+        (str(family["corank"]), family["name"], str(family["dimension"]),
+         measure_text("near", shares[family["id"]]["share"]) if family["id"] in shares else "–")
+        for family in one.get("families", [])
+    )  # fmt: skip
+    lines = [one["error"]] if one["error"] else []
+    if "sentence" in one:
+        lines.append(one["sentence"])
+    if one.get("region") and one["region"]["sigma"] is not None:
+        at = ", ".join(f"{x:.3g}" for x in one["region"]["at"])
+        lines.append(f"σ over the region is smallest at ({at}) m: {one['region']['sigma']:.4g}".replace("-", "−"))
+    for path in one.get("paths", []):
+        told = f": {path['why']}" if path["sigma"] is None else f", smallest σ {path['sigma']:.4g}"
+        lines.append(f"{path['name']}: {path['verdict']}{told}")
+    columns = ("corank", "family", "dim", "near") if rows else ()
+    return Section(name, about, lines=tuple(lines), columns=columns, rows=rows, texts=(1,))

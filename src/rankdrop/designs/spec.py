@@ -1,37 +1,44 @@
-"""The specification of a sweep: which arm, which of its numbers are parameters, which variants, what is asked of each.
+"""The specification of a sweep: the arm, which of its numbers are parameters, the variants, what is measured of each.
 
-In TOML; the keys are described in docs/howto/comparing-designs.md. What cannot be used is refused before anything is
-computed, in one line with file, line and what is allowed.
+In TOML; the keys are described in docs/howto/comparing-designs.md. `TABLES` lists every key with its reader, default
+and bounds. Readers name the place of a wrong value as "table.key"; `spec_of` adds the file and the line.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import isfinite, prod
+from math import degrees, isfinite, prod
 from os.path import isfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rankdrop.errors import OptionError, RankdropError, RobotError
-from rankdrop.families.searching import MOST_STARTS
+from rankdrop.families import MOST_STARTS
 from rankdrop.families.share import WIDEST
-from rankdrop.motion.pose_file import read_poses
-from rankdrop.robot.drawing import Drawing, Place
+from rankdrop.motion import read_poses
+from rankdrop.robot import Array, Drawing, quantity
+from rankdrop.robot.drawing import Place
 from rankdrop.robot.files import read_text
-from rankdrop.robot.quantities import quantity
 from rankdrop.robot.toml_file import Lines, line_of, lines_of, parsed_toml
 from rankdrop.task import Task, resolve_task
 
 KINDS = ("grid", "latin-hypercube", "sobol", "list")
 MOST_VARIANTS = 1_000_000
 MOST_PARAMETERS = 12
-_HEAD = ("robot", "tip", "base", "as_written", "task", "length_scale", "limits", "seed", "parameters", "sample",
-         "variants", "families", "near", "region", "paths", "certified", "pareto")  # fmt: skip
-_TABLES = ("parameters", "sample", "families", "near", "region", "paths", "certified", "pareto")
-ASKS = ("families", "near", "region", "paths", "certified")
-Where = Callable[..., str]
-"""where(table, key, index=None): file and line."""
+ASKS = ("families", "near", "slow", "region", "paths", "certified")
+GOALS = {
+    "families": "less", "near": "less", "slow": "less", "sigma": "more", "reached": "more", "path_sigma": "more",
+    "path_distance": "more", "paths_free": "more", "free": "more",
+}  # fmt: skip
+"""Every measure, and whether less or more of it is better."""
+_MEASURES = {
+    "families": ("families",), "near": ("near",), "slow": ("slow",), "region": ("sigma", "reached"),
+    "paths": ("path_sigma", "path_distance", "paths_free"), "certified": ("free",),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -61,11 +68,12 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Asks:
-    """What is asked of every variant; what is None is not asked for.
+    """What is measured of every variant; None: not measured.
 
     Attributes:
         families: starts, fresh and exact.
         near: within [rad] and samples.
+        slow: speed [m/s], turn_speed [rad/s] and samples.
         region: lower, upper [m], rpy [rad] or None, points and starts.
         paths: name of each file -> its poses (P, 4, 4) [m] and times (P,) [s] or None.
         certified: width of the boxes [rad].
@@ -73,9 +81,15 @@ class Asks:
 
     families: Mapping[str, Any] | None = None
     near: Mapping[str, Any] | None = None
+    slow: Mapping[str, Any] | None = None
     region: Mapping[str, Any] | None = None
     paths: Mapping[str, Any] | None = None
     certified: float | None = None
+
+    @property
+    def measures(self) -> list[str]:
+        """Names of the measures that result: the columns of the table."""
+        return [name for ask in ASKS if getattr(self, ask) is not None for name in _MEASURES[ask]]
 
 
 @dataclass(frozen=True)
@@ -91,8 +105,8 @@ class Spec:
         kind: how variants are chosen: one of `KINDS`.
         count: of variants, for samples.
         listed: of a list, the values of every variant by parameter [m, rad].
-        asks: what is asked.
-        pareto: measure -> "less" or "more"; empty for those that are asked.
+        asks: what is measured.
+        pareto: measure -> "less" or "more"; empty for those that are measured.
     """
 
     drawing: Drawing
@@ -105,6 +119,21 @@ class Spec:
     listed: tuple[tuple[float, ...], ...]
     asks: Asks
     pareto: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def goals(self) -> dict[str, str]:
+        """What a better variant has less or more of: as given, else every measure but the number of families."""
+        return dict(self.pareto) or {name: GOALS[name] for name in self.asks.measures if name != "families"}
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Lower and upper corner (p,) of the ranges of the parameters [m, rad]."""
+        return np.array([one.lower for one in self.parameters]), np.array([one.upper for one in self.parameters])
+
+    def in_unit_box(self, values: Array) -> Array:
+        """(V, p) values as shares of their ranges, 0 … 1."""
+        low, high = self.box
+        return np.asarray((values - low) / np.where(high > low, high - low, 1.0))
 
 
 def read_spec(path: str | Path) -> Spec:
@@ -133,309 +162,411 @@ def spec_of(
         lines: of its text.
 
     Raises:
-        OptionError, RobotError: a key or a value cannot be used.
+        OptionError: a key or a value cannot be used.
     """
-    return _Reader(document, file, folder or Path("."), lines).spec()
+    folder = folder or Path(".")
+    with _located(file, lines):
+        head = _read_table(document, "")
+        drawing = _drawing(head, folder)
+        task = _task(head, drawing)
+        parameters = _parameters(head["parameters"], drawing)
+        kind, count, listed = _sample(head, parameters)
+        asks = _asks(head, folder)
+        pareto = _pareto(head["pareto"], asks.measures)
+        return Spec(drawing, task, head["limits"], head["seed"], parameters, kind, count, listed, asks, pareto)
 
 
-def asks_of(document: Mapping[str, Any], *, file: str = "options", folder: Path | None = None) -> Asks:
-    """What is asked, of tables alone: those of a specification without the arm.
+def question_of(document: Mapping[str, Any]) -> tuple[dict[str, Any], Asks]:
+    """What a specification without an arm and without variants asks: task, length_scale, limits, seed …, and measures.
 
     Raises:
-        OptionError: as `spec_of`.
+        OptionError: a key or a value cannot be used.
     """
-    return _Reader(document, file, folder or Path("."), None).asks()
+    with _located("", None):
+        head = _read_table(document, "", ("task", "length_scale", "limits", "seed", "as_written", *ASKS))
+        return head, _asks(head, Path("."))
 
 
-class _Reader:
-    """Reads one document; every refusal names the file and the line."""
+@contextmanager
+def _located(file: str, lines: Lines | None) -> Iterator[None]:
+    """Errors that name "table.key: rest" name the file and the line as well."""
+    try:
+        yield
+    except RankdropError as error:
+        raise OptionError(error.what, where=_place(error.where or "", file, lines), got=error.got,
+                          allowed=error.allowed, mend=error.mend) from error  # fmt: skip
 
-    def __init__(self, document: Mapping[str, Any], file: str, folder: Path, lines: Lines | None) -> None:
-        self.document, self.file, self.folder, self.lines = document, file, folder, lines
 
-    def where(self, table: str, key: str = "", index: int | None = None) -> str:
-        name = ".".join(part for part in (table, key) if part)
-        if self.lines is None:
-            return f"{self.file}, {name}" if name else self.file
-        titled = None if not key else self.lines.get((name, None, ""))  # [parameters.x] has a line of its own
-        line = self.lines.get((table, index, key)) or titled or line_of(self.lines, table, index, key)
-        return f"{self.file}, line {line}" + (f", {name}" if name else "")
+def _place(where: str, file: str, lines: Lines | None) -> str:
+    """ "near.within: rest" as "designs.toml, line 12, near.within: rest"."""
+    name, colon, rest = where.partition(": ")
+    table, _, key = name.partition(".")
+    shown, _, number = table.rstrip("]").partition("[")
+    parts = [file] if file else []
+    if lines is not None:
+        own = (shown, int(number) if number else None, key) if key or number else ("", None, shown)
+        titled = lines.get((name, None, ""))  # [parameters.x] has a line of its own
+        parts[0] += f", line {lines.get(own) or titled or line_of(lines, *own)}"
+    if shown:
+        parts.append(f"{shown}.{key}" if key else shown)
+    return ", ".join(parts) + colon + rest
 
-    def refuse(self, what: str, table: str, key: str = "", *, got: Any = None, allowed: Any = None,
-               mend: str | None = None) -> OptionError:  # fmt: skip
-        """The error to raise."""
-        return OptionError(what, where=self.where(table, key), got=got, allowed=allowed, mend=mend)
 
-    def spec(self) -> Spec:
-        self._keys(self.document, _HEAD, "")
-        for name in _TABLES:
-            if name in self.document and not isinstance(self.document[name], Mapping):
-                raise self.refuse(f"{name} is a table", "", name, got=repr(self.document[name]), allowed=f"[{name}]")
-        drawing = self._drawing()
-        limits, seed = (
-            self._flag(self.document, "limits"), self._whole_number(self.document, "seed", "", 0, 0, 2**63 - 1),
-        )  # fmt: skip
-        task = self._task(drawing)
-        parameters = self._parameters(drawing)
-        kind, count, listed = self._sample(parameters)
-        asks = self.asks()
-        return Spec(drawing, task, limits, seed, parameters, kind, count, listed, asks, self._pareto(asks))
+def _read_table(table: Mapping[str, Any], name: str, keys: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Every key of a table of `TABLES`, read and checked; only some keys are allowed where they are given."""
+    known = {key: TABLES[name][key] for key in keys or TABLES[name]}
+    entry = f"{name}." if name else ""
+    for key in table:
+        _require(
+            key in known, OptionError("unknown key", where=f"{entry}{key}", got=repr(key), allowed=", ".join(known))
+        )
+    return {key: read(table.get(key, default), f"{entry}{key}", *bounds)
+            for key, (read, default, *bounds) in known.items()}  # fmt: skip
 
-    def _keys(self, table: Mapping[str, Any], allowed: Sequence[str], name: str, entry: str = "") -> None:
-        for key in table:
-            if key not in allowed:
-                raise self.refuse("unknown key", name, entry or key, got=repr(key), allowed=", ".join(allowed))
 
-    def _flag(self, table: Mapping[str, Any], key: str, name: str = "", *, default: bool = False) -> bool:
-        value = table.get(key, default)
-        if not isinstance(value, bool):
-            raise self.refuse(f"{key} is true or false", name, key, got=repr(value), allowed="true, false")
-        return value
+def _require(holds: bool, error: OptionError) -> None:
+    if not holds:
+        raise error
 
-    def _text(self, key: str) -> str | None:
-        value = self.document.get(key)
-        if value is not None and not (isinstance(value, str) and value):
-            raise self.refuse(f"{key} is a text", "", key, got=repr(value))
-        return value
 
-    def _whole_number(
-        self, table: Mapping[str, Any], key: str, name: str, default: int, least: int, most: int, *, entry: str = ""
-    ) -> int:
-        value = table.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise self.refuse(f"{key} is not a whole number that can be used", name, entry or key, got=repr(value),
-                              allowed=f"{least} … {most}")  # fmt: skip
-        return value
+def _flag(value: Any, where: str) -> bool:
+    _require(
+        isinstance(value, bool),
+        OptionError(f"{_key(where)} is true or false", where=where, got=repr(value), allowed="true, false"),
+    )
+    return bool(value)
 
-    def _number(self, value: Any, measure: str, table: str, key: str) -> float:
-        try:
-            return quantity(value, measure, where=self.where(table, key))
-        except RobotError as error:
-            raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed) from None
 
-    def _drawing(self) -> Drawing:
-        name = self._text("robot")
-        if name is None:
-            raise self.refuse("the robot is not said", "", "robot", allowed='robot = "ur5", or a file')
-        beside = self.folder / name
-        try:
-            return Drawing.of(
-                str(beside) if isfile(beside) else name, self._text("tip"), self._text("base"),
-                as_written=self._flag(self.document, "as_written"),
+def _text(value: Any, where: str) -> str | None:
+    _require(
+        value is None or (isinstance(value, str) and value != ""),
+        OptionError(f"{_key(where)} is a text", where=where, got=repr(value)),
+    )
+    return None if value is None else str(value)
+
+
+def _whole_number(value: Any, where: str, least: int, most: int, key: str = "") -> int:
+    _require(
+        not isinstance(value, bool) and isinstance(value, int) and least <= value <= most,
+        OptionError(
+            f"{key or _key(where)} is not a whole number that can be used",
+            where=where,
+            got=repr(value),
+            allowed=f"{least} … {most}",
+        ),
+    )
+    return int(value)
+
+
+def _length(value: Any, where: str) -> float | None:
+    return None if value is None else quantity(value, "length", where=where)
+
+
+def _speed(value: Any, where: str, measure: str) -> float:
+    speed = quantity(value, measure, where=where, rate=True)
+    _require(speed > 0.0, OptionError(f"{_key(where)} is out of range", where=where, got=speed, allowed="above 0"))
+    return speed
+
+
+def _width(value: Any, where: str, most: float) -> float:
+    width = quantity(value, "angle", where=where)
+    if not 0.0 < width <= most:
+        raise OptionError(f"{_key(where)} is out of range", where=where, got=width,
+                          allowed=f"above 0, up to {most:g} rad ({degrees(most):.0f}°)")  # fmt: skip
+    return width
+
+
+def _three(value: Any, where: str, measure: str, allowed: str) -> list[float] | None:
+    if value is None and _key(where) == "rpy":
+        return None
+    _require(
+        isinstance(value, list) and len(value) == 3,
+        OptionError(f"{_key(where)} is three numbers", where=where, got=repr(value), allowed=allowed),
+    )
+    return [quantity(one, measure, where=where) for one in value]
+
+
+def _files(value: Any, where: str) -> list[str]:
+    _require(
+        _are_texts(value),
+        OptionError("files is a list of files of poses", where=where, got=repr(value), allowed='files = ["pick.csv"]'),
+    )
+    return list(value)
+
+
+def _are_texts(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(one, str) and one for one in value)
+
+
+def _any(value: Any, where: str) -> Any:
+    """A value that is read together with others."""
+    fits = where not in TABLES or value is None or isinstance(value, Mapping)
+    _require(fits, OptionError(f"{where} is a table", where=where, got=repr(value), allowed=f"[{where}]"))
+    return value
+
+
+def _key(where: str) -> str:
+    return where.rpartition(".")[2]
+
+
+Entry = tuple[Any, ...]
+"""(reader, default, further arguments of the reader)."""
+TABLES: dict[str, dict[str, Entry]] = {
+    "": {
+        "robot": (_text, None), "tip": (_text, None), "base": (_text, None), "as_written": (_flag, False),
+        "task": (_text, None), "length_scale": (_length, None), "limits": (_flag, False),
+        "seed": (_whole_number, 0, 0, 2**63 - 1), "parameters": (_any, {}), "sample": (_any, {}),
+        "variants": (_any, None), "families": (_any, None), "near": (_any, None), "slow": (_any, None),
+        "region": (_any, None), "paths": (_any, None), "certified": (_any, None), "pareto": (_any, {}),
+    },
+    "parameters": {},
+    "sample": {"kind": (_any, None), "variants": (_any, 0)},
+    "families": {
+        "starts": (_whole_number, 300, 10, MOST_STARTS), "fresh": (_whole_number, 300, 10, 20_000),
+        "exact": (_flag, True),
+    },
+    "near": {
+        "within": (_width, "5 deg", WIDEST),
+        "samples": (_whole_number, 2000, 100, 1_000_000),
+    },
+    "slow": {
+        "speed": (_speed, "25 mm/s", "length"), "turn_speed": (_speed, "5 deg/s", "angle"),
+        "samples": (_whole_number, 2000, 100, 1_000_000),
+    },
+    "region": {
+        "lower": (_three, None, "length", "[x, y, z]"), "upper": (_three, None, "length", "[x, y, z]"),
+        "rpy": (_three, None, "angle", "[roll, pitch, yaw]"), "points": (_whole_number, 40, 1, 100_000),
+        "starts": (_whole_number, 12, 1, 1000),
+    },
+    "paths": {"files": (_files, None)},
+    "certified": {"width": (_width, 0.2, 1.0)},
+    "pareto": {"less": (_any, []), "more": (_any, [])},
+}  # fmt: skip
+"""Table -> key -> how it is read. The first table is the head of the file; "parameters" has the names as keys."""
+
+
+def _drawing(head: Mapping[str, Any], folder: Path) -> Drawing:
+    name = head["robot"]
+    _require(name is not None, OptionError("the robot is not said", where="robot", allowed='robot = "ur5", or a file'))
+    beside = folder / name
+    try:
+        return Drawing.of(str(beside) if isfile(beside) else name, head["tip"], head["base"],
+                          as_written=head["as_written"])  # fmt: skip
+    except RankdropError as error:
+        raise _inside("robot", error) from error
+
+
+def _inside(place: str, error: RankdropError, file: str = "") -> OptionError:
+    """The error of another reader, at the place of the specification that calls it."""
+    where = error.where or file
+    return OptionError(error.what, where=f"{place}: {where}" if where else place, got=error.got, allowed=error.allowed,
+                       mend=error.mend)  # fmt: skip
+
+
+def _task(head: Mapping[str, Any], drawing: Drawing) -> Task:
+    try:
+        task = resolve_task(head["task"], drawing.nominal, length_scale=head["length_scale"])
+        return resolve_task(task, drawing.nominal, length_scale=task.scale(drawing.nominal))
+    except RankdropError as error:
+        raise OptionError(error.what, where="task", got=error.got, allowed=error.allowed, mend=error.mend) from error
+
+
+def _parameters(table: Mapping[str, Any], drawing: Drawing) -> tuple[Parameter, ...]:
+    _require(
+        1 <= len(table) <= MOST_PARAMETERS,
+        OptionError(
+            "there are no parameters to vary" if not table else "there are too many parameters",
+            where="parameters",
+            got=len(table),
+            allowed=f"1 … {MOST_PARAMETERS}: [parameters], then "
+            'upper_arm = { sets = "JOINT.a", lower = 0.3, upper = 0.5, steps = 5 }',
+        ),
+    )
+    parameters = tuple(_parameter(drawing, entry, f"parameters.{name}") for name, entry in table.items())
+    taken: dict[tuple[str, str], str] = {}
+    for one in parameters:
+        for place in one.places:
+            other = taken.setdefault((place.part, place.key), one.name)
+            _require(
+                other == one.name,
+                OptionError(
+                    "two parameters set the same number",
+                    where=f"parameters.{one.name}",
+                    got=f"{place.part}.{place.key}",
+                    mend=f"leave it to {other}",
+                ),
             )
-        except RankdropError as error:
-            place = self.where("", "robot")
-            where = f"{place}: {error.where}" if error.where else place
-            raise OptionError(error.what, where=where, got=error.got, allowed=error.allowed, mend=error.mend) from error
-
-    def _task(self, drawing: Drawing) -> Task:
-        scale = self.document.get("length_scale")
-        length = None if scale is None else self._number(scale, "length", "", "length_scale")
-        try:
-            task = resolve_task(self._text("task"), drawing.nominal, length_scale=length)
-            return resolve_task(task, drawing.nominal, length_scale=task.scale(drawing.nominal))
-        except RankdropError as error:
-            raise OptionError(error.what, where=self.where("", "task"), got=error.got, allowed=error.allowed) from error
-
-    def _parameters(self, drawing: Drawing) -> tuple[Parameter, ...]:
-        table = self.document.get("parameters", {})
-        if not 1 <= len(table) <= MOST_PARAMETERS:
-            raise self.refuse("there are no parameters to vary" if not table else "there are too many parameters",
-                              "parameters", got=len(table), allowed=f"1 … {MOST_PARAMETERS}: [parameters], then "
-                              'upper_arm = { sets = "JOINT.a", lower = 0.3, upper = 0.5, steps = 5 }')  # fmt: skip
-        found = tuple(self._parameter(drawing, name, entry) for name, entry in table.items())
-        taken: dict[tuple[str, str], str] = {}
-        for one in found:
-            for place in one.places:
-                if (other := taken.setdefault((place.part, place.key), one.name)) != one.name:
-                    raise self.refuse("two parameters set the same number", "parameters", one.name,
-                                      got=f"{place.part}.{place.key}", mend=f"leave it to {other}")  # fmt: skip
-        return found
-
-    def _parameter(self, drawing: Drawing, name: str, entry: Any) -> Parameter:
-        if not isinstance(entry, Mapping):
-            raise self.refuse("a parameter is a table", "parameters", name, got=repr(entry),
-                              allowed='{ sets = "JOINT.a", lower = …, upper = …, steps = … }')  # fmt: skip
-        self._keys(entry, ("sets", "lower", "upper", "steps", "values"), "parameters", name)
-        sets = entry.get("sets")
-        texts = [sets] if isinstance(sets, str) else sets
-        if not isinstance(texts, list) or not texts or not all(isinstance(one, str) for one in texts):
-            raise self.refuse("sets says what a parameter sets", "parameters", name, got=repr(sets),
-                              allowed='"elbow_joint.a", "-2.a", "tool.z", or a list of such')  # fmt: skip
-        places = tuple(self._place(drawing, text, name) for text in texts)
-        measures = {drawing.measure(place) for place in places}
-        if len(measures) > 1:
-            raise self.refuse("a parameter is a length or an angle", "parameters", name, got=", ".join(texts))
-        measure = measures.pop()
-        if "values" in entry:
-            values = self._list(entry["values"], measure, name)
-            for key in ("lower", "upper", "steps"):
-                if key in entry:
-                    raise self.refuse(f"{key} does not go with values", "parameters", name, allowed="one of the two")
-            return Parameter(name, places, measure, values, min(values), max(values))
-        for key in ("lower", "upper"):
-            if key not in entry:
-                raise self.refuse(f"{key} is missing", "parameters", name, allowed="lower and upper, or values")
-        lower, upper = (self._number(entry[key], measure, "parameters", name) for key in ("lower", "upper"))
-        if not lower < upper:
-            raise self.refuse("lower is not below upper", "parameters", name, got=f"lower {lower:g}, upper {upper:g}")
-        steps = self._whole_number(entry, "steps", "parameters", 0, 2, 100_000, entry=name) if "steps" in entry else 0
-        values = tuple(lower + (upper - lower) * i / (steps - 1) for i in range(steps))
-        return Parameter(name, places, measure, values, lower, upper)
-
-    def _place(self, drawing: Drawing, text: str, name: str) -> Place:
-        try:
-            return drawing.place(text, self.where("parameters", name))
-        except RobotError as error:
-            raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed) from None
-
-    def _list(self, given: Any, measure: str, name: str) -> tuple[float, ...]:
-        if not isinstance(given, list) or not given:
-            raise self.refuse("values is a list", "parameters", name, got=repr(given), allowed="values = [0.3, 0.4]")
-        values = tuple(self._number(one, measure, "parameters", name) for one in given)
-        if len(set(values)) != len(values):
-            raise self.refuse("a value is there twice", "parameters", name, got=repr(given))
-        return values
-
-    def _sample(self, parameters: tuple[Parameter, ...]) -> tuple[str, int, tuple[tuple[float, ...], ...]]:
-        table = self.document.get("sample", {})
-        self._keys(table, ("kind", "variants"), "sample")
-        listed = self.document.get("variants")
-        kind = table.get("kind", "grid" if listed is None else "list")
-        if kind not in KINDS:
-            raise self.refuse("there is no such sample", "sample", "kind", got=repr(kind), allowed=", ".join(KINDS))
-        if (kind == "list") != (listed is not None):
-            raise self.refuse("a list of variants goes with the sample list, and only with it", "sample", "kind",
-                              got=repr(kind), allowed='kind = "list" and [[variants]] tables')  # fmt: skip
-        if kind == "list":
-            rows = self._variants(listed, parameters)
-            return kind, len(rows), rows
-        if kind == "grid":
-            for one in parameters:
-                if not one.values:
-                    raise self.refuse("a grid needs the values", "parameters", one.name, allowed="steps, or values")
-            count = prod(len(one.values) for one in parameters)
-            if count > MOST_VARIANTS:
-                raise self.refuse("the grid has too many variants", "parameters", got=count, allowed=MOST_VARIANTS)
-            return kind, count, ()
-        for one in parameters:
-            if one.values:
-                raise self.refuse(f"a {kind} sample draws from a range", "parameters", one.name,
-                                  allowed="lower and upper, without steps or values")  # fmt: skip
-        return kind, self._whole_number(table, "variants", "sample", 0, 1, MOST_VARIANTS), ()
-
-    def _variants(self, listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
-        names = [one.name for one in parameters]
-        if not isinstance(listed, list) or not 1 <= len(listed) <= MOST_VARIANTS:
-            raise self.refuse("variants is a list of tables", "variants", allowed="[[variants]], one or more")
-        rows = []
-        for index, entry in enumerate(listed):
-            where = self.where("variants", "", index)
-            if not isinstance(entry, Mapping) or sorted(entry) != sorted(names):
-                got = ", ".join(entry) if isinstance(entry, Mapping) else repr(entry)
-                raise OptionError("a variant gives every parameter", where=where, got=got, allowed=", ".join(names))
-            rows.append(tuple(self._number(entry[one.name], one.measure, "variants", one.name) for one in parameters))
-        return tuple(rows)
-
-    def asks(self) -> Asks:
-        asked = {name: self.document[name] for name in ASKS if name in self.document}
-        if not asked:
-            raise self.refuse("nothing is asked of the variants", "", allowed=", ".join(f"[{name}]" for name in ASKS))
-        return Asks(**{name: getattr(self, f"_{name}")(table) for name, table in asked.items()})
-
-    def _families(self, table: Mapping[str, Any]) -> dict[str, Any]:
-        self._keys(table, ("starts", "fresh", "exact"), "families")
-        return {"starts": self._whole_number(table, "starts", "families", 300, 10, MOST_STARTS),
-                "fresh": self._whole_number(table, "fresh", "families", 300, 10, 20_000),
-                "exact": self._flag(table, "exact", "families", default=True)}  # fmt: skip
-
-    def _near(self, table: Mapping[str, Any]) -> dict[str, Any]:
-        self._keys(table, ("within", "samples"), "near")
-        within = self._number(table.get("within", "5 deg"), "angle", "near", "within")
-        if not 0.0 < within <= WIDEST:
-            raise self.refuse("this is no distance to look within", "near", "within", got=within,
-                              allowed=f"above 0, up to {WIDEST} rad (86°)")  # fmt: skip
-        return {"within": within, "samples": self._whole_number(table, "samples", "near", 2000, 100, 1_000_000)}
-
-    def _region(self, table: Mapping[str, Any]) -> dict[str, Any]:
-        self._keys(table, ("lower", "upper", "rpy", "points", "starts"), "region")
-        corners = {key: self._three(table.get(key), "length", key) for key in ("lower", "upper")}
-        if not all(low <= high for low, high in zip(corners["lower"], corners["upper"], strict=True)):
-            raise self.refuse("lower is not below upper", "region", "lower", got=repr(table.get("lower")))
-        rpy = self._three(table["rpy"], "angle", "rpy") if "rpy" in table else None
-        return {**corners, "rpy": rpy, "points": self._whole_number(table, "points", "region", 40, 1, 100_000),
-                "starts": self._whole_number(table, "starts", "region", 12, 1, 1000)}  # fmt: skip
-
-    def _three(self, given: Any, measure: str, key: str) -> list[float]:
-        if not isinstance(given, list) or len(given) != 3:
-            raise self.refuse(f"{key} is three numbers", "region", key, got=repr(given), allowed="[x, y, z]"
-                              if measure == "length" else "[roll, pitch, yaw]")  # fmt: skip
-        return [self._number(one, measure, "region", key) for one in given]
-
-    def _paths(self, table: Mapping[str, Any]) -> dict[str, Any]:
-        self._keys(table, ("files",), "paths")
-        files = table.get("files")
-        if not isinstance(files, list) or not files or not all(isinstance(one, str) and one for one in files):
-            raise self.refuse("files is a list of files of poses", "paths", "files", got=repr(files),
-                              allowed='files = ["pick.csv"]')  # fmt: skip
-        found: dict[str, Any] = {}
-        for name in files:
-            try:
-                poses = read_poses(self.folder / name)
-            except OSError as error:
-                what = f"the file cannot be read: {error.strerror}"
-                raise self.refuse(what, "paths", "files", got=name[:80]) from error
-            except RankdropError as error:
-                where = f"{self.where('paths', 'files')}: {error.where or name}"
-                raise OptionError(error.what, where=where, got=error.got, allowed=error.allowed) from error
-            found[name] = {"poses": poses.matrices.tolist(), "t": None if poses.times is None else poses.times.tolist()}
-        return found
-
-    def _certified(self, table: Mapping[str, Any]) -> float:
-        self._keys(table, ("width",), "certified")
-        width = self._number(table.get("width", 0.2), "angle", "certified", "width")
-        if not 0.0 < width <= 1.0:
-            raise self.refuse("this is no width of a box", "certified", "width", got=width,
-                              allowed="above 0, up to 1 rad")  # fmt: skip
-        return width
-
-    def _pareto(self, asks: Asks) -> dict[str, str]:
-        table = self.document.get("pareto", {})
-        self._keys(table, ("less", "more"), "pareto")
-        known = measures(asks)
-        found: dict[str, str] = {}
-        for want in ("less", "more"):
-            names = table.get(want, [])
-            if not isinstance(names, list):
-                raise self.refuse(f"{want} is a list of measures", "pareto", want, got=repr(names),
-                                  allowed=", ".join(known))  # fmt: skip
-            for name in names:
-                if name not in known or name in found:
-                    raise self.refuse("there is no such measure here" if name not in known else "it is there twice",
-                                      "pareto", want, got=repr(name), allowed=", ".join(known))  # fmt: skip
-                found[name] = want
-        return found
+    return parameters
 
 
-GOALS = {
-    "families": "less", "near": "less", "sigma": "more", "reached": "more", "path_sigma": "more",
-    "path_distance": "more", "paths_free": "more", "free": "more",
-}  # fmt: skip
-"""Every measure, and whether less or more of it is better."""
-_MEASURES = {
-    "families": ("families",), "near": ("near",), "region": ("sigma", "reached"),
-    "paths": ("path_sigma", "path_distance", "paths_free"), "certified": ("free",),
-}  # fmt: skip
+_PARAMETER = ("sets", "lower", "upper", "steps", "values")
 
 
-def measures(asks: Asks) -> list[str]:
-    """The measures that there are where this is asked: the columns of the table."""
-    return [name for ask in ASKS if getattr(asks, ask) is not None for name in _MEASURES[ask]]
+def _parameter(drawing: Drawing, entry: Any, where: str) -> Parameter:
+    name = where.partition(".")[2]
+    _require(
+        isinstance(entry, Mapping),
+        OptionError(
+            "a parameter is a table",
+            where=where,
+            got=repr(entry),
+            allowed='{ sets = "JOINT.a", lower = …, upper = …, steps = … }',
+        ),
+    )
+    for key in entry:
+        _require(
+            key in _PARAMETER, OptionError("unknown key", where=where, got=repr(key), allowed=", ".join(_PARAMETER))
+        )
+    sets = entry.get("sets")
+    texts = [sets] if isinstance(sets, str) else sets
+    _require(
+        _are_texts(texts),
+        OptionError(
+            "sets says what a parameter sets",
+            where=where,
+            got=repr(sets),
+            allowed='"elbow_joint.a", "-2.a", "tool.z", or a list of such',
+        ),
+    )
+    places = tuple(drawing.place(text, where) for text in texts)
+    measures = {drawing.measure(place) for place in places}
+    _require(len(measures) == 1, OptionError("a parameter is a length or an angle", where=where, got=", ".join(texts)))
+    measure = measures.pop()
+    if "values" in entry:
+        values = _values(entry["values"], measure, where)
+        for key in ("lower", "upper", "steps"):
+            _require(
+                key not in entry, OptionError(f"{key} does not go with values", where=where, allowed="one of the two")
+            )
+        return Parameter(name, places, measure, values, min(values), max(values))
+    for key in ("lower", "upper"):
+        _require(key in entry, OptionError(f"{key} is missing", where=where, allowed="lower and upper, or values"))
+    lower, upper = (quantity(entry[key], measure, where=where) for key in ("lower", "upper"))
+    _require(
+        lower < upper, OptionError("lower is not below upper", where=where, got=f"lower {lower:g}, upper {upper:g}")
+    )
+    steps = _whole_number(entry["steps"], where, 2, 100_000, "steps") if "steps" in entry else 0
+    values = tuple(lower + (upper - lower) * i / (steps - 1) for i in range(steps))
+    return Parameter(name, places, measure, values, lower, upper)
 
 
-def goals(spec: Spec) -> dict[str, str]:
-    """What a better variant has less or more of: as given, else every measure but the number of families."""
-    return dict(spec.pareto) or {name: GOALS[name] for name in measures(spec.asks) if name != "families"}
+def _values(given: Any, measure: str, where: str) -> tuple[float, ...]:
+    _require(
+        isinstance(given, list) and len(given) > 0,
+        OptionError("values is a list", where=where, got=repr(given), allowed="values = [0.3, 0.4]"),
+    )
+    values = tuple(quantity(one, measure, where=where) for one in given)
+    _require(len(set(values)) == len(values), OptionError("a value is there twice", where=where, got=repr(given)))
+    return values
+
+
+def _sample(
+    head: Mapping[str, Any], parameters: tuple[Parameter, ...]
+) -> tuple[str, int, tuple[tuple[float, ...], ...]]:
+    """How variants are chosen, how many there are, and the values of a list."""
+    table, listed = _read_table(head["sample"], "sample"), head["variants"]
+    kind = table["kind"] or ("grid" if listed is None else "list")
+    _require(
+        kind in KINDS,
+        OptionError("there is no such sample", where="sample.kind", got=repr(kind), allowed=", ".join(KINDS)),
+    )
+    _require(
+        (kind == "list") == (listed is not None),
+        OptionError(
+            "a list of variants goes with the sample list, and only with it",
+            where="sample.kind",
+            got=repr(kind),
+            allowed='kind = "list" and [[variants]] tables',
+        ),
+    )
+    if kind == "list":
+        rows = _variants(listed, parameters)
+        return kind, len(rows), rows
+    for one in parameters:
+        where = f"parameters.{one.name}"
+        _require(
+            kind != "grid" or one.values != (),
+            OptionError("a grid needs the values", where=where, allowed="steps, or values"),
+        )
+        _require(
+            kind == "grid" or one.values == (),
+            OptionError(
+                f"a {kind} sample draws from a range", where=where, allowed="lower and upper, without steps or values"
+            ),
+        )
+    if kind != "grid":
+        return kind, _whole_number(table["variants"], "sample.variants", 1, MOST_VARIANTS), ()
+    count = prod(len(one.values) for one in parameters)
+    _require(
+        count <= MOST_VARIANTS,
+        OptionError("the grid has too many variants", where="parameters", got=count, allowed=MOST_VARIANTS),
+    )
+    return kind, count, ()
+
+
+def _variants(listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
+    names = [one.name for one in parameters]
+    _require(
+        isinstance(listed, list) and 1 <= len(listed) <= MOST_VARIANTS,
+        OptionError("variants is a list of tables", where="variants", allowed="[[variants]], one or more"),
+    )
+    for index, entry in enumerate(listed):
+        got = ", ".join(entry) if isinstance(entry, Mapping) else repr(entry)
+        _require(
+            isinstance(entry, Mapping) and sorted(entry) == sorted(names),
+            OptionError(
+                "a variant gives every parameter", where=f"variants[{index}]", got=got, allowed=", ".join(names)
+            ),
+        )
+    return tuple(
+        tuple(quantity(entry[one.name], one.measure, where=f"variants[{index}].{one.name}") for one in parameters)
+        for index, entry in enumerate(listed)
+    )
+
+
+def _asks(head: Mapping[str, Any], folder: Path) -> Asks:
+    asked = {name: _read_table(head[name], name) for name in ASKS if head[name] is not None}
+    _require(
+        asked != {}, OptionError("nothing is asked of the variants", allowed=", ".join(f"[{name}]" for name in ASKS))
+    )
+    if "region" in asked:
+        low, high = asked["region"]["lower"], asked["region"]["upper"]
+        _require(
+            bool(np.all(np.less_equal(low, high))),
+            OptionError("lower is not below upper", where="region.lower", got=repr(low)),
+        )
+    if "paths" in asked:
+        asked["paths"] = {name: _poses(folder / name, name) for name in asked["paths"]["files"]}
+    return Asks(**asked | ({"certified": asked["certified"]["width"]} if "certified" in asked else {}))
+
+
+def _poses(file: Path, name: str) -> dict[str, Any]:
+    """The poses (P, 4, 4) of a file and their times, as plain data."""
+    try:
+        poses = read_poses(file)
+    except OSError as error:
+        what = f"the file cannot be read: {error.strerror}"
+        raise OptionError(what, where="paths.files", got=name[:80]) from error
+    except RankdropError as error:
+        raise _inside("paths.files", error, name) from error
+    return {"poses": poses.matrices.tolist(), "t": None if poses.times is None else poses.times.tolist()}
+
+
+def _pareto(table: Mapping[str, Any], known: list[str]) -> dict[str, str]:
+    """Measure -> "less" or "more"."""
+    goals: dict[str, str] = {}
+    for want, names in _read_table(table, "pareto").items():
+        where = f"pareto.{want}"
+        _require(
+            isinstance(names, list),
+            OptionError(f"{want} is a list of measures", where=where, got=repr(names), allowed=", ".join(known)),
+        )
+        for name in names:
+            _require(name in known, OptionError("there is no such measure here", where=where, got=repr(name),
+                                                allowed=", ".join(known)))  # fmt: skip
+            _require(name not in goals, OptionError("the measure is given twice", where=where, got=repr(name)))
+            goals[name] = want
+    return goals
 
 
 def finite(value: float | None) -> float | None:

@@ -1,9 +1,9 @@
-"""One verb for many designs: variants of an arm, each measured, in chunks that a journal keeps.
+"""Two verbs for many designs: `sweep` measures variants of an arm, in chunks that a journal keeps, `side_by_side` arms.
 
 A variant is a row of parameter values; they come in an order in which neighbours follow each other. A grid is walked
 like a field is ploughed: every step changes one parameter by one value. Samples fill the box of the ranges: Latin
 hypercube and Sobol by scipy.stats.qmc, scrambled by the seed, in the order of their first parameter cut into strips.
-Variants that follow each other share what is known of their families (`rankdrop.families.residual`).
+Variants that follow each other share what is known of their families (`rankdrop.designs.measure`).
 """
 
 from __future__ import annotations
@@ -18,13 +18,14 @@ from typing import Any
 import numpy as np
 
 from rankdrop.codec import plain
-from rankdrop.designs.changes import neighbours, structures
+from rankdrop.designs.compare import structures
 from rankdrop.designs.measure import measured
-from rankdrop.designs.outcome import Designs
-from rankdrop.designs.spec import Asks, Parameter, Spec, goals, read_spec, spec_of
+from rankdrop.designs.outcome import Designs, SideBySide
+from rankdrop.designs.spec import Asks, Spec, question_of, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array, Drawing, reach
+from rankdrop.task import Task, resolve_task
 from rankdrop.verbs.conditions import conditions
 
 SIZE = 10
@@ -47,7 +48,7 @@ def sweep(
     """Measure every variant of an arm, and tell what differs between them.
 
     Each variant has its own searches and its own evidence; from the variant before it come the forms of conditions
-    alone, which saves most of the work (`rankdrop.families.residual`). The result follows from the specification: on
+    alone, which saves most of the work (`rankdrop.designs.measure`). The result follows from the specification: on
     any number of workers, on a cluster, and after an interruption of any kind it is the same.
 
     Args:
@@ -89,16 +90,9 @@ def sweep(
     records = sorted(
         (json.loads(line) for _, content in made for line in content.splitlines()), key=lambda one: one["number"]
     )
-    low, high = box(read.parameters)
-    grid = [len(one.values) for one in read.parameters] if read.kind == "grid" else None
     asked = read.asks.families
     exact = _exact(read, records, tell) if asked is not None and asked["exact"] else ()
-    return Designs(
-        robot=read.drawing.nominal.name, task=read.task.name, length_scale=float(read.task.length_scale or 0.0),
-        limits=read.limits, parameters=read.parameters, kind=read.kind, seed=read.seed, goals=goals(read),
-        records=records, pairs=neighbours(values, grid, low, high),
-        exact=exact, folder=None if out is None else Path(out),
-    )  # fmt: skip
+    return Designs(read, records, exact, None if out is None else Path(out))
 
 
 FINEST = 1e-4
@@ -114,10 +108,11 @@ def refined(spec: Spec, precision: float) -> Spec:
     if not (isfinite(precision) and FINEST <= precision <= 0.5):
         raise OptionError("this is no standard error of a share", where="precision", got=precision,
                           allowed=f"{FINEST:g} … 0.5")  # fmt: skip
-    sampled = {"near": ("samples", "near", 1_000_000), "region": ("points", "reached", 100_000)}
+    sampled = {"near": ("samples", "near", 1_000_000), "slow": ("samples", "slow", 1_000_000),
+               "region": ("points", "reached", 100_000)}  # fmt: skip
     given = {name: table for name in sampled if (table := getattr(spec.asks, name)) is not None}
     if not given:
-        raise OptionError("nothing is sampled", where="precision", allowed="with [near] or [region]")
+        raise OptionError("nothing is sampled", where="precision", allowed="with [near], [slow] or [region]")
     trial = measured(spec.drawing.nominal, spec.task, plain(Asks(**given)), None, limits=spec.limits,
                      seed=spec.seed)  # fmt: skip
     asks: dict[str, Any] = {}
@@ -199,13 +194,8 @@ def variants_of(spec: Spec) -> Array:
         unit = qmc.LatinHypercube(count, rng=spec.seed).random(spec.count)
     else:
         unit = qmc.Sobol(count, rng=spec.seed).random_base2(ceil(np.log2(spec.count)))
-    low, high = box(spec.parameters)
+    low, high = spec.box
     return np.asarray(low + unit[: spec.count] * (high - low))
-
-
-def box(parameters: tuple[Parameter, ...]) -> tuple[Array, Array]:
-    """Lower and upper corner (p,) of the ranges [m, rad]."""
-    return np.array([one.lower for one in parameters]), np.array([one.upper for one in parameters])
 
 
 def order_of(spec: Spec, values: Array) -> list[int]:
@@ -214,8 +204,7 @@ def order_of(spec: Spec, values: Array) -> list[int]:
         return list(range(len(values)))
     if spec.kind == "grid":
         return _order_boustrophedon([len(one.values) for one in spec.parameters])
-    low, high = box(spec.parameters)
-    unit = (values - low) / np.where(high > low, high - low, 1.0)
+    unit = spec.in_unit_box(values)
     strips = max(1, round(sqrt(len(values) / 4)))
     strip = np.minimum((unit[:, 0] * strips).astype(int), strips - 1)
     second = unit[:, 1] if unit.shape[1] > 1 else unit[:, 0]
@@ -225,11 +214,72 @@ def order_of(spec: Spec, values: Array) -> list[int]:
 
 def _order_boustrophedon(counts: list[int]) -> list[int]:
     """Indices into the grid (first axis slowest), every second row backwards."""
-    order = [0]
+    order = np.zeros(1, dtype=np.intp)
     for count in counts:
-        walked = []
-        for place, index in enumerate(order):
-            steps = range(count) if place % 2 == 0 else range(count - 1, -1, -1)
-            walked += [index * count + step for step in steps]
-        order = walked
-    return order
+        steps = np.tile(np.arange(count), (len(order), 1))
+        steps[1::2] = steps[1::2, ::-1]
+        order = (count * order[:, None] + steps).reshape(-1)
+    return [int(index) for index in order]
+
+
+FEWEST, MOST = 2, 10
+
+
+def side_by_side(
+    arms: Sequence[str],
+    spec: Mapping[str, Any],
+    *,
+    workers: int = 0,
+    scheduler: str | None = None,
+    report: Report | None = None,
+) -> SideBySide:
+    """Measure two to ten arms for the same task.
+
+    Args:
+        arms: names in the catalogue, or files.
+        spec: tables as of a sweep, without arm and variants: what is measured (families, near, region, paths,
+            certified); task, else that of the first arm; length_scale, else the largest reach; limits, seed,
+            as_written.
+        workers, scheduler: as for `sweep`.
+        report: report(label, done, total).
+
+    Raises:
+        OptionError: too few arms or too many, the same one twice, or a value that cannot be used.
+        RobotError, TaskError: an arm cannot be read, or the task makes no sense for it.
+
+    Example:
+        >>> found = side_by_side(["planar3r", "planar2r"], {"near": {"within": 0.1, "samples": 500},
+        ...                      "task": "planar-position"}, workers=1)
+        >>> found.best("near")
+        (0,)
+    """
+    head, asks = question_of(spec)
+    drawings = _drawings(arms, as_written=head["as_written"])
+    robots = [one.nominal for one in drawings]
+    scale = max(reach(robot) for robot in robots) if head["length_scale"] is None else head["length_scale"]
+    first = resolve_task(head["task"], robots[0])
+    tasks = [_task_of(drawing, first, scale) for drawing in drawings]
+    entries = [{"drawing": asdict(drawing), "task": plain(task)} for drawing, task in zip(drawings, tasks, strict=True)]
+    plan = {"arms": entries, "asks": plain(asks), "limits": head["limits"], "seed": head["seed"]}
+    tell = report or (lambda label, done, total: None)
+    job = Job("comparison", "rankdrop.designs.measure:arms", plan, len(arms), len(arms))
+    made = finish(job, Engine(workers, scheduler), report=lambda done, total: tell("arms", done, total))
+    records = [json.loads(content) for _, content in made]
+    return SideBySide(tuple(arms), tuple(robots), tasks[0], head["limits"], head["seed"], records)
+
+
+def _drawings(arms: Sequence[str], *, as_written: bool) -> list[Drawing]:
+    """The descriptions of two to ten different arms."""
+    if not FEWEST <= len(arms) <= MOST:
+        raise OptionError("arms are compared side by side", got=f"{len(arms)}", allowed=f"{FEWEST} … {MOST} arms")
+    for name in arms:
+        if list(arms).count(name) > 1:
+            raise OptionError("an arm is there twice", got=repr(name), mend="leave one of them out")
+    return [Drawing.of(name, as_written=as_written) for name in arms]
+
+
+def _task_of(drawing: Drawing, task: Task, length_scale: float) -> Task:
+    try:
+        return resolve_task(task, drawing.nominal, length_scale=length_scale)
+    except RankdropError as error:
+        raise OptionError(error.what, where=drawing.name, got=error.got, allowed=error.allowed) from error

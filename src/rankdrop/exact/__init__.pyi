@@ -17,5 +17,4 @@ from .reading import Node as Node
 from .reading import parse_conditions as parse_conditions
 from .reading import read as read
 from .suppression import Suppression as Suppression
-from .suppression import conditions_text as conditions_text
 from .suppression import suppress as suppress

@@ -18,26 +18,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from itertools import combinations
+from functools import cached_property, reduce
+from itertools import combinations, islice
 from math import ceil, tau
 from operator import xor
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import ConfigurationError, OptionError, TaskError
+from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.writing import RADIANS, WORDS, Condition, text_of
+from rankdrop.exact.lint import round_points
+from rankdrop.exact.writing import ratio, text_of
 from rankdrop.family.naming import name_family
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.robot.model import Array
-from rankdrop.robot.numbers import reach
-from rankdrop.tolerances import DEFAULT, REAL_ROOT
+from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length, into_units, out_of_units
 
 _READABLE = 60  # terms above which a factor is not written out
@@ -61,12 +62,6 @@ class SignedFactor:
     text: str
     periodic: bool
     sense: int
-
-    @property
-    def pins(self) -> tuple[str, ...]:
-        """Values of the one joint that the factor pins; empty where it pins none."""
-        joints = {atom.joint for atom in self.atoms}
-        return tuple(atom.value for atom in self.atoms) if len(joints) == 1 and self.atoms[0].pinned else ()
 
     def values(self, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
         """The function at configurations; each atom is divided by the sum of the sizes of its coefficients.
@@ -99,18 +94,20 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
         [('s1', True), ('sin(θ2/2)', False)]
     """
     kept = list(dict.fromkeys(atoms))
-    odd = [_odd(ring, (atom,)) for atom in kept]
-    groups: list[tuple[int, ...]] = []
-    basis = _not_needed(kept)
-    candidates = (chosen for size in range(1, len(kept) + 1) for chosen in combinations(range(len(kept)), size))
-    for chosen in sorted(candidates, key=lambda one: (len(one), not simple_pair([kept[i] for i in one]), one)):
-        if not reduce(xor, (odd[i] for i in chosen)) and _independent(basis, sum(1 << i for i in chosen)):
-            groups.append(chosen)
-    joined = {i for chosen in groups for i in chosen}
-    alone: list[tuple[int, ...]] = [(i,) for i in range(len(kept)) if i not in joined]
-    return tuple(
-        _signed(ring, tuple(kept[i] for i in chosen), chosen not in alone) for chosen in sorted(groups + alone)
-    )
+    groups = _even_products(ring, kept)
+    alone = [(i,) for i in range(len(kept)) if not any(i in chosen for chosen in groups)]
+    every = sorted([*groups, *alone])
+    return tuple(_signed(ring, tuple(kept[i] for i in chosen), chosen in groups) for chosen in every)
+
+
+def _even_products(ring: Ring, atoms: Sequence[Atom]) -> list[tuple[int, ...]]:
+    """Places of atoms whose product has a sign: a basis of all such products, few atoms in each."""
+    odd = [_odd(ring, atom) for atom in atoms]
+    chosen = (some for size in range(1, len(atoms) + 1) for some in combinations(range(len(atoms)), size))
+    even = [some for some in chosen if not reduce(xor, (odd[i] for i in some))]
+    even.sort(key=lambda some: (len(some), not simple_pair([atoms[i] for i in some]), some))
+    basis = _not_needed(atoms)
+    return [some for some in even if _independent(basis, sum(1 << i for i in some))]
 
 
 def simple_pair(atoms: Sequence[Atom]) -> bool:
@@ -158,33 +155,19 @@ def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     trig = ring.to_trig(atom.f)
     if trig is None:
         return _text(atom.f, str(atom.f)), 1
-    return _text(trig, text_of(ring, trig) if len(trig) <= _READABLE else ""), _sense(ring, atom, trig)
+    sense = 1 if ratio(ring, trig, atom.f) > 0 else -1
+    return _text(trig, text_of(ring, trig) if len(trig) <= _READABLE else ""), sense
 
 
 def _text(f: Polynomial, text: str) -> str:
     return text if len(f) <= _READABLE else f"a polynomial of {len(f):,} terms"
 
 
-def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:
-    """Sign of `to_trig` over `half_angle_values`: the same everywhere, so any point that is not a zero tells it."""
-    rng = np.random.default_rng(0)
-    joints = max((*ring.revolute, *ring.prismatic))
-    theta = rng.uniform(-np.pi, np.pi, (8, joints))
-    letters = dict(zip(ring.letters, rng.uniform(1, 2, len(ring.letters)), strict=True))
-    values = half_angle_values(ring, atom, theta, letters)
-    best = int(np.argmax(np.abs(values)))
-    return 1 if values[best] * add_terms(numeric_terms(trig, letters), ring.powers_at(trig, theta[best])) > 0 else -1
-
-
-def _odd(ring: Ring, atoms: Sequence[Atom]) -> set[int]:
-    """Revolute joints of which a full turn changes the sign of the product."""
-    odd: set[int] = set()
-    for atom in atoms:
-        if atom.pinned:
-            odd ^= {atom.joint}
-        else:
-            odd ^= {j for j, degree in zip(ring.revolute, atom.f.degrees(), strict=False) if degree % 2}
-    return odd
+def _odd(ring: Ring, atom: Atom) -> set[int]:
+    """Revolute joints of which a full turn changes the sign of an atom's function."""
+    if atom.pinned:
+        return {atom.joint}
+    return {j for j, degree in zip(ring.revolute, atom.f.degrees(), strict=False) if degree % 2}
 
 
 def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor:
@@ -198,58 +181,18 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
     return SignedFactor(ring, atoms, text, periodic, int(np.prod([sense for _, sense in read])))
 
 
-_TRIES = 8  # random settings of the other joints per point wanted
+def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
+    """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds.
 
-
-def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
-    """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds, in turn.
-
-    The joints that an atom does not fix stand at random tenths. Fewer than `count` where no real zeros were found.
+    Fewer than `count` where no real zeros were found.
     """
-    rng = np.random.default_rng(seed)
-    found: list[Array] = []
-    for attempt in range(_TRIES * count):
-        theta = _random(chain, rng)
-        solved = _solve(chain, atoms[attempt % len(atoms)], theta, rng)
-        if solved is not None:
-            found.append(solved - chain.shifts)
-        if len(found) == count:
-            break
-    return np.array(found).reshape(-1, chain.n)
+    points = (round_points(ZeroSet.where(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
+    each = (islice(one, ceil(count / len(atoms))) for one in points)
+    found = [into_units(chain.robot, theta) - chain.shifts for some in each for theta in some]
+    return np.array(found[:count]).reshape(-1, chain.n)
 
 
-def _random(chain: Chain, rng: np.random.Generator) -> Array:
-    """θ (n,) at random tenths [rad], slides at shares of the reach."""
-    theta = np.round(rng.uniform(-np.pi, np.pi, chain.n), 1)
-    for j in chain.ring.prismatic:
-        theta[j - 1] = np.round(rng.uniform(0.3, 1.0), 1) * reach(chain.own)
-    return theta
-
-
-def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> Array | None:
-    """θ with one joint of the atom, chosen at random, moved to a zero; None where it has no real one."""
-    theta = theta.copy()
-    if atom.pinned:
-        theta[atom.joint - 1] = RADIANS[atom.value]
-        return theta
-    ring = chain.ring
-    moving = [*ring.revolute, *ring.prismatic]
-    degrees = [int(degree) for degree in atom.f.degrees()]
-    place = int(rng.choice([i for i in range(ring.moving) if degrees[i]]))
-    coefficients = np.zeros(degrees[place] + 1)  # highest power first
-    known = ring.powers_at(atom.f, theta)
-    known[place] = [np.ones(())] * len(coefficients)
-    for number, powers in numeric_terms(atom.f, chain.numbers, chain.power):
-        coefficients[degrees[place] - powers[place]] += add_terms([(number, powers)], known)
-    roots = np.roots(coefficients) if np.isfinite(coefficients).all() and coefficients.any() else np.zeros(0)
-    real = roots[np.abs(roots.imag) < REAL_ROOT].real
-    if not len(real):
-        return None
-    root = float(rng.choice(real))
-    theta[moving[place] - 1] = 2 * np.arctan(root) if place < ring.angles else root
-    return theta
-
-
+_TENTH = 0.1  # [rad]; at round degrees axes are parallel by chance
 POINTS = 8
 """Real configurations at which the geometry of a part is looked at."""
 ROLES = ("shoulder", "elbow", "wrist")
@@ -268,19 +211,6 @@ def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
         pair = next((k for k, group in enumerate(groups) if simple_pair((*group, atom))), len(groups))
         groups[pair : pair + 1] = [(*sum(groups[pair : pair + 1], ()), atom)]
     return tuple(groups)
-
-
-def condition_text(ring: Ring, atoms: Sequence[Atom]) -> str:
-    """When the atoms hold: "θ3 = 0 or π", or a polynomial = 0."""
-    if atoms[0].pinned:
-        return f"θ{atoms[0].joint} = {' or '.join(WORDS[atom.value] for atom in atoms)}"
-    return Condition(ring, atoms[0].f).text()
-
-
-def roles_of(name: str) -> tuple[str, ...]:
-    """The parts of an arm (out of `ROLES`) that a family's name speaks of."""
-    head, colon, _ = name.partition(":")
-    return tuple(role for role in ROLES if colon and role in head)
 
 
 def look(chain: Chain, atoms: Sequence[Atom]) -> Seen:
@@ -318,7 +248,7 @@ def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
 
 SAMPLES = 128
 """Points per turn at which a function is looked at along a segment."""
-_HALVINGS = 60  # of an interval: to the last digit
+_ZOOMS = 16  # of an interval: to the last digit
 Function = Callable[[Array], Array]  # shares of the way (N,) -> values (N,)
 
 
@@ -345,9 +275,9 @@ def zeros_between(value: Function, turns: float, tolerance: float) -> list[tuple
     found = [(float(share[i]), _kind(sample, int(i))) for i in np.flatnonzero(np.abs(sample) <= tolerance)]
     for i in np.flatnonzero(sample[:-1] * sample[1:] < 0):
         if min(abs(sample[i]), abs(sample[i + 1])) > tolerance:
-            found.append((_halved(value, float(share[i]), float(share[i + 1])), "crosses"))
+            found.append((_zoomed(value, share[i], share[i + 1], crossing=True), "crosses"))
     for k in _hollows(sample):
-        lowest = _lowest(value, float(share[k - 1]), float(share[k + 1]))
+        lowest = _zoomed(value, share[k - 1], share[k + 1], crossing=False)
         if abs(sample[k]) > tolerance >= abs(value(np.array([lowest]))[0]):
             found.append((lowest, "touches"))
     return sorted(found)
@@ -368,23 +298,18 @@ def _kind(sample: Array, i: int) -> str:
     return "crosses" if sample[i - 1] * sample[i + 1] < 0 else "touches"
 
 
-def _halved(value: Function, low: float, high: float) -> float:
-    sign = value(np.array([low]))[0]
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        if value(np.array([middle]))[0] * sign > 0:
-            low = middle
+def _zoomed(value: Function, low: float, high: float, *, crossing: bool) -> float:
+    """Where the function changes its sign in an interval, or is smallest, by ever finer samples."""
+    for _ in range(_ZOOMS):
+        share = np.linspace(low, high, 17)
+        sample = value(share)
+        if crossing:
+            k = int(np.argmax(sample * sample[0] <= 0))
+            low, high = share[k - 1], share[k]
         else:
-            high = middle
-    return (low + high) / 2
-
-
-def _lowest(value: Function, low: float, high: float) -> float:
-    for _ in range(_HALVINGS):
-        left, right = low + (high - low) / 3, high - (high - low) / 3
-        sizes = np.abs(value(np.array([left, right])))
-        low, high = (low, right) if sizes[0] < sizes[1] else (left, high)
-    return (low + high) / 2
+            k = int(np.argmin(np.abs(sample)))
+            low, high = share[max(k - 1, 0)], share[min(k + 1, 16)]
+    return float(low + high) / 2
 
 
 _LONG = 16  # characters of a factor that is not put into a label
@@ -499,12 +424,15 @@ class Signs:
     Attributes:
         chain: the arm.
         factors: with a sign of their own where that can be had.
-        names: of their families.
     """
 
     chain: Chain
     factors: tuple[SignedFactor, ...]
-    names: tuple[str, ...]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the factors' families, by real configurations on them."""
+        return tuple(look(self.chain, factor.atoms)[0] for factor in self.factors)
 
     def values(self, q: Array) -> Array:
         """(N, n) configurations -> (N, number of factors) scaled values."""
@@ -513,12 +441,11 @@ class Signs:
         return np.stack([factor.values(theta, chain.numbers, chain.power) for factor in self.factors], axis=1)
 
 
-def signs_of(chain: Chain, *, names: bool = True) -> Signs:
+def signs_of(chain: Chain) -> Signs:
     """Factor the determinant of an arm without redundancy, once for many configurations.
 
     Args:
         chain: from `exact_chain`.
-        names: look at real configurations of each family to name it.
 
     Raises:
         TaskError: the task Jacobian is not square, or singular at every configuration.
@@ -534,22 +461,16 @@ def signs_of(chain: Chain, *, names: bool = True) -> Signs:
     determinant = chain.ring.determinant(rows)
     if determinant == 0:
         raise TaskError("the determinant is zero at every configuration", got=chain.task.name)
-    atoms = [atom for atom, _ in chain.ring.factor(determinant).atoms]
-    factors = signed_factors(chain.ring, atoms)
-    found = tuple(look(chain, factor.atoms)[0] if names else "" for factor in factors)
-    return Signs(chain, factors, found)
+    return Signs(chain, signed_factors(chain.ring, [atom for atom, _ in chain.ring.factor(determinant).atoms]))
 
 
-def configuration_flags(
-    chain: Chain, q: ArrayLike, *, signs: Signs | None = None, tolerance: float = DEFAULT.singular
-) -> Flags:
+def configuration_flags(chain: Chain, q: ArrayLike, *, signs: Signs | None = None) -> Flags:
     """The sign of each factor of det J at a configuration: elbow, shoulder, wrist + or −.
 
     Args:
         chain: from `exact_chain`, as many joints as the task has rows.
         q: (n,) configuration [rad, m]. Limits are not looked at.
         signs: from `signs_of`, where many configurations are asked for.
-        tolerance: scaled values up to it are zero.
 
     Raises:
         TaskError: as `signs_of`.
@@ -562,30 +483,21 @@ def configuration_flags(
         >>> [flag.label for flag in configuration_flags(arm, [0.0, 0.4, 0.9, 0.0, -1.0, 0.0]).flags]
         ['elbow +', 'wrist −', 'shoulder −']
     """
-    if not 0.0 <= tolerance < 1.0:
-        raise OptionError("the tolerance is outside the range", got=tolerance, allowed="0 … 1, 1 excluded")
     known = signs if signs is not None else signs_of(chain)
     configuration = one_configuration(chain.robot, q)
     values = known.values(configuration)[0] if known.factors else ()
     flags = tuple(
-        Flag(factor.text, name, _sign(float(value), tolerance) if factor.periodic else None, float(value))
+        Flag(factor.text, name, _sign(float(value)) if factor.periodic else None, float(value))
         for factor, name, value in zip(known.factors, known.names, values, strict=True)
     )
-    return Flags(tuple(float(x) for x in configuration), flags, tolerance)
+    return Flags(tuple(float(x) for x in configuration), flags, DEFAULT.singular)
 
 
-def between(
-    chain: Chain,
-    first: ArrayLike,
-    second: ArrayLike,
-    *,
-    signs: Signs | None = None,
-    tolerance: float = DEFAULT.singular,
-) -> Between:
+def between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs | None = None) -> Between:
     """Which families part two configurations, and which the straight segment between them meets.
 
     Args:
-        chain, signs, tolerance: as in `configuration_flags`.
+        chain, signs: as in `configuration_flags`.
         first, second: (n,) configurations [rad, m].
 
     Raises:
@@ -598,10 +510,10 @@ def between(
         'Every path between them crosses elbow: axes 1, 2 and tip coplanar (s2): its sign differs.'
     """
     known = signs if signs is not None else signs_of(chain)
-    one, two = (configuration_flags(chain, q, signs=known, tolerance=tolerance) for q in (first, second))
-    products = [0 if not (a.sign and b.sign) else a.sign * b.sign for a, b in zip(one.flags, two.flags, strict=True)]
+    one, two = (configuration_flags(chain, q, signs=known) for q in (first, second))
+    products = [(a.sign or 0) * (b.sign or 0) for a, b in zip(one.flags, two.flags, strict=True)]
     start, end = np.array(one.q), np.array(two.q)
-    crossings = [c for k in range(len(known.factors)) for c in _crossings(known, k, start, end, tolerance)]
+    crossings = [c for k in range(len(known.factors)) for c in _crossings(known, k, start, end)]
     return Between(
         first=one,
         second=two,
@@ -612,8 +524,8 @@ def between(
     )
 
 
-def _sign(value: float, tolerance: float) -> int:
-    return 0 if abs(value) <= tolerance else (1 if value > 0 else -1)
+def _sign(value: float) -> int:
+    return 0 if abs(value) <= DEFAULT.singular else (1 if value > 0 else -1)
 
 
 def _title(flag: Flag) -> str:
@@ -626,12 +538,12 @@ def _flag_words(flag: Flag) -> str:
     return f"{flag.label}: {flag.factor} {({1: '> 0', -1: '< 0', 0: '= 0: on the family'})[flag.sign]}"
 
 
-def _crossings(signs: Signs, index: int, start: Array, end: Array, tolerance: float) -> list[Crossing]:
+def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Crossing]:
     factor, chain = signs.factors[index], signs.chain
 
     def value(share: Array) -> Array:
         q = start + share[:, None] * (end - start)
         return factor.values(into_units(chain.robot, q) + chain.shifts, chain.numbers, chain.power)
 
-    met = zeros_between(value, float(np.abs(end - start).sum()) / tau, tolerance)
+    met = zeros_between(value, float(np.abs(end - start).sum()) / tau, DEFAULT.singular)
     return [Crossing(at, factor.text, signs.names[index], kind) for at, kind in met]

@@ -1,9 +1,8 @@
-"""What a method of derivation computes: polynomial conditions, whether they hold at configurations, and their words.
+"""What a method of derivation computes: polynomial conditions, and whether they hold at configurations.
 
 `Conjunction` is one condition, `Derivation` all of them, and what makes them: minors, factors and conjunctions, all
-against one clock. A case of a derivation is a set of configurations
-(`ZeroSet`): what vanishes on it, and what does not. `Words` writes conditions: factors are joined by "or", polynomials
-by "and", exceptions stand at the end.
+against one clock. A case of a derivation is a set of configurations (`ZeroSet`): what vanishes on it, and what does
+not.
 """
 
 from __future__ import annotations
@@ -11,23 +10,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
-from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
+from rankdrop.exact.algebra.ring import add_terms, numeric_terms
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.letters import sign_of
-from rankdrop.exact.notation import Text, fourier
 from rankdrop.exact.stratum import atoms_on, meet
-from rankdrop.exact.writing import RADIANS, AnglePin, Condition, condition_text, single_angles
+from rankdrop.exact.writing import RADIANS
 from rankdrop.robot.model import Array
 from rankdrop.units import into_units
 
@@ -102,11 +99,6 @@ def _distance(equality: Equality, distances: Distances) -> Array:
     return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
 
 
-def _vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
-    parts = equality.atoms if equality.whole is None else (equality.whole,)
-    return any(holds(ring, part, point) for part in parts)
-
-
 @dataclass(frozen=True)
 class Conjunction:
     """Conditions that hold together.
@@ -130,89 +122,11 @@ class Conjunction:
             met &= np.max([_distance(equality, distances) for equality in group], axis=0) > CLEAR
         return met
 
-    def holds_modulo(self, ring: Ring, point: Point) -> bool:
-        """Whether it holds at a point modulo P, exactly."""
-        return all(_vanishes(equality, ring, point) for equality in self.equal) and all(
-            any(not _vanishes(equality, ring, point) for equality in group) for group in self.unequal
-        )
-
-
-READABLE = 30
-"""Polynomials of more terms are told by their number of terms: nobody reads them."""
-
-
-class Words:
-    """Conditions of one ring in words; the shortest form of a polynomial is looked for once.
-
-    Args:
-        ring: of the chain.
-        whole: write every polynomial out; long ones as they are, without a search for their shortest form.
-
-    Example:
-        >>> ring = Ring([1, 2])
-        >>> atoms = tuple(atom for atom, _ in ring.factor(ring.s[1] * (ring.c[2] - ring.s[2])).atoms)
-        >>> Words(ring).conjunction(Conjunction((Equality(atoms),), ((Equality((ring.pin(2, "pi"),)),),)))
-        'θ1 = 0 or π or c2 − s2 = 0, where θ2 ≠ π'
-    """
-
-    def __init__(self, ring: Ring, *, whole: bool = False) -> None:
-        self._ring, self._whole = ring, whole
-        self._known: dict[Atom, str] = {}
-
-    def conjunction(self, conjunction: Conjunction) -> str:
-        """Everything that has to hold: "θ4 = 0 and (s2 = 0 or …), where θ6 ≠ 0"."""
-        equal = [self.equality(equality) for equality in conjunction.equal]
-        several = len(equal) > 1
-        text = " and ".join(f"({part})" if several and " or " in part else part for part in equal) or "everywhere"
-        unequal = [self._unequal(group) for group in conjunction.unequal]
-        return f"{text}, where {' and '.join(unequal)}" if unequal else text
-
-    def equality(self, equality: Equality) -> str:
-        """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together."""
-        if equality.whole is not None:
-            count = len(equality.whole)
-            if count <= READABLE:
-                return condition_text(self._ring, equality.whole)
-            if not self._whole:
-                return _long(count, "")
-            return f"{Text().zero(single_angles(self._ring, equality.whole))} = 0"
-        pins: dict[int, list[str]] = {}
-        for atom in equality.atoms:
-            if atom.pinned:
-                pins.setdefault(atom.joint, []).append(atom.value)
-        texts = [AnglePin(joint, tuple(values)).text() for joint, values in sorted(pins.items())]
-        return " or ".join([*texts, *(self._polynomial(atom) for atom in equality.atoms if not atom.pinned)])
-
-    def _polynomial(self, atom: Atom) -> str:
-        if atom not in self._known:
-            if len(atom.f) <= READABLE:
-                self._known[atom] = Condition(self._ring, atom.f).text()
-            else:
-                self._known[atom] = self._written(atom.f) if self._whole else _long(len(atom.f), "half-angle ")
-        return self._known[atom]
-
-    def _written(self, f: Polynomial) -> str:
-        """A long half-angle polynomial: in sines and cosines where it has whole angles, else multiplied out."""
-        p = self._ring.to_trig(f)
-        if p is not None:
-            return f"{Text().zero(single_angles(self._ring, p))} = 0"
-        return f"{Text().zero(fourier(self._ring.form(f)))} = 0"
-
-    def _unequal(self, group: Sequence[Equality]) -> str:
-        texts = [self.equality(equality) for equality in group]
-        if len(texts) > 1:
-            return "not all of these hold: " + "; ".join(texts)
-        if texts[0].count(" = ") == 1 and " or " not in texts[0]:
-            return texts[0].replace(" = ", " ≠ ")
-        return f"not ({texts[0]})"
-
-
-def _long(count: int, kind: str) -> str:
-    return f"a polynomial of {count} {kind}terms = 0"
-
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
+Note = tuple[str, dict[str, Any]]
+"""What a method notes on the way, and its figures."""
 
 
 class Derivation:
@@ -229,7 +143,7 @@ class Derivation:
         columns: of the Jacobian.
         conditions: a configuration is singular where one of these holds.
         generic: whether configurations were left out that `notes` tell of: the conditions are necessary off them only.
-        notes: what is to be said of the answer, in words.
+        notes: what is to be said of the answer: a word for what it is, and its figures.
         sizes: figures of what was met on the way ("minors", "terms", …).
         left: what was not finished within the limit; empty where everything was.
     """
@@ -247,13 +161,17 @@ class Derivation:
         self.basic = basic
         self.columns: Columns = chain.columns if frame is None else chain.screws(frame)
         self.conditions: list[Conjunction] = []
-        self.notes: list[str] = []
+        self.notes: list[Note] = []
         self.sizes: dict[str, int] = {}
         self.left: list[str] = []
         self.generic = False
         self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
         self._work = Work(seconds)
+
+    def note(self, what: str, **facts: Any) -> None:
+        """One more fact that is to be said."""
+        self.notes.append((what, facts))
 
     @property
     def remaining(self) -> float:
@@ -286,10 +204,6 @@ class Derivation:
         distances = Distances(self.chain, q)
         none = np.zeros(len(distances), dtype=np.bool_)
         return np.asarray(np.logical_or.reduce([none, *(one.holds(distances) for one in self.conditions)]))
-
-    def holds_modulo(self, points: Iterable[Point]) -> tuple[bool, ...]:
-        """Whether one of the conditions holds at each of the points modulo P, exactly."""
-        return tuple(any(c.holds_modulo(self.ring, point) for c in self.conditions) for point in points)
 
     def finish(self) -> None:
         """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""
@@ -342,7 +256,7 @@ class Derivation:
         key = str(p)
         if key not in self._atoms:
             self.check(f"factors of a polynomial of {len(p)} terms")
-            found = factors_within(self.ring, p, self.remaining)
+            found = self.ring.factors_within(p, self.remaining)
             if found is None:
                 return None
             for factor, _ in found.letters:
@@ -401,10 +315,8 @@ def conjunctions(
     rest = {found - common for found in sets}
     found = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
     if all(rest):  # a polynomial that is the common factors alone leaves no more
-        least = [one for one in rest if not any(other < one for other in rest)]
-        kept = [Equality(tuple(sorted(one, key=order))) for one in least]
-        kept.sort(key=lambda equality: (equality.terms, [atom.key for atom in equality.atoms]))
-        found.append(Conjunction((*kept, *whole), unequal))
+        least = [equality_of(one) for one in rest if not any(other < one for other in rest)]
+        found.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
     return tuple(found)
 
 
@@ -412,9 +324,14 @@ Atoms = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
 
 
-def equality_of(atoms: Iterable[Atom]) -> Equality:
+def equality_of(atoms: Atoms) -> Equality:
     """One polynomial of these factors."""
     return Equality(tuple(sorted(atoms, key=order)))
+
+
+def place_of(equality: Equality) -> tuple[int, list[str]]:
+    """Sort key of polynomials that vanish together: short ones first."""
+    return equality.terms, [atom.key for atom in equality.atoms]
 
 
 def columns_on(piece: ZeroSet, columns: Columns) -> Columns:
@@ -432,8 +349,3 @@ def within(piece: ZeroSet, condition: Conjunction, unequal: tuple[tuple[Equality
     """A condition that holds on a set, with what vanishes there and what does not."""
     nonzero = tuple((Equality((atom,)),) for atom in sorted(piece.nonzero, key=order))
     return Conjunction((*conditions_on(piece), *condition.equal), (*nonzero, *unequal))
-
-
-def size(polynomials: Iterable[Polynomial]) -> int:
-    """Terms of several polynomials together."""
-    return sum(len(p) for p in polynomials)

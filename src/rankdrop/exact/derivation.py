@@ -8,18 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import WIDE, Chain
-from rankdrop.exact.arm.structure import check_basic, structure_of
-from rankdrop.exact.conjunctions import Words
+from rankdrop.exact.arm.structure import check_basic
+from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.determinants import Decoupling, decouple, why_not
 from rankdrop.exact.families import real_points
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
-from rankdrop.exact.methods import Derivation, derive
-from rankdrop.exact.notation import Step
+from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
@@ -29,7 +27,6 @@ METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-")
 """What can be asked for."""
 CHOOSING = ("suppression", "reciprocity")
 """Methods for which basic screws and a frame can be chosen."""
-_SHOWN = 40  # conditions that are printed
 _LONG = 400  # terms of a condition beyond which the methods done by hand take minutes
 _REGULAR = 200  # random configurations on which no condition may hold
 
@@ -43,14 +40,14 @@ class CorankOne:
 
     Attributes:
         method, reason: which, and why.
-        steps: as it is done by hand.
+        derived: what was derived; None where nothing was.
         left: what was not finished.
         disagreements: what it says that the rank tree does not, and the other way round.
     """
 
     method: str
     reason: str
-    steps: tuple[Step, ...]
+    derived: Decoupling | Suppression | Derivation | Tree | None
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
 
@@ -71,10 +68,8 @@ def check_method(
             "basic screws and the frame are chosen for another method", where="method", got=method,
             allowed=", ".join(CHOOSING), mend="name one of them",
         )  # fmt: skip
-    check_basic(chain, basic)
-    if frame is not None and not 1 <= frame < chain.n:
-        raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n - 1}")
-    if method == "decoupling" and decouple(chain, names=False) is None:
+    check_basic(chain, basic, frame)
+    if method == "decoupling" and decouple(chain) is None:
         raise OptionError(
             "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
         )
@@ -87,7 +82,6 @@ def corank_one(
     families: Sequence[ExactFamily],
     work: Work,
     *,
-    steps: bool = False,
     chosen: Chosen = (None, None),
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
@@ -99,7 +93,6 @@ def corank_one(
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
-        steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
         chosen: for suppression and reciprocity: numbers of the six basic screws, None for the method's own rules; link
             in whose frame the screws are, None for the one where they are shortest.
 
@@ -107,24 +100,28 @@ def corank_one(
         OptionError: a method that is not for this arm; says why.
     """
     check_method(chain, method)
-    found = decouple(chain, names=steps) if method in ("auto", "decoupling") else None
+    found = decouple(chain) if method in ("auto", "decoupling") else None
     if found is not None:
-        return _decoupled(chain, found, tree, steps)
-    six = chain.task.rows == (0, 1, 2, 3, 4, 5)
+        return _decoupled(chain, found, tree)
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
-    if method == "auto" and tree.complete and longest > _LONG:
-        reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
-        return _by_tree(tree, reason)
-    if method == "suppression" or (method == "auto" and six and 6 < chain.n <= WIDE and tree.generic_rank == 6):
-        reason = "asked for" if method == "suppression" else why_not(chain)
-        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, chosen), method, tree)
-    if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
-        reason = "asked for" if method == "tree" else why_not(chain)
-        return _by_tree(tree, reason)
     reason = why_not(chain) if method == "auto" else "asked for"
-    name = "determinant" if method == "auto" else method
-    compared = _compared(chain, name, reason, families, work, steps, chosen)
-    return _by_tree_if_open(compared, method, tree)
+    if method == "auto" and tree.complete and longest > _LONG:
+        return _by_tree(tree, f"{reason}. With conditions of {longest} terms no second method comes to an end")
+    name = _chosen(chain, tree) if method == "auto" else method
+    if name == "tree":
+        return _by_tree(tree, reason)
+    if name == "suppression":
+        derived = _suppressed(chain, reason, tree, work, chosen)
+    else:
+        derived = _compared(chain, name, reason, families, work, chosen)
+    return _by_tree_if_open(derived, method, tree)
+
+
+def _chosen(chain: Chain, tree: Tree) -> str:
+    """The method that "auto" takes for an arm that does not decouple."""
+    if chain.task.m == 6 and 6 < chain.n <= WIDE and tree.generic_rank == 6:
+        return "suppression"
+    return "determinant" if chain.n == chain.task.m == tree.generic_rank else "tree"
 
 
 def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:
@@ -132,37 +129,23 @@ def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne
     if asked != "auto" or not derivation.left or derivation.disagreements or not tree.complete:
         return derivation
     return CorankOne(
-        "tree", f"{derivation.reason}; the method {derivation.method} was tried and did not finish", derivation.steps
+        "tree", f"{derivation.reason}; the method {derivation.method} was tried and did not finish", derivation.derived
     )
 
 
 def _by_tree(tree: Tree, reason: str) -> CorankOne:
-    how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
-    lines = (f"{tree.visited} irreducible sets were looked into: {how}",)
-    return CorankOne("tree", reason, (Step("Rank tree", lines),))
+    return CorankOne("tree", reason, tree)
 
 
-def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree, steps: bool) -> CorankOne:
+def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
     """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
-    told = (
-        (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", decoupling.sentences()))
-        if steps
-        else ()
-    )
-    atoms = [atom for part in decoupling.parts for atom in part.atoms]
-    said = [_as_set(chain, atom) for atom in atoms]
+    said = [ZeroSet.where(chain.ring, atom) for block in decoupling.blocks for atom, _ in block.factors.atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
     return CorankOne(
-        "decoupling", decoupling.form.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree)
+        "decoupling", decoupling.form.reason, decoupling, (), _differences(chain, "decoupling", missing, surplus, tree)
     )
-
-
-def _as_set(chain: Chain, atom: Atom) -> ZeroSet:
-    if atom.pinned:
-        return ZeroSet(chain.ring, {atom.joint: atom.value})
-    return ZeroSet(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
 
 
 def _differences(
@@ -191,14 +174,13 @@ def _describe_missed(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
 
 
 def _suppressed(
-    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: Chosen
+    chain: Chain, reason: str, tree: Tree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
-    told = found.steps() if steps else ()
     left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
-    return CorankOne("suppression", reason, told, left, different)
+    return CorankOne("suppression", reason, found, left, different)
 
 
 def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
@@ -221,7 +203,6 @@ def _compared(
     reason: str,
     families: Sequence[ExactFamily],
     work: Work,
-    steps: bool,
     chosen: Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
@@ -237,17 +218,5 @@ def _compared(
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    told = (_step(found, f"Method: {method}"),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
-    return CorankOne(method, reason, told, left, tuple(different))
-
-
-def _step(derivation: Derivation, title: str) -> Step:
-    words, whole = Words(derivation.chain.ring), Words(derivation.chain.ring, whole=True)
-    figures = ", ".join(f"{name}: {count:,}" for name, count in derivation.sizes.items())
-    shown = [words.conjunction(one) for one in derivation.conditions[:_SHOWN]]
-    every = [whole.conjunction(one) for one in derivation.conditions]
-    more = len(derivation.conditions) - _SHOWN
-    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *derivation.notes)
-    complete = (figures, *every, *derivation.notes)
-    return Step(title, lines, () if complete == lines else complete)
+    return CorankOne(method, reason, found, left, tuple(different))

@@ -35,13 +35,12 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.factoring import factors_within
 from rankdrop.exact.algebra.field import P, random_point, residues, value_at
 from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
@@ -52,19 +51,18 @@ from rankdrop.exact.arm.structure import (
     POSE,
     POSITION,
     BlockForm,
-    ExactStructure,
     block_form,
     listed,
     structure_of,
 )
-from rankdrop.exact.aspects import condition_text, look, merged, roles_of
+from rankdrop.exact.aspects import ROLES, look, merged
 from rankdrop.exact.conjunctions import values_of
-from rankdrop.exact.notation import C, Python
-from rankdrop.exact.writing import FOLDED, Quotient, Value
+from rankdrop.exact.writing import FOLDED, Quotient, Value, atoms_text
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Formula
 from rankdrop.task import ROWS
 from rankdrop.tolerances import DEFAULT, ENTRY
 from rankdrop.units import out_of_units
@@ -88,7 +86,7 @@ def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
     others = [j - 1 for j in joints]
     if not _has_line(scene, bundle[0], others):
         return ""
-    met = tuple(i + 1 for i in others if not scene.parallel(bundle[0], i).any())
+    met = tuple(i + 1 for i in others if not scene.parallel[bundle[0], i].any())
     which = f"axes {listed(met)}" if len(met) > 1 else f"axis {listed(met)}"
     return f"the points of the line that is parallel to axes {listed(group)} and meets {which} cannot move along it"
 
@@ -167,8 +165,6 @@ class Part:
 
     Attributes:
         name: as `analyze` names it ("elbow: …"); that of the block where no real configurations are on it.
-        roles: out of "shoulder", "elbow", "wrist", as the geometry says.
-        block: name of the block.
         atoms: irreducible conditions; values of one joint that belong together are together.
         multiplicity: of the factor in the block's determinant.
         text: the condition.
@@ -179,8 +175,6 @@ class Part:
     """
 
     name: str
-    roles: tuple[str, ...]
-    block: str
     atoms: tuple[Atom, ...]
     multiplicity: int
     text: str
@@ -188,28 +182,72 @@ class Part:
     lost: tuple[str, ...]
     statement: str
 
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """The parts of an arm (out of `ROLES`) that the name speaks of."""
+        head, colon, _ = self.name.partition(":")
+        return tuple(role for role in ROLES if colon and role in head)
+
 
 @dataclass(frozen=True, eq=False)
 class Block:
     """A square diagonal block.
 
     Attributes:
+        chain, form: the arm, and its block triangular Jacobian.
         name: "arm", "wrist", "shoulder", "in plane", …
         joints: its columns, numbered from 1.
         rows: its rows, out of vx … wz.
-        columns: one list of trigonometric polynomials per joint.
-        determinant: of the block, reduced.
-        factors: of the determinant; its letters' factors are lengths assumed not to be zero.
-        parts: one per factor that depends on the configuration.
     """
 
+    chain: Chain
+    form: BlockForm
     name: str
     joints: tuple[int, ...]
     rows: tuple[str, ...]
-    columns: tuple[tuple[Polynomial, ...], ...]
-    determinant: Polynomial
-    factors: Factors
-    parts: tuple[Part, ...]
+
+    @property
+    def columns(self) -> list[list[Polynomial]]:
+        """One list of trigonometric polynomials per joint."""
+        places = [self.chain.task.rows.index(ROWS.index(row)) for row in self.rows]
+        return [[self.form.columns[j - 1][i] for i in places] for j in self.joints]
+
+    @cached_property
+    def determinant(self) -> Polynomial:
+        """Of the block, reduced."""
+        return self.chain.ring.determinant([list(row) for row in zip(*self.columns, strict=True)])
+
+    @cached_property
+    def factors(self) -> Factors:
+        """Of the determinant; its letters' factors are lengths assumed not to be zero."""
+        return self.chain.ring.factor(self.determinant)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """One per factor that depends on the configuration, named after real configurations on it."""
+        powers = dict(self.factors.atoms)
+        return tuple(self._part(atoms, powers) for atoms in merged(list(powers)))
+
+    def _part(self, atoms: tuple[Atom, ...], powers: dict[Atom, int]) -> Part:
+        chain = self.chain
+        seen, points, lost = look(chain, atoms)
+        return Part(
+            name=seen or self.name,
+            atoms=atoms,
+            multiplicity=max(int(powers[atom]) for atom in atoms),
+            text=atoms_text(chain.ring, atoms),
+            witness=tuple(map(float, out_of_units(chain.robot, points[0]))) if len(points) else None,
+            lost=lost,
+            statement=self._statement(points) if len(points) else "",
+        )
+
+    def _statement(self, points: Array) -> str:
+        chain, form = self.chain, self.form
+        if form.kind == "point":
+            return centre_statement(chain.own, points, form.group, self.joints, form.names[0])
+        if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
+            return across_statement(chain.own, points, form.group, self.joints)
+        return ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,13 +256,11 @@ class Decoupling:
 
     Attributes:
         chain: the arm.
-        structure: what was recognised.
         form: the block triangular Jacobian, with the reason why it is that.
         blocks: the two; ML and JL's order (arm before wrist) where there is a spherical group.
     """
 
     chain: Chain
-    structure: ExactStructure
     form: BlockForm
     blocks: tuple[Block, ...]
 
@@ -233,25 +269,12 @@ class Decoupling:
         """Of all blocks."""
         return tuple(part for block in self.blocks for part in block.parts)
 
-    def sentences(self) -> tuple[str, ...]:
-        """Reason, point, blocks and parts in words."""
-        found = [f"{self.form.reason}.", f"Reference point: {self.form.point}. Axes: {self.form.axes}."]
-        for block in self.blocks:
-            found.append(f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}.")
-            if not block.parts:
-                found.append("  never singular")
-            for part in block.parts:
-                lost = part.statement or "; ".join(part.lost)
-                found.append(f"  {part.text}: {part.name}" + (f": {lost}" if lost else ""))
-        return tuple(found)
 
-
-def decouple(chain: Chain, *, names: bool = True) -> Decoupling | None:
+def decouple(chain: Chain) -> Decoupling | None:
     """Take a square Jacobian apart into two blocks, where that is a proof.
 
     Args:
         chain: from `exact_chain`.
-        names: look at real configurations of each part to name it and to say what is lost there.
 
     Returns:
         None where the Jacobian is not square, has no block triangular form of the known kinds, or is singular
@@ -264,102 +287,41 @@ def decouple(chain: Chain, *, names: bool = True) -> Decoupling | None:
         >>> [(block.name, [part.roles[0] for part in block.parts]) for block in found.blocks]
         [('arm', ['elbow', 'shoulder']), ('wrist', ['wrist'])]
     """
-    if chain.n != chain.task.m:
-        return None
-    structure = structure_of(chain)
-    form = block_form(chain, structure)
+    form = block_form(chain, structure_of(chain)) if chain.n == chain.task.m else None
     if form is None:
         return None
-    halves = [(form.group, form.group_rows, form.names[0]), (form.rest, form.rest_rows, form.names[1])]
-    blocks = [_block(chain, form, joints, rows, name, names) for joints, rows, name in halves]
-    if any(block is None for block in blocks):
+    halves = ((form.group, form.group_rows), (form.rest, form.rest_rows))
+    blocks = tuple(
+        Block(chain, form, name, joints, tuple(ROWS[r] for r in rows))
+        for name, (joints, rows) in zip(form.names, halves, strict=True)
+    )
+    if any(block.determinant == 0 for block in blocks):
         return None
-    found = tuple(block for block in blocks if block is not None)
-    return Decoupling(chain, structure, form, found[::-1] if form.kind in ("point", "last axis") else found)
+    return Decoupling(chain, form, blocks[::-1] if form.kind in ("point", "last axis") else blocks)
 
 
 def why_not(chain: Chain) -> str:
     """Why `decouple` returns None for an arm, in words; "" where it does not."""
-    n, m = chain.n, chain.task.m
+    n, m, pose = chain.n, chain.task.m, chain.task.rows == POSE
     structure = structure_of(chain)
     near = "".join(f"; near-structural: {one.text}" for one in structure.near)
+    part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
+    if n > m and not (pose and part):
+        return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks{near}"
     if n > m:
-        return _wide(chain, structure) + near
+        return (
+            f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's "
+            f"block is 3 × {n - 3}. Where the {part} alone loses a freedom, null motions of the arm may make up for "
+            f"it{near}"
+        )
     if n < m:
         return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
-    form = block_form(chain, structure)
     if chain.ring.determinant([list(row) for row in zip(*chain.columns, strict=True)]) == 0:
         return "the arm is singular at every configuration"
-    if form is not None:
+    if block_form(chain, structure) is not None:
         return ""
-    groups = "no three axes meet in one point, are parallel or slide: " if chain.task.rows == POSE else ""
+    groups = "no three axes meet in one point, are parallel or slide: " if pose else ""
     return f"{groups}the Jacobian stays in one piece{near}"
-
-
-def _block(
-    chain: Chain, form: BlockForm, joints: tuple[int, ...], rows: tuple[int, ...], name: str, names: bool
-) -> Block | None:
-    """One diagonal block, factored; None where its determinant is zero."""
-    place = [chain.task.rows.index(r) for r in rows]
-    matrix = [[form.columns[j - 1][i] for j in joints] for i in place]
-    determinant = chain.ring.determinant(matrix)
-    if determinant == 0:
-        return None
-    factors = chain.ring.factor(determinant)
-    times = dict(factors.atoms)
-    parts = tuple(_part(chain, form, joints, name, group, times, names) for group in merged(list(times)))
-    return Block(
-        name=name,
-        joints=joints,
-        rows=tuple(ROWS[r] for r in rows),
-        columns=tuple(tuple(column) for column in zip(*matrix, strict=True)),
-        determinant=determinant,
-        factors=factors,
-        parts=parts,
-    )
-
-
-def _part(
-    chain: Chain,
-    form: BlockForm,
-    joints: tuple[int, ...],
-    block: str,
-    atoms: tuple[Atom, ...],
-    times: dict[Atom, Any],
-    names: bool,
-) -> Part:
-    """One factor as a part of the arm; real configurations on it are looked at only where names are wanted."""
-    seen, points, lost = look(chain, atoms) if names else ("", np.zeros((0, 0)), ())
-    return Part(
-        name=seen or block,
-        roles=roles_of(seen),
-        block=block,
-        atoms=atoms,
-        multiplicity=max(int(times[atom]) for atom in atoms),
-        text=condition_text(chain.ring, atoms),
-        witness=tuple(float(x) for x in out_of_units(chain.robot, points[0])) if len(points) else None,
-        lost=lost,
-        statement=_statement(chain, form, joints, points) if len(points) else "",
-    )
-
-
-def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: Array) -> str:
-    if form.kind == "point":
-        return centre_statement(chain.own, points, form.group, joints, form.names[0])
-    if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
-        return across_statement(chain.own, points, form.group, joints)
-    return ""
-
-
-def _wide(chain: Chain, structure: ExactStructure) -> str:
-    n, m = chain.n, chain.task.m
-    part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
-    if chain.task.rows != POSE or not part:
-        return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks"
-    return (
-        f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block "
-        f"is 3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"
-    )
 
 
 _TRIED = 20  # random configurations at most on which a sign is read off
@@ -377,6 +339,7 @@ class Minor:
         rows: of the task, out of vx … wz, in order.
         about: where its rows are taken, where that is not said for all.
         value: the determinant.
+        shifts: θ = q + shift, per joint: code is in the joint variables q [rad].
     """
 
     name: str
@@ -384,6 +347,7 @@ class Minor:
     rows: tuple[str, ...]
     about: str
     value: Value
+    shifts: tuple[float, ...]
 
     @property
     def mark(self) -> str:
@@ -391,27 +355,6 @@ class Minor:
         if self.name.startswith("det"):
             return self.name.replace(" ", "_")
         return "minor_" + "_".join(word.lstrip("$J") for word in self.name.strip("|").split())
-
-    def to_dict(self, shifts: tuple[float, ...]) -> dict[str, Any]:
-        """For a result file; code is in the joint variables q = θ − shift."""
-        return {
-            "name": self.name,
-            "mark": self.mark,
-            "joints": list(self.joints),
-            "rows": list(self.rows),
-            "about": self.about,
-            "factored": self.factored,
-            "sign": self.value.sign,
-            "number": str(self.value.form.number),
-            "factors": [
-                {"text": text, "latex": latex, "multiplicity": power} for text, latex, power in self.value.powers()
-            ] if self.factored else [],
-            "terms": self.value.terms,
-            "text": self.value.text(),
-            "latex": self.value.latex(),
-            "python": self.value.code(Python(shifts=shifts)),
-            "c": self.value.code(C(shifts=shifts)),
-        }  # fmt: skip
 
     @property
     def factored(self) -> bool:
@@ -446,21 +389,12 @@ class Determinants:
         for one in self.minors:
             found += [one.about] if one.about else []
             name = self.product if self.product and one.name == "det J" else one.name
-            found.append(f"{name} = {one.value.text(most)}")
+            found.append(Formula(f"{name} = {one.value.text(most)}"))
         return (*found, *(f"not done: {what}" for what in self.left))
 
     def folded(self) -> bool:
         """Whether `lines` tells a factor by its size."""
         return self.lines() != self.lines(None)
-
-    def to_dict(self, shifts: tuple[float, ...]) -> dict[str, Any]:
-        """For a result file; code is in the joint variables q = θ − shift."""
-        return {
-            "product": self.product,
-            "meaning": self.meaning,
-            "left": list(self.left),
-            "minors": [minor.to_dict(shifts) for minor in self.minors],
-        }
 
 
 def determinants_of(chain: Chain, work: Work) -> Determinants:
@@ -479,12 +413,12 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         >>> [f"{one.name} = {one.value.text()}" for one in found.minors]
         ['det J11 = −a2 d4 s3 (a2 c2 + d4 c23)', 'det J22 = −s5', 'det J = a2 d4 s3 s5 (a2 c2 + d4 c23)']
     """
-    n, m = chain.n, chain.task.m
-    split = decouple(chain, names=False) if n == m else None
+    split = decouple(chain)
     if split is not None:
         return _decoupled(chain, split)
     minors: list[Minor] = []
     left: list[str] = []
+    shifts = tuple(map(float, chain.shifts))
     chosen = list(_chosen(chain))
     for name, joints, rows in chosen[:MOST]:
         place = [chain.task.rows.index(r) for r in rows]
@@ -496,7 +430,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         except OutOfTime:
             left.append(name)
             continue
-        minors.append(Minor(name, joints, tuple(ROWS[r] for r in rows), "", value))
+        minors.append(Minor(name, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
     if len(chosen) > MOST:
         left.append(f"{len(chosen) - MOST} more minors")
     return Determinants("", _meaning(chain), tuple(minors), tuple(left))
@@ -505,7 +439,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
 def _value(ring: Ring, p: Polynomial, work: Work) -> Value:
     # a longer one takes minutes and gigabytes to factor
     work.check()
-    return Value(ring, p, None if p == 0 or len(p) > MANY else factors_within(ring, p, work.left))
+    return Value(ring, p, None if p == 0 or len(p) > MANY else ring.factors_within(p, work.left))
 
 
 def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
@@ -536,33 +470,31 @@ def _chosen(chain: Chain) -> Iterator[tuple[str, tuple[int, ...], tuple[int, ...
 def _meaning(chain: Chain) -> str:
     n, rows = chain.n, chain.task.rows
     told = ", ".join(ROWS[r] for r in rows)
+    everywhere = rows in (POSE, POSITION, ORIENTATION)
+    axes = "the same number in the axes of every link" if everywhere else "in the axes of the task"
     if n == len(rows):
-        return f"rows {told}, joints 1 to {n}: {_axes(chain)}"
+        return f"rows {told}, joints 1 to {n}: {axes}"
     if n > len(rows):
         column = "$j = (v; ω) is the screw of joint j" if len(rows) == 6 else f"Jj is column j of J, rows {told}"
-        return f"{column}: the rank drops where all of these minors vanish; {_axes(chain)}"
+        return f"{column}: the rank drops where all of these minors vanish; {axes}"
     where = f"rows in the frame of link {chain.frame}" if rows == POSE else "rows in axes in which they are short"
     return f"each minor is made of as many rows as there are joints, {where}: the rank drops where all of them vanish"
 
 
-def _axes(chain: Chain) -> str:
-    if chain.task.rows in (POSE, POSITION, ORIENTATION):
-        return "the same number in the axes of every link"
-    return "in the axes of the task"
-
-
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     """det J11 and det J22 of the blocks, and det J with the sign of their product."""
-    ring, rows = chain.ring, chain.task.rows
+    ring, rows, shifts = chain.ring, chain.task.rows, tuple(map(float, chain.shifts))
     names = ("det J11", "det J22")
     minors = []
     for name, block in zip(names, split.blocks, strict=True):
         told = f"J{name[-2:]}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
-        minors.append(Minor(name, block.joints, block.rows, told, Value(ring, block.determinant, block.factors)))
+        value = Value(ring, block.determinant, block.factors)
+        minors.append(Minor(name, block.joints, block.rows, told, value, shifts))
     whole = ring.determinant([[split.form.columns[j][i] for j in range(chain.n)] for i in range(len(rows))])
     joints = tuple(range(1, chain.n + 1))
     whole = whole * _sign(chain, whole, joints)
-    minors.append(Minor("det J", joints, tuple(ROWS[r] for r in rows), "", Value(ring, whole, ring.factor(whole))))
+    value = Value(ring, whole, ring.factor(whole))
+    minors.append(Minor("det J", joints, tuple(ROWS[r] for r in rows), "", value, shifts))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
     sign = "" if whole == together else "−"
     meaning = (

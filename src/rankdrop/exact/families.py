@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain as chain_of
 from itertools import islice
 
 import numpy as np
@@ -81,7 +82,8 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
         text = letters_text(chain.ring, found)
         if sign_of(chain, found) < 0:
             none = np.empty((0, n))
-            return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
+            proof = f"{text} ≥ 0 does not hold" if text else "a negative discriminant"
+            return Reality(none, False, proof, text, none)
         if text and not is_number(found) and not _always(chain, found):
             words.append(f"{text} ≥ 0")
     condition = "real if and only if " + " and ".join(words) if words else ""
@@ -99,7 +101,7 @@ def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generato
     for j, value in piece.pins.items():
         theta[:, j - 1] = RADIANS[value]
     q = theta - chain.shifts
-    equations = _equations(chain, piece)
+    equations = _equations(chain, piece.equations)
     system = System(equations)
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
     good = np.ones(REAL_STARTS, dtype=np.bool_)
@@ -139,31 +141,38 @@ def _always(chain: Chain, f: Polynomial) -> bool:
 
 
 def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
-    """(k, n) configurations of higher rank that satisfy the conditions of a set, with joints at right angles.
+    """(k, n) configurations of higher rank that satisfy the conditions of a set, where no random start leads to.
 
-    There conditions may vanish whatever the other joints do: a part of the zero set that no random start leads to.
+    They have joints at right angles, where conditions may vanish whatever the other joints do, or satisfy N = D = 0 of
+    a solution t = N/D, where its condition says nothing of t.
     """
     rng = np.random.default_rng(1)
     shape = REAL_STARTS, chain.n
-    right = rng.integers(-1, 3, shape) * (np.pi / 2)
-    theta = np.where(rng.random(shape) < 0.5, right, rng.uniform(-np.pi, np.pi, shape))
-    for j in chain.ring.prismatic:
-        theta[:, j - 1] = 0.0
+    right, turned, anywhere = rng.integers(-1, 3, shape), rng.random(shape) < 0.5, rng.uniform(-np.pi, np.pi, shape)
+    theta = np.array([np.where(turned, right * (np.pi / 2), anywhere), anywhere])
+    theta[..., [j - 1 for j in chain.ring.prismatic]] = 0.0
     for j, value in piece.pins.items():
-        theta[:, j - 1] = RADIANS[value]
-    system = System(_equations(chain, piece))
-    q = theta - chain.shifts
-    q = q[system.zero(q)] if system.equations else q[:0]
-    sigma = singular_values(chain.own, q, chain.own_task)
-    return np.asarray(q[sigma[:, rank] > RANK_HIGHER] if rank < sigma.shape[1] else q[:0])
+        theta[..., j - 1] = RADIANS[value]
+    aligned, starts = theta - chain.shifts
+    equations = _equations(chain, piece.equations)
+    if not equations or rank >= min(chain.n, chain.own_task.m):
+        return np.empty((0, chain.n))
+    found, moving = [aligned], np.delete(np.eye(chain.n), [j - 1 for j in piece.pins], axis=1)
+    for one in piece.solved:
+        both = [chain.ring.form(f).at(piece.pins).f for f in (one.numerator, one.denominator)]
+        if all(map(used, both)):
+            system = System((*equations, *_equations(chain, both)))
+            found.append(system.solve(starts, along=moving, iterations=60)[0])
+    q = np.concatenate(found)
+    q = q[System(equations).zero(q)]
+    return np.asarray(q[singular_values(chain.own, q, chain.own_task)[:, rank] > RANK_HIGHER])
 
 
-def _equations(chain: Chain, piece: ZeroSet) -> tuple[Equation, ...]:
-    """The conditions of a set beside its pins, in configurations of `Chain.own`."""
+def _equations(chain: Chain, conditions: Sequence[Polynomial]) -> tuple[Equation, ...]:
+    """Half-angle polynomials as equations in configurations of `Chain.own`."""
     shifts = chain.shifts.tolist()
     return tuple(
-        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, chain.n, shifts)
-        for f in piece.equations
+        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, chain.n, shifts) for f in conditions
     )
 
 
@@ -172,7 +181,7 @@ _ENOUGH = 6  # conditions that are compared
 
 
 def separated(
-    chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
+    chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: list[Polynomial], work: Work
 ) -> ZeroSet | None:
     """The set with one more condition, which fails at some of the strays; None where none was found.
 
@@ -180,25 +189,31 @@ def separated(
         chain: the arm.
         piece: irreducible set.
         rank: of the task Jacobian almost everywhere on it.
-        strays: (k, n) configurations of `Chain.own`, of higher rank, at which all its conditions hold; k ≥ 1.
-        known: conditions that served other sets: tried first, so that sets alike get the same words.
+        strays: (k, n) configurations of `Chain.own`, of higher rank, at which all its conditions hold.
+        known: conditions that served other sets: tried first, so that sets alike get the same words; the new one is
+            added.
         work: deadline.
 
     Raises:
         OutOfTime: the deadline has passed.
     """
+    if not len(strays):
+        return None
     best: tuple[tuple[int, int], Polynomial] | None = None
-    for f in islice((f for f in _candidates(chain, piece, rank, known, work)), _ENOUGH + len(known)):
+    for f in islice(_candidates(chain, piece, rank, known, work), _ENOUGH + len(known)):
         away = _away(chain, f, strays)
+        if away and (best is None or (-away, len(f)) < best[0]):
+            best = ((-away, len(f)), f)
         if away and any(f is one for one in known):
             best = ((-away, len(f)), f)
             break
-        if away and (best is None or (-away, len(f)) < best[0]):
-            best = ((-away, len(f)), f)
+    if best is None:
+        return None
+    f = best[1]
+    if not any(f is one for one in known):
+        known.append(f)
     # in `zero`, too: random points modulo a prime would else be met beside the set
-    return best and replace(
-        piece, equations=(*piece.equations, best[1]), zero=(*piece.zero, chain.ring.trig_zero_set(best[1]))
-    )
+    return replace(piece, equations=(*piece.equations, f), zero=(*piece.zero, chain.ring.trig_zero_set(f)))
 
 
 def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
@@ -231,8 +246,8 @@ def _candidates(
                 yield atom.f
 
 
-_LONG = 40  # terms of a set's conditions beyond which they are not written out
 _SEPARATED = 3  # conditions added at most
+_MARK = 20  # terms of a condition that may stand in a name
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
 _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
@@ -266,26 +281,34 @@ def real_sets(
             break
         waiting = [*waiting[1:], *thinner]
         if work.without_points or len(work.unresolved) > systems:
-            left.append(f"the real points of a set were not all taken apart: {_set_text(piece)}")
+            left.append(f"the real points of a set were not all taken apart: {alone(piece).text}")
             work.without_points.clear()
+        open_, why = _verdict(piece, found, drop.rank)
         if found.real:
             kept.append((Drop(piece, drop.rank), found))
-            if len(found.strays):
-                left.append(
-                    f"the conditions of a set of rank {drop.rank} hold at configurations of higher rank, too, and no "
-                    f"further condition was found that tells them apart: {_set_text(piece)}"
-                )
-        elif found.proof:
-            left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
-        elif not thinner and (found.unclear or (len(piece.equations) > 1 and len(found.points))):
-            left.append(
-                f"a set has real points, but its conditions are dependent at all that were found: {_set_text(piece)}"
-            )
-        elif not thinner:
-            left_out.setdefault(f"no real point was found from {REAL_STARTS} random starts", []).append(piece)
+        if open_ and not thinner:
+            left.append(f"{open_}: {alone(piece).text}")
+        elif why and not thinner:
+            left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
-    sentences = [f"{', '.join(row.texts)}: {why}" for why, pieces in left_out.items() for row in merge(pieces)]
+    sentences = [f"{row.text}: {why}" for why, pieces in left_out.items() for row in merge(pieces)]
     return [one for one in kept if any(one[0] is drop for drop in remaining)], sentences
+
+
+def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, str]:
+    """What remains open of a set, and why it is left out; "" for neither."""
+    if found.real and len(found.strays):
+        return (
+            f"the conditions of a set of rank {rank} hold at configurations of higher rank, too, and no further "
+            "condition was found that tells them apart"
+        ), ""
+    if found.real:
+        return "", ""
+    if found.proof:
+        return "", f"not real, for {found.proof}"
+    if found.unclear or (len(piece.equations) > 1 and len(found.points)):
+        return "a set has real points, but its conditions are dependent at all that were found", ""
+    return "", f"no real point was found from {REAL_STARTS} random starts"
 
 
 def _sharp(
@@ -295,29 +318,18 @@ def _sharp(
     piece = tidy(drop.piece, work)
     found = reality(chain, piece, drop.rank, rng)
     for _ in range(_SEPARATED):
-        if not len(found.strays):
-            break
         more = separated(chain, piece, drop.rank, found.strays, known, work)
         if more is None:
             break
-        known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
         piece, found = more, reality(chain, more, drop.rank, rng)
     if not found.real or len(found.strays):
         return piece, found
     for _ in range(_SEPARATED):
-        strays = special_strays(chain, piece, drop.rank)
-        more = separated(chain, piece, drop.rank, strays, known, work) if len(strays) else None
+        more = separated(chain, piece, drop.rank, special_strays(chain, piece, drop.rank), known, work)
         if more is None:
             break
-        known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
         piece = more
     return piece, found
-
-
-def _set_text(piece: ZeroSet) -> str:
-    """A set for people: its conditions, or how long they are."""
-    terms = sum(map(len, piece.equations))
-    return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"
 
 
 def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
@@ -369,15 +381,21 @@ def families(
             points = np.concatenate([one.points for one in realities])
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
             told = _described(chain, generic_rank, corank, points, row.pins, bound)
-            check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
+            tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
+            check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
-        names = distinct_names([one.name for one in here], [partial(getattr, one, "texts") for one in here])
+        names = distinct_names([one.name for one in here], [partial(_marks, one) for one in here])
         result += [
             replace(family, id=f"k{corank}.f{number}", name=name)
             for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
         ]
     return result
+
+
+def _marks(family: ExactFamily) -> list[str]:
+    """The conditions that may tell a family from another one in a name: long ones take time to be written shortly."""
+    return [one.text() for one in family.stated if isinstance(one, AnglePin) or len(one.polynomial) <= _MARK]
 
 
 def _family(

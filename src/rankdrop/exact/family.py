@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
 from math import cos, pi, remainder
+from typing import TypeVar
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Check, Family, Order, Pin, Sampled, place_of
+from rankdrop.family.record import Check, Family, Order, Pin, place_of
 from rankdrop.robot.model import Robot
 from rankdrop.units import exponent, into_units
 
@@ -95,7 +96,7 @@ class ExactFamily:
             id=self.id, name=self.name, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
             free=self.free, coupled=self.coupled, equations=self.equations, witness=self.witness,
             lost_directions=np.empty((0, 6)), lost_words=self.lost_words,
-            evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+            evidence="exact condition",
         )  # fmt: skip
 
     def place(self, robot: Robot) -> Order:
@@ -147,6 +148,8 @@ class Assumption:
     derived: bool
 
 
+READABLE = 40
+"""Terms of a set's conditions beyond which they are not written out."""
 _MOST = 4  # joints in a sum
 _SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
 
@@ -214,6 +217,7 @@ def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
 
 _SAME = 1e-9  # cosines and sines of whole turns and quarters, to rounding
 
+Merged = TypeVar("Merged")
 Pins = dict[int, tuple[str, ...]]
 """Joint number -> the simple angles it stands at."""
 
@@ -240,6 +244,20 @@ class Row:
             *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
         )
 
+    @property
+    def terms(self) -> int:
+        """Number of terms of all conditions but the pins."""
+        return sum(map(len, self.equations))
+
+    @property
+    def text(self) -> str:
+        """All conditions, or how long they are: they take time to be written shortly, and nobody reads them."""
+        if self.terms <= READABLE:
+            return ", ".join(self.texts)
+        pins = (AnglePin(*one).text() for one in sorted(self.pins.items()))
+        count = len(self.equations)
+        return ", ".join([*pins, f"{count} condition{'s' if count > 1 else ''} of {self.terms} terms"])
+
 
 def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
     """Rows of sets with the same conditions whose simple angles form all combinations; large sets first.
@@ -249,8 +267,8 @@ def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
     groups: dict[tuple[str, ...], list[Row]] = {}
     for piece in pieces:
         groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(alone(piece))
-    rows = [row for group in groups.values() for row in _merge_rows(group, _angles_joined)]
-    return sorted(_merge_rows(rows, _sums_joined), key=_order)
+    rows = [row for group in groups.values() for row in merge_pairs(group, _angles_joined)]
+    return sorted(merge_pairs(rows, _sums_joined), key=_order)
 
 
 def alone(piece: ZeroSet) -> Row:
@@ -258,15 +276,16 @@ def alone(piece: ZeroSet) -> Row:
     return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
 
 
-def _merge_rows(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row]:
+def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged | None]) -> list[Merged]:
+    """Rows of which no two can be joined; where two were, the one row comes last."""
+    kept = list(rows)
     while True:
-        for one, two in combinations(rows, 2):
-            both = join(one, two)
-            if both is not None:
-                rows = [*(row for row in rows if row is not one and row is not two), both]
-                break
-        else:
-            return rows
+        pairs = ((one, two, join(one, two)) for one, two in combinations(kept, 2))
+        found = next((pair for pair in pairs if pair[2] is not None), None)
+        if found is None:
+            return kept
+        one, two, both = found
+        kept = [*(row for row in kept if row is not one and row is not two), *([] if both is None else [both])]
 
 
 def _angles_joined(one: Row, two: Row) -> Row | None:

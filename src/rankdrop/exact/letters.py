@@ -131,7 +131,7 @@ def doubled(chain: Chain, tree: Tree) -> bool:
         power > 1 and not chain.ring.is_unit(part)
         for f in distinct.values()
         if (own := f.subs(values)) != 0
-        for part, power in factor(own)[1]
+        for part, power in factor(own)
     )
 
 

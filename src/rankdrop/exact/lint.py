@@ -20,14 +20,15 @@ from rankdrop.exact.algebra.polynomial import flint
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import merge
+from rankdrop.exact.family import alone, merge
 from rankdrop.exact.reading import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
-from rankdrop.exact.writing import RADIANS, AnglePin, Condition
+from rankdrop.exact.writing import RADIANS, Condition
 from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
+from rankdrop.sections import Formula
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_KEPT
 from rankdrop.units import into_units, out_of_units
 
@@ -101,10 +102,9 @@ class LintResult:
         found = [f"{start} {said}." if self.real else f"{start} has no real zero: it {said}."]
         for one in self.missing:
             at = _at(one.example)
-            found.append(
-                f"Singular but left out: {one.conditions}; at {at} it is {_number(one.example.value)}, "
-                f"σ = {0 if one.example.sigma < _ZERO else _number(one.example.sigma, 2)}."
-            )
+            sigma = 0 if one.example.sigma < _ZERO else _number(one.example.sigma, 2)
+            value = f"at {at} it is {_number(one.example.value)}, σ = {sigma}."
+            found.append(Formula(f"Singular but left out: {one.conditions}; {value}"))
         for one in self.extra:
             at = _at(one.example)
             found.append(f"Taken in but regular: {one.conditions}; at {at} σ = {_number(one.example.sigma)}.")
@@ -124,22 +124,22 @@ def _number(value: float, digits: int = 4) -> str:
 STARTS = 60
 """Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
 _STEPS = 40
-_ROUND = radians(5.0)  # free angles are multiples of this
+_ROUND = radians(5.0)
 
 
 def words(piece: ZeroSet) -> str:
     """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
-    pins = [AnglePin(joint, (value,)).text() for joint, value in sorted(piece.pins.items())]
-    return " and ".join([*pins, *(Condition(piece.ring, f).text() for f in piece.equations)]) or "every configuration"
+    return " and ".join(alone(piece).texts) or "every configuration"
 
 
-def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
+def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0, step: float = _ROUND) -> Iterator[Array]:
     """Real points of a set at the arm's own lengths, one per start that arrives.
 
     Args:
         piece: its conditions are solved, for as many of its variables as there are conditions, by Newton's method.
         chain: gives the lengths and the room of the slides.
         seed: of the starts.
+        step: free angles are multiples of this [rad].
 
     Yields:
         (n,) angles θ [rad], variables of slides [m].
@@ -152,7 +152,7 @@ def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Arr
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
     for _ in range(STARTS):
         theta = np.where([j in piece.ring.revolute for j in range(1, chain.n + 1)],
-                         np.round(rng.uniform(-np.pi, np.pi, chain.n) / _ROUND) * _ROUND,
+                         np.round(rng.uniform(-np.pi, np.pi, chain.n) / step) * step,
                          np.round(rng.uniform(low, high), 2))  # fmt: skip
         for joint, value in piece.pins.items():
             theta[joint - 1] = RADIANS[value]

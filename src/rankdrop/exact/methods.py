@@ -54,7 +54,7 @@ from math import prod
 from operator import mul
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Equality, Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
@@ -64,16 +64,15 @@ from rankdrop.exact.conjunctions import (
     Columns,
     Conjunction,
     Derivation,
-    Words,
     columns_on,
     conditions_on,
     conjunctions,
     equality_of,
-    size,
+    place_of,
     within,
 )
+from rankdrop.exact.family import merge_pairs
 from rankdrop.exact.stratum import meet
-from rankdrop.exact.writing import text_of
 from rankdrop.robot.model import JointKind
 
 LONGEST = 2000
@@ -101,7 +100,7 @@ def determinant(builder: Derivation) -> None:
         equality = builder.equality(minors[0])
         parts = [Equality((atom,)) for atom in equality.atoms] if equality.whole is None else [equality]
         builder.conditions += [Conjunction((part,)) for part in parts]
-        builder.notes.append(f"terms of det J: {len(minors[0])}; different factors: {len(parts)}")
+        builder.note("factors", terms=len(minors[0]), factors=len(parts))
         return
     total = builder.ring.zero
     for minor in minors:
@@ -112,10 +111,7 @@ def determinant(builder: Derivation) -> None:
     total = builder.ring.reduce(total)
     builder.sizes |= {"minors": len(minors), "terms": len(total)}
     product = "J Jᵀ" if len(columns) > len(columns[0]) else "Jᵀ J"
-    builder.notes.append(
-        f"det({product}) is the sum of the squares of {len(minors)} minors, {len(total)} terms: never negative, "
-        "it vanishes without a change of sign"
-    )
+    builder.note("squares", product=product, minors=len(minors), terms=len(total))
     _factored(builder, Equality((), total))
 
 
@@ -132,10 +128,7 @@ def _factored(builder: Derivation, square: Equality) -> None:
         alone = len(found) == 1  # then the sum itself is the shorter text
         builder.conditions.append(Conjunction((square if alone else Equality((atom,)),)))
     texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in found)
-    builder.notes.append(
-        f"it is one irreducible polynomial, of {texts} in half angles" if len(found) == 1
-        else f"its factors in half angles: {texts}"
-    )  # fmt: skip
+    builder.note("irreducible" if len(found) == 1 else "half angles", factors=texts)
 
 
 def cofactors(builder: Derivation) -> None:
@@ -155,16 +148,13 @@ def cofactors(builder: Derivation) -> None:
     found = [minor for minor in builder.minors(builder.chain.columns, rank) if minor != 0]
     terms = [len(minor) for minor in found]
     builder.sizes |= {"minors": len(found), "terms": sum(terms), "longest": max(terms)}
-    equalities = [builder.equality(minor) for minor in found]
-    builder.conditions += conjunctions(equalities)
-    common = [c for c in builder.conditions if len(c.equal) == 1]
-    builder.notes.append(f"{len(found)} minors, {sum(terms)} terms together, {len(common)} common factors")
-    rest = [c for c in builder.conditions if len(c.equal) > 1]
-    for conjunction in rest:
-        ways = prod(max(1, len(equality.atoms)) for equality in conjunction.equal)
-        builder.notes.append(
-            f"besides them {len(conjunction.equal)} equations hold together; their factors combine in {ways} ways"
-        )
+    conditions = conjunctions(map(builder.equality, found))
+    builder.conditions += conditions
+    rest = [one for one in conditions if len(one.equal) > 1]
+    builder.note("cofactors", minors=len(found), terms=sum(terms), common=len(conditions) - len(rest))
+    for one in rest:
+        ways = prod(max(1, len(equality.atoms)) for equality in one.equal)
+        builder.note("together", equations=len(one.equal), ways=ways)
 
 
 def decomposition(builder: Derivation) -> None:
@@ -177,33 +167,35 @@ def decomposition(builder: Derivation) -> None:
         OptionError: no spherical wrist, or another task than all six rows.
         OutOfTime: no time is left.
     """
-    chain = builder.chain
+    chain, n = builder.chain, builder.chain.n
     check_wrist(chain)
     builder.full_rank()
-    n = chain.n
     screws = chain.screws(n - 2)  # the origin of this frame is where the wrist's axes meet
     arm = [column[:3] for column in screws[: n - 3]]
+    turns = [column[3:] for column in screws]
+    turns, wrist = turns[: n - 3], turns[n - 3 :]
     found = [minor for minor in builder.minors(arm, 3) if minor != 0]
-    builder.sizes["arm minors"] = len(found)
-    builder.conditions += conjunctions([builder.equality(minor) for minor in found])
-    builder.notes.append(f"arm: rank J11 < 3, {len(found)} minors in {len(builder.conditions)} conditions")
-    determinant = builder.minor([column[3:] for column in screws[n - 3 :]], range(3))
-    turns = [column[3:] for column in screws[: n - 3]]
-    before, builder.sizes["wrist minors"] = len(builder.conditions), 0
+    builder.sizes |= {"arm minors": len(found), "wrist minors": 0}
+    builder.conditions += conjunctions(map(builder.equality, found))
+    before = len(builder.conditions)
+    builder.note("arm", minors=len(found), conditions=before)
+    determinant = builder.minor(wrist, range(3))
     for atom in builder.atoms(determinant) or ():  # the sine or cosine of θ_{n−1} and a number
-        pins = {atom.joint: atom.value}
-        at = [[builder.ring.at(x, pins) for x in column] for column in (*turns, *(c[3:] for c in screws[n - 3 :]))]
-        moved = [[builder.ring.at(x, pins) for x in column] for column in arm]
-        beside = [_combined(builder, at[: n - 3], null) for null in _null_space(builder, moved)]
-        minors = [minor for minor in builder.minors([*beside, *at[n - 3 :]], 3) if minor != 0]
-        builder.sizes["wrist minors"] += len(minors)
-        pinned = Equality((atom,))
-        for piece in conjunctions([builder.equality(minor) for minor in minors]):
-            builder.conditions.append(Conjunction((pinned, *piece.equal)))
-    builder.notes.append(
-        f"wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {n - 1}: "
-        f"{len(builder.conditions) - before} conditions"
-    )
+        builder.conditions += _wrist_conditions(builder, atom, arm, turns, wrist)
+    builder.note("wrist", joint=n - 1, conditions=len(builder.conditions) - before)
+
+
+def _wrist_conditions(
+    builder: Derivation, atom: Atom, arm: Columns, turns: Columns, wrist: Columns
+) -> list[Conjunction]:
+    """Where rank [J₂₁ N, J₂₂] < 3 with the middle joint at an angle where the wrist's axes are dependent."""
+    here = ZeroSet.where(builder.ring, atom)
+    arm, turns, wrist = (columns_on(here, block) for block in (arm, turns, wrist))
+    beside = [_combined(builder, turns, null) for null in _null_space(builder, arm)]
+    minors = [minor for minor in builder.minors([*beside, *wrist], 3) if minor != 0]
+    builder.sizes["wrist minors"] += len(minors)
+    pieces = conjunctions(map(builder.equality, minors))
+    return [Conjunction((Equality((atom,)), *piece.equal)) for piece in pieces]
 
 
 def check_wrist(chain: Chain) -> None:
@@ -244,13 +236,16 @@ def _null_space(builder: Derivation, arm: Columns) -> list[list[Polynomial]]:
     """Vectors that span the null space of J₁₁ wherever its rank is 3: cofactors of each four of its columns."""
     found = []
     for four in combinations(range(len(arm)), 4):
-        vector = [builder.ring.zero] * len(arm)
-        for place, left_out in enumerate(four):
-            minor = builder.minor([arm[i] for i in four if i != left_out], range(3))
-            vector[left_out] = -minor if place % 2 else minor
-        if any(x != 0 for x in vector):
-            found.append(vector)
+        minors = [builder.minor([arm[i] for i in four if i != left_out], range(3)) for left_out in four]
+        vector = dict(zip(four, _alternating(minors), strict=True))
+        if any(x != 0 for x in minors):
+            found.append([vector.get(i, builder.ring.zero) for i in range(len(arm))])
     return found
+
+
+def _alternating(minors: Sequence[Polynomial]) -> list[Polynomial]:
+    """The cofactors that these minors are, in order."""
+    return [-minor if place % 2 else minor for place, minor in enumerate(minors)]
 
 
 def _combined(builder: Derivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
@@ -263,13 +258,14 @@ def _combined(builder: Derivation, columns: Columns, weights: list[Polynomial]) 
 
 def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
     """Conjunctions of equalities, beside those of a set, where a screw vanishes."""
-    known = [found for found in (builder.factors(piece, w) for w in screw if w != 0) if found is not None]
+    known = _vanishing(builder, piece, screw)
+    if frozenset() in known:
+        return []
     simple = [atoms for atoms in known if any(atom.pinned for atom in atoms)]
-    first = min(simple, key=lambda atoms: (sum(not atom.pinned for atom in atoms), len(atoms)), default=None)
-    if first is None or frozenset() in known:
-        return [] if frozenset() in known else [one.equal for one in conjunctions(map(equality_of, known))]
-    here = conditions_on(piece)
-    found = []
+    if not simple:
+        return [one.equal for one in conjunctions(map(equality_of, known))]
+    here, found = conditions_on(piece), list[tuple[Equality, ...]]()
+    first = min(simple, key=_simplest)
     for atom in sorted(first, key=lambda atom: atom.key):
         for part in meet(piece, atom, {}):
             own = tuple(one for one in conditions_on(part) if one not in here)
@@ -277,18 +273,22 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
     return found
 
 
+def _vanishing(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[Atoms]:
+    """Of each component that does not vanish on the whole set, the atoms under one of which it does."""
+    found = (builder.factors(piece, w) for w in screw if w != 0)
+    return [atoms for atoms in found if atoms is not None]
+
+
+def _simplest(atoms: Atoms) -> tuple[int, int]:
+    """Sort key: fewest polynomials, then fewest atoms."""
+    return sum(not atom.pinned for atom in atoms), len(atoms)
+
+
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     """Sets that differ in one angle of one joint alone as one; those inside another one left out."""
-    kept = [frozenset(one) for one in sets]
-    kept = [one for i, one in enumerate(kept) if not any(other < one or (other == one and j < i)
-                                                         for j, other in enumerate(kept))]  # fmt: skip
-    while True:
-        pairs = ((one, other, _merge_equalities(one, other)) for one, other in combinations(kept, 2))
-        pair = next((pair for pair in pairs if pair[2] is not None), None)
-        if pair is None:
-            break
-        kept = [pair[2] or x if x is pair[0] else x for x in kept if x is not pair[1]]
-    return [tuple(sorted(one, key=lambda equality: (equality.terms, [a.key for a in equality.atoms]))) for one in kept]
+    every = list(dict.fromkeys(map(frozenset, sets)))
+    kept = [one for one in every if not any(other < one for other in every)]
+    return [tuple(sorted(one, key=place_of)) for one in merge_pairs(kept, _merge_equalities)]
 
 
 def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[Equality] | None:
@@ -298,13 +298,11 @@ def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> f
     atoms = (*next(iter(mine)).atoms, *next(iter(theirs)).atoms)
     if not all(atom.pinned for atom in atoms) or len({atom.joint for atom in atoms}) != 1:
         return None
-    return (one & other) | {equality_of(atoms)}
+    return (one & other) | {equality_of(frozenset(atoms))}
 
 
 TOLD = 1
 """Pinned joints of a case up to which its screw, and where that vanishes, is told."""
-WRITTEN = 40
-"""Terms of a screw up to which its elements are written."""
 Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""
 
@@ -334,7 +332,7 @@ def reciprocity(builder: Derivation) -> None:
     builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
     builder.generic = True
     if builder.basic is not None:
-        builder.notes.append(f"joints {', '.join(map(str, builder.basic))} are taken first, as asked for")
+        builder.note("basic", joints=", ".join(map(str, builder.basic)))
     waiting = [ZeroSet.whole(builder.ring)]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
@@ -347,50 +345,50 @@ def reciprocity(builder: Derivation) -> None:
             raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
     builder.generic = False
     if builder.sizes["choices"] > 1:
-        builder.notes.append(
-            f"the exceptional loci are treated apart, by {builder.sizes['choices'] - 1} further choices of joints, "
-            f"{len(made)} different ones in all"
-        )
+        builder.note("choices", further=builder.sizes["choices"] - 1, different=len(made))
 
 
 def _one_case(
     builder: Derivation, case: ZeroSet, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
-    ring, columns, pins = builder.ring, columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
+    columns, pins = columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
     builder.sizes["cases"] += 1
     if pins not in choices:
         choices[pins] = _choices(builder, columns)
     for choice in choices[pins]:
-        joints, screw = choice
-        components = [builder.factors(case, w) for w in screw if w != 0]
-        known = [found for found in components if found is not None]
-        if not known:  # the screw vanishes in all of this case
-            continue
-        made.add(joints)
-        builder.sizes["choices"] += 1
-        builder.sizes["terms"] = max(builder.sizes["terms"], size(screw))
-        if len(pins) <= TOLD and not case.equations:
-            _note(builder, case, choice)
-        redundant = len(columns) > len(columns[0])
-        nowhere = () if frozenset() in known else (tuple(equality_of(found) for found in known),)
-        others = [column for j, column in enumerate(columns) if j not in joints]
-        products = [ring.reduce(sum(map(mul, screw, column), ring.zero)) for column in others]
-        factors = [builder.factors(case, p) for p in products]
-        met = conjunctions([equality_of(found) for found in factors if found is not None])
-        always = frozenset.intersection(*known)  # where one of these vanishes, w does
-        for piece in met:
-            if redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms):
-                continue
-            builder.conditions.append(within(case, piece, nowhere if redundant else ()))
-        if frozenset() in known:
-            return []
-        if not redundant:  # its one product is det J
-            builder.notes.append("where it vanishes det J does, too: nothing is left out")
-            return []
-        return builder.branches(case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
-    builder.conditions += [within(case, part) for part in conjunctions([])]
+        known = _vanishing(builder, case, choice[1])
+        if known:
+            made.add(choice[0])
+            return _by_choice(builder, case, columns, choice, known)
+    builder.conditions.append(within(case, Conjunction(())))  # every screw vanishes in all of this case
     return []
+
+
+def _by_choice(
+    builder: Derivation, case: ZeroSet, columns: Columns, choice: _Choice, known: list[Atoms]
+) -> list[ZeroSet]:
+    """`_one_case` by one choice of joints, whose screw vanishes where an atom of each component does."""
+    joints, screw = choice
+    builder.sizes["choices"] += 1
+    builder.sizes["terms"] = max(builder.sizes["terms"], sum(map(len, screw)))
+    if len(case.pins) <= TOLD and not case.equations:
+        _note(builder, case, choice)
+    redundant, never = len(columns) > len(columns[0]), frozenset() in known
+    nowhere = (tuple(map(equality_of, known)),) if redundant and not never else ()
+    others = [column for j, column in enumerate(columns) if j not in joints]
+    products = [builder.ring.reduce(sum(map(mul, screw, column), builder.ring.zero)) for column in others]
+    factors = [builder.factors(case, p) for p in products]
+    always = frozenset.intersection(*known)  # where one of these vanishes, the screw does
+    for piece in conjunctions(equality_of(found) for found in factors if found is not None):
+        if not (redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms)):
+            builder.conditions.append(within(case, piece, nowhere))
+    if never:
+        return []
+    if not redundant:  # its one product is det J
+        builder.note("square")
+        return []
+    return builder.branches(case, min(known, key=_simplest))
 
 
 def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
@@ -401,35 +399,22 @@ def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
     found = []
     for joints in combinations(range(len(columns)), m - 1):
         chosen = [columns[j] for j in joints]
-        minors = (builder.minor(chosen, [i for i in range(m) if i != row]) for row in range(m))
-        screw = [-minor if row % 2 else minor for row, minor in enumerate(minors)]
+        screw = _alternating([builder.minor(chosen, [i for i in range(m) if i != row]) for row in range(m)])
         if any(w != 0 for w in screw):
             found.append((joints, tuple(screw)))
     wished = {j - 1 for j in builder.basic} if builder.basic is not None else set(range(len(columns)))
     return sorted(
-        found, key=lambda choice: (not wished.issuperset(choice[0]), size(choice[1]), choice[0])
+        found, key=lambda choice: (not wished.issuperset(choice[0]), sum(map(len, choice[1])), choice[0])
     )
 
 
 def _note(builder: Derivation, case: ZeroSet, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
-    words, ring = Words(builder.ring), builder.ring
-    there = words.conjunction(Conjunction(conditions_on(case))) if case.pins else "in general"
     chosen, elements = choice
-    joints = ", ".join(str(j + 1) for j in chosen)
-    terms = size(elements)
-    written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
-    screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
-    builder.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
-    sets = _merged(_zeros(builder, case, elements))
-    known = list(dict.fromkeys(words.conjunction(Conjunction(one)) for one in sets))
+    vanishes = list(map(Conjunction, _merged(_zeros(builder, case, elements))))
     if builder.sizes["choices"] == 1:
-        builder.sizes["exceptional"] = len(known)
-    count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
-    if not known:
-        builder.notes.append("  it never vanishes there")
-        return
-    builder.notes.append(f"  all {count} elements vanish, and it says nothing, where " + ", or where ".join(known))
+        builder.sizes["exceptional"] = len(vanishes)
+    builder.note("screw", case=case, joints=[j + 1 for j in chosen], elements=elements, vanishes=vanishes)
 
 
 _Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
@@ -456,10 +441,7 @@ def singular_vector(builder: Derivation) -> None:
         except OutOfTime as error:
             builder.generic = True
             raise OutOfTime(f"{error}; {len(waiting) + 1} cases") from error
-    builder.notes.append(
-        f"{builder.sizes['cases']} cases of pivots, {len(builder.conditions)} of them with singular configurations; "
-        "some may be empty, and where a case holds no more than another one it is not left out"
-    )
+    builder.note("pivots", cases=builder.sizes["cases"], conditions=len(builder.conditions))
 
 
 def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
@@ -547,7 +529,7 @@ def derive(
         chain: the arm and its task.
         method: one of `METHODS`.
         seconds: wall time that may be spent; what is not done by then is told in `Derivation.left`.
-        frame: for reciprocity: link 1 … n in whose frame the screws are taken; None for the shortest one.
+        frame: for reciprocity: link 1 … n − 1 in whose frame the screws are taken; None for the shortest one.
         basic: for reciprocity: the reciprocal screw is that of five of these joints, as far as that goes.
 
     Returns:
@@ -560,9 +542,7 @@ def derive(
         raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
     if (frame is not None or basic is not None) and method != "reciprocity":
         raise OptionError("frame and basic screws are chosen for another method", got=method, allowed="reciprocity")
-    if frame is not None and (chain.task.rows != (0, 1, 2, 3, 4, 5) or not 1 <= frame <= chain.n):
-        raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n}, for all six rows")
-    check_basic(chain, basic)
+    check_basic(chain, basic, frame)
     builder = Derivation(chain, method, seconds, frame=frame, basic=basic)
     try:
         _METHODS[method](builder)

@@ -39,10 +39,12 @@ class Wave:
     Attributes:
         kind: "sin" or "cos".
         turns: (joint, twice its multiple), joints ascending, no zeros, the first multiple positive.
+        less: simple angle that is taken from Σ turns_j θ_j, and half of it from the argument.
     """
 
     kind: str
     turns: tuple[tuple[int, int], ...]
+    less: str = "0"
 
     @property
     def halved(self) -> bool:
@@ -150,8 +152,8 @@ def _slope(factor: Factor, joint: int) -> Product:
         return total(derivative(part, joint) for part in factor.parts)
     half = Fraction(dict(factor.turns).get(joint, 0), 2)
     if factor.kind == "sin":
-        return Product(half, ((Wave("cos", factor.turns), 1),))
-    return Product(-half, ((Wave("sin", factor.turns), 1),))
+        return Product(half, ((replace(factor, kind="cos"), 1),))
+    return Product(-half, ((replace(factor, kind="sin"), 1),))
 
 
 def _rank(factor: Factor) -> tuple[Any, ...]:
@@ -348,42 +350,36 @@ def _readable(value: Fraction) -> str:
     return short
 
 
-def _spelled(turns: Sequence[tuple[int, int]], name: str, minus: str, half: str) -> str:
-    """θ3 − θ5 and (θ3 + θ5)/2: a combination of angles; `name` and `half` are patterns."""
-    halved = all(m % 2 for _, m in turns)
-    text = ""
-    for j, m in turns:
-        size = abs(m) if halved or m % 2 else abs(m) // 2
-        one = ("" if size == 1 else str(size)) + name.format(j)
-        one = one if halved or m % 2 == 0 else half.format(one)
-        text += (f" {minus if m < 0 else '+'} " if text else minus if m < 0 else "") + one
-    if halved:
-        return half.format(f"({text})" if len(turns) > 1 else text)
-    return text
-
-
 def _are_short_half_turns(turns: Sequence[tuple[int, int]]) -> bool:
     return all(m == 2 and j < 10 for j, m in turns)
 
 
 class Text:
-    """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves and powers their own way."""
+    """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves and powers their own way.
+
+    Args:
+        most: sums of more characters are told by what they hold; None for none.
+    """
 
     times = " "
     minus = "−"
     exact = False  # whether numbers are written to the last digit
+    angle, slide = "θ{}", "q{}"
+    metre = " m"
+    between = ""  # a number and an angle
     most: int | None = None
 
-    @classmethod
-    def folding(cls, most: int | None) -> Text:
-        """Text in which sums of more characters are told by what they hold; None for none."""
-        text = cls()
-        text.most = most
-        return text
+    def __init__(self, most: int | None = None) -> None:
+        self.most = most
 
     def number(self, value: Fraction) -> str:
         """A positive number: whole, or six digits."""
         return _readable(value)
+
+    def angle_value(self, value: float) -> str:
+        """An angle for people: parts of π as such, others in radians with degrees beside."""
+        text = pretty_angle(value)
+        return text if "π" in text or text == "0" else f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
 
     def symbol(self, symbol: Symbol) -> str:
         """A length, the variable of a slide, or a root: its name; √2."""
@@ -393,9 +389,36 @@ class Text:
         """sin or cos of a combination of angles: c23, s(θ1 − θ2), cos(θ4/2)."""
         if _are_short_half_turns(wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
-        name = wave.kind if wave.halved else wave.kind[0]
-        text = _spelled(wave.turns, "θ{}", self.minus, "{}/2")
-        return f"{name}({text})"
+        return f"{wave.kind if wave.halved else wave.kind[0]}({self.combination(wave)})"
+
+    def combination(self, wave: Wave) -> str:
+        """The angle of a wave: θ3 − θ5, (θ3 + θ5)/2."""
+        halved = all(m % 2 for _, m in wave.turns)
+        parts = []
+        for j, m in wave.turns:
+            size = abs(m) if halved or m % 2 else abs(m) // 2
+            one = ("" if size == 1 else f"{self.number(Fraction(size))}{self.between}") + self.theta(j)
+            parts.append((m < 0, one if halved or m % 2 == 0 else self.half(one)))
+        text = self.signed(parts) + self.offset(wave)
+        return self.half(text) if halved else text
+
+    def theta(self, joint: int) -> str:
+        """The angle of one joint."""
+        return self.angle.format(joint)
+
+    def offset(self, wave: Wave) -> str:
+        """What is added to the angle of a wave."""
+        return "" if wave.less == "0" else f" − {wave.less}"
+
+    def half(self, text: str) -> str:
+        """Half an angle."""
+        two = self.number(Fraction(2))
+        return f"({text})/{two}" if " " in text else f"{text}/{two}"
+
+    def signed(self, parts: Sequence[tuple[bool, str]]) -> str:
+        """Summands, each with whether it is negative, joined by signs."""
+        text = " ".join(f"{self.minus if negative else '+'} {one}" for negative, one in parts)
+        return text[2:] if text[:1] == "+" else text.replace(" ", "", 1)
 
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A factor to a power from 2 up: a raised number, before an angle in brackets."""
@@ -424,18 +447,19 @@ class Text:
             return text if self.most is None or len(text) <= self.most else f"[{held(whole)}]"
         return self.sum([form])
 
+    def fraction(self, above: Product, below: Product) -> str:
+        """One form over another one, which is not the number 1 and holds no sum alone."""
+        upper, lower = self.sum([self.readable(above)]), self.product(self.readable(below))
+        line = "/" if self.exact else " / "
+        return f"{upper}{line}({lower})" if len(below.factors) + (below.number != 1) > 1 else f"{upper}{line}{lower}"
+
     def readable(self, form: Product) -> Product:
         """The form, equal to it, with sums of long numbers divided by the largest one."""
         return _rescaled(form, self.exact, not self.exact and _long(form))
 
     def sum(self, parts: Sequence[Product]) -> str:
         """Products joined by signs."""
-        text = ""
-        for place, part in enumerate(parts):
-            sign = self.minus if part.number < 0 else "+"
-            text += f" {sign} " if place else (sign if sign != "+" else "")
-            text += self.product(part)
-        return text
+        return self.signed([(part.number < 0, self.product(part)) for part in parts])
 
     def product(self, part: Product) -> str:
         """One product without its sign."""
@@ -476,6 +500,8 @@ class Latex(Text):
     r"""LaTeX: a_2 c_2 + a_3 c_{23}; names in full where the angles are no plain sum: \cos(\theta_3 - \theta_5)."""
 
     minus = "-"
+    angle, slide = r"\theta_{{{}}}", "q_{{{}}}"
+    metre = r"\,\mathrm{m}"
 
     def number(self, value: Fraction) -> str:
         """As in text, powers of ten spelled out."""
@@ -488,27 +514,42 @@ class Latex(Text):
             return rf"{digits} \cdot 10^{{{int(power)}}}"
         return text
 
+    def angle_value(self, value: float) -> str:
+        """Parts of π as fractions, others in radians."""
+        text = pretty_angle(value).replace("−", "-").replace("π", r"\pi")
+        if r"\pi" not in text and text != "0":
+            return rf"{text}\,\mathrm{{rad}}"
+        top, line, bottom = text.partition("/")
+        sign = "-" * top.startswith("-")
+        return rf"{sign}\frac{{{top.removeprefix('-')}}}{{{bottom}}}" if line else text
+
     def symbol(self, symbol: Symbol) -> str:
         """With a subscript."""
         return latex_name(symbol.name)
 
+    def theta(self, joint: int) -> str:
+        """With a subscript, in braces where it has two digits."""
+        return rf"\theta_{joint}" if joint < 10 else self.angle.format(joint)
+
+    def half(self, text: str) -> str:
+        """A small fraction."""
+        return rf"\tfrac{{{text}}}{{2}}"
+
     def wave(self, wave: Wave) -> str:
         """c_{23}, or the name in full."""
         if _are_short_half_turns(wave.turns):
-            return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
-        text = _spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}")
-        text = re.sub(r"_(\d\d+)", r"_{\1}", text)
-        text = re.sub(r"\\tfrac\{\((.*)\)\}", r"\\tfrac{\1}", text)
-        return rf"\{wave.kind}({text})"
+            return latex_name(super().wave(wave))
+        return rf"\{wave.kind}({self.combination(wave)})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A superscript, before an angle in brackets."""
-        if isinstance(factor, Wave):
-            head = re.match(r"\\?[a-z]+", text)
-            assert head is not None
-            name, rest = head.group(), text[head.end() :]
-            return f"{name}{rest}^{{{power}}}" if rest.startswith("_") else f"{name}^{{{power}}}{rest}"
-        return f"{text}^{{{power}}}"
+        name, bracket, rest = text.partition("(") if isinstance(factor, Wave) else (text, "", "")
+        return f"{name}^{{{power}}}{bracket}{rest}"
+
+    def fraction(self, above: Product, below: Product) -> str:
+        """One line over another."""
+        upper = self.value(Product(abs(above.number), above.factors))
+        return rf"{'-' if above.number < 0 else ''}\frac{{{upper}}}{{{self.value(below)}}}"
 
 
 def latex_name(name: str) -> str:
@@ -521,38 +562,21 @@ def latex_name(name: str) -> str:
     return head if not tail else f"{head}_{tail}" if len(tail) == 1 else f"{head}_{{{tail}}}"
 
 
-def angle_words(value: float) -> str:
-    """An angle for people: parts of π as such, others in radians with degrees beside."""
-    text = pretty_angle(value)
-    return text if "π" in text or text == "0" else f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
-
-
-def latex_angle(value: float) -> str:
-    """The same in LaTeX."""
-    text = pretty_angle(value).replace("−", "-").replace("π", r"\pi")
-    if r"\pi" not in text and text != "0":
-        return rf"{text}\,\mathrm{{rad}}"
-    match = re.fullmatch(r"(-?)(.*)/(\d+)", text)
-    return rf"{match[1]}\frac{{{match[2]}}}{{{match[3]}}}" if match else text
-
-
 @dataclass(frozen=True)
 class Python(Text):
     """Python: a2*cos(q2) + a3*cos(q2 + q3), in the joint variables q = θ − shift.
 
     Attributes:
-        letters: numbers that replace lengths [m].
         shifts: of each joint [rad], slides have none; empty for none.
         variable: pattern of a joint variable, with {0} for its number and {1} for its place from 0.
         names: what lengths are called there, where it is something else.
     """
 
-    letters: Mapping[str, float] = field(default_factory=dict)
     shifts: Sequence[float] = ()
     variable: str = "q{0}"
     names: Mapping[str, str] = field(default_factory=dict)
 
-    times, minus = "*", "-"
+    times, minus, between = "*", "-", "*"
     exact = True
 
     def number(self, value: Fraction) -> str:
@@ -560,44 +584,28 @@ class Python(Text):
         return str(value.numerator) if value.denominator == 1 and value <= EXACT else repr(float(value))
 
     def symbol(self, symbol: Symbol) -> str:
-        """Its name, the name given for it, or its value."""
+        """Its name, or the name given for it; the value of a root."""
         if symbol.slide:
-            return self.joint(symbol.slide)
+            return self.theta(symbol.slide)
         if symbol.name in WRITTEN:
             return repr(float(approximation(symbol.name)))
-        if symbol.name in self.letters:
-            value = float(self.letters[symbol.name])
-            return repr(value) if value >= 0 else f"({value!r})"
         return self.names.get(symbol.name, symbol.name)
 
     def wave(self, wave: Wave) -> str:
         """A call."""
-        return f"{wave.kind}({self.angle(wave.turns)})"
+        return f"{wave.kind}({self.combination(wave)})"
 
-    def angle(self, turns: Sequence[tuple[int, int]], value: str = "0") -> str:
-        """Σ m_j (q_j + shift_j) / 2 − value / 2, a combination of angles less half of an angle out of `SIMPLE`."""
-        halved = all(m % 2 for _, m in turns)
-        constant = sum(m * self.shift(j) for j, m in turns) * (1.0 if halved else 0.5)
-        text = ""
-        for j, m in turns:
-            size = abs(m) if halved or m % 2 else abs(m) // 2
-            one = ("" if size == 1 else f"{self.number(Fraction(size))}*") + self.joint(j)
-            one = one if halved or m % 2 == 0 else f"{one}/{self.number(Fraction(2))}"
-            text += (f" {'-' if m < 0 else '+'} " if text else "-" if m < 0 else "") + one
-        if value != "0":
-            text += f" {'+' if value[0] == '-' else '-'} {self.simple(value.lstrip('-'))}"
-        if constant:
-            text += f" {'+' if constant > 0 else '-'} {abs(constant)!r}"
-        two = self.number(Fraction(2))
-        return text if not halved else f"({text})/{two}" if " " in text else f"{text}/{two}"
+    def offset(self, wave: Wave) -> str:
+        """Σ m_j shift_j / 2, twice that where the whole angle is halved, less what the wave says."""
+        less, halved = wave.less, all(m % 2 for _, m in wave.turns)
+        text = "" if less == "0" else f" {'+' if less[0] == '-' else '-'} {self.simple(less.lstrip('-'))}"
+        shifts = (m * float(self.shifts[j - 1]) for j, m in wave.turns if len(self.shifts))
+        constant = sum(shifts) * (1.0 if halved else 0.5)
+        return text + f" {'+' if constant > 0 else '-'} {abs(constant)!r}" * bool(constant)
 
-    def joint(self, number: int) -> str:
+    def theta(self, joint: int) -> str:
         """A joint variable."""
-        return self.variable.format(number, number - 1)
-
-    def shift(self, number: int) -> float:
-        """What is added to a joint variable [rad]."""
-        return float(self.shifts[number - 1]) if len(self.shifts) else 0.0
+        return self.variable.format(joint, joint - 1)
 
     def simple(self, value: str) -> str:
         """π or π/2."""

@@ -44,8 +44,7 @@ from typing import Any
 from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
 from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.work import tick
-from rankdrop.exact.arm.chain import Chain, Matrix, identity, times
-from rankdrop.exact.arm.geometry import Section
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import ORIENTATION, POSE, POSITION, structure_of
 from rankdrop.robot.model import JointKind
 
@@ -91,44 +90,29 @@ def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: t
         point: in the frame of link 3: z along axis 3, x along the normal after it.
         turned: tan of half the angles by which θ₂ and θ₃ are counted on, so that nothing of note is at θ = π.
     """
-    three = chain.sections[:3]
-    turns = tuple(one.kind is JointKind.REVOLUTE for one in three)
-    ring = Ring([j for j in (2, 3) if turns[j - 1]], [j for j in (2, 3) if not turns[j - 1]])
-    at = [ring.constant(x) for x in point]
-    pose = identity(ring)
+    first, second, third = (section.kind is JointKind.REVOLUTE for section in chain.sections[:3])
+    turns = {2: second, 3: third}
+    ring = Ring([j for j in turns if turns[j]], [j for j in turns if not turns[j]])
+    numbers = replace(chain, letters={}, written={})
+    whole, pose = numbers.ring, numbers.link_pose(1, 3)
+    p = [whole.reduce(sum((pose[i][h] * whole.constant(point[h]) for h in range(3)), pose[i][3])) for i in range(3)]
+    f, g = (whole.reduce(sum((x * x for x in p), whole.zero)), p[2]) if first else (p[0], p[1])
+    places = [whole.trig.names().index(name) for name in ring.trig.names()]
+    values = dict(zip(ring.trig.names(), ring.trig.gens(), strict=True))
     offsets = []
-    for j, (section, tangent) in enumerate(zip(three[1:], turned, strict=True), start=2):
-        joint, angle = _joint(ring, j, section, tangent)
-        pose = times(ring, times(ring, pose, _link(ring, three[j - 2])), joint)
-        offsets.append(section.shift - angle)
-    p = [ring.reduce(sum((pose[i][h] * at[h] for h in range(3)), pose[i][3])) for i in range(3)]
-    if turns[0]:
-        f, g = ring.reduce(sum((x * x for x in p), ring.zero)), p[2]
-    else:
-        f, g = p[0], p[1]
-    return Regional(ring, f, g, (turns[0], turns[1], turns[2]), (offsets[0], offsets[1]))
-
-
-def _joint(ring: Ring, j: int, section: Section, tangent: Fraction) -> tuple[Matrix, float]:
-    """Rz(θ + phase) Tz(d) with θ counted from another place, and by what the new θ is behind the old one."""
-    zero, one, phase = ring.zero, ring.one, section.phase.rational
-    d = ring.constant(section.d)
-    if section.kind is JointKind.PRISMATIC:
-        c, s, angle = ring.constant(phase[0]), ring.constant(phase[1]), 0.0
-        d = d + ring.q[j]
-    else:
+    for j, tangent in zip(turns, turned, strict=True):
         along, across = (1 - tangent**2) / (1 + tangent**2), 2 * tangent / (1 + tangent**2)
-        cosine, sine = phase[0] * along - phase[1] * across, phase[1] * along + phase[0] * across
-        c = ring.c[j] * ring.constant(cosine) - ring.s[j] * ring.constant(sine)
-        s = ring.s[j] * ring.constant(cosine) + ring.c[j] * ring.constant(sine)
-        angle = atan2(float(across), float(along))
-    return [[c, -s, zero, zero], [s, c, zero, zero], [zero, zero, one, d], [zero, zero, zero, one]], angle
+        offsets.append(chain.sections[j - 1].shift - (atan2(float(across), float(along)) if turns[j] else 0.0))
+        if turns[j]:
+            cosine, sine = ring.constant(along), ring.constant(across)
+            values[f"s{j}"] = ring.s[j] * cosine + ring.c[j] * sine
+            values[f"c{j}"] = ring.c[j] * cosine - ring.s[j] * sine
 
+    def moved(h: Polynomial) -> Polynomial:
+        own = ring.trig.from_dict({tuple(powers[k] for k in places): value for powers, value in h.terms()})
+        return ring.reduce(own.compose(*values.values(), ctx=ring.trig))
 
-def _link(ring: Ring, section: Section) -> Matrix:
-    c, s, a = (ring.constant(x) for x in (*section.twist.rational, section.a))
-    zero, one = ring.zero, ring.one
-    return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
+    return Regional(ring, moved(f), moved(g), (first, second, third), (offsets[0], offsets[1]))
 
 
 BITS = 600
@@ -235,13 +219,16 @@ class Decision:
     Attributes:
         kind: `SIGNS` and `NO_CUSP`: proven not to be cuspidal; `CUSPS`: there are cusps (to the precision of balls of
             600 bits), and near each two solutions in one aspect; `OPEN`: none of these.
-        words: why, in one sentence.
+        why: of `SIGNS` how the inverse is solved, of `OPEN` what stands in the way: a key of `text.paths.POSTURES`, or
+            an error's own words.
+        wrist: whether the first three joints are spoken of, of an arm with a spherical wrist behind them.
         cusps: (q₂, q₃) of each [rad].
         nodes: (q₂, q₃) where the singular curve crosses itself [rad]; None where they were not looked for.
     """
 
     kind: str
-    words: str
+    why: str = ""
+    wrist: bool = False
     cusps: tuple[Pair, ...] = ()
     nodes: tuple[Pair, ...] | None = None
 
@@ -260,21 +247,19 @@ def decide_postures(chain: Chain) -> Decision:
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
-        >>> decide_postures(exact_chain(open_robot("puma560"))).words
-        'each solution has signs of its own: axes 1 and 2 meet; the wrist, by the sign of its middle joint'
+        >>> decide_postures(exact_chain(open_robot("puma560"))).why
+        'axes 1, 2 meet'
     """
     rows, n = chain.task.rows, chain.n
-    turning = [section.kind is JointKind.REVOLUTE for section in chain.sections]
     if rows == POSE and n == 6 and structure_of(chain).wrist == (4, 5, 6):
-        return _of_a_point(chain, _centre(chain), "the wrist, by the sign of its middle joint")
+        return _of_a_point(chain, _centre(chain), wrist=True)
     if rows == POSITION and n == 3:
-        return _of_a_point(chain, chain.tip, "")
-    by_structure = (_three_parallel(chain) if rows == POSE and n == 6 else
-                    "z₁·z₃ leaves two values of θ2" if rows == ORIENTATION and n == 3 else
-                    _planar(chain, turning))  # fmt: skip
-    if by_structure:
-        return Decision(SIGNS, f"each solution has signs of its own: {by_structure}")
-    return Decision(OPEN, "neither proof applies to an arm of this structure")
+        return _of_a_point(chain, chain.tip, wrist=False)
+    if rows == ORIENTATION and n == 3:
+        return Decision(SIGNS, "orientation")
+    if rows == POSE and n == 6:
+        return Decision(SIGNS, "three parallel") if _three_parallel(chain) else Decision(OPEN, "structure")
+    return Decision(SIGNS, "planar") if _planar(chain) else Decision(OPEN, "structure")
 
 
 def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:
@@ -283,8 +268,8 @@ def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:
     return link.a, -sine * along, cosine * along
 
 
-def _three_parallel(chain: Chain) -> str:
-    """Axes 2, 3, 4 parallel, 5 and 6 meeting, six turning joints; "" where this is not so.
+def _three_parallel(chain: Chain) -> bool:
+    """Whether axes 2, 3, 4 are parallel, 5 and 6 meet, and six joints turn.
 
     The point O of axes 5 and 6 keeps its height along axis 2, which leaves two values of θ1; the angle between axes 2
     and 6 leaves two of θ5; then axis 4 is known, and an arm of two links is left. The arm is singular where one of the
@@ -292,77 +277,59 @@ def _three_parallel(chain: Chain) -> str:
     """
     known = structure_of(chain)
     turning = all(section.kind is JointKind.REVOLUTE for section in chain.sections)
-    if turning and (2, 3, 4) in known.parallel and (5, 6) in known.meeting:
-        return "axes 2, 3 and 4 are parallel, 5 and 6 meet; shoulder, elbow and wrist have two solutions each"
-    return ""
+    return turning and (2, 3, 4) in known.parallel and (5, 6) in known.meeting
 
 
-def _planar(chain: Chain, turning: list[bool]) -> str:
+def _planar(chain: Chain) -> bool:
     """All axes parallel, slides along them: three turning joints whose sum is prescribed, or two of which it is not."""
-    count = sum(turning)
+    count = sum(section.kind is JointKind.REVOLUTE for section in chain.sections)
     one_direction = all(section.twist.sin == 0 for section in chain.sections[:-1])
-    about_z = 5 in chain.task.rows
-    if one_direction and len(turning) - count <= 1 and count == (3 if about_z else 2):
-        return "all axes are parallel, and the elbow has two solutions"
-    return ""
+    return one_direction and chain.n - count <= 1 and count == (3 if 5 in chain.task.rows else 2)
 
 
-def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], wrist: str) -> Decision:
+def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], *, wrist: bool) -> Decision:
     known = regional(chain, point, _TURNS[0])
     why = _signs(chain, known)
     if why:
-        return Decision(SIGNS, f"each solution has signs of its own: {'; '.join(x for x in (why, wrist) if x)}")
-    whose = "the first three joints" if wrist else "the arm"
+        return Decision(SIGNS, why, wrist)
     if not all(known.turns):
-        return Decision(OPEN, f"{whose} have a slide" if wrist else "the arm has a slide")
+        return Decision(OPEN, "slide", wrist)
     for turned in _TURNS:
         moved = regional(chain, point, turned)
         try:
-            cusps, nodes, points = _cusps_and_nodes(moved)
+            found = _cusps_and_nodes(moved)
         except Unbounded:
             continue
-        return _by_cusps(_in_q(moved, cusps), _in_q(moved, nodes), points, whose)
-    return Decision(OPEN, f"the singular curve of {whose} has a repeated part")
-
-
-def _by_cusps(cusps: tuple[Pair, ...], nodes: tuple[Pair, ...], points: int, whose: str) -> Decision:
-    if cusps:
-        return Decision(CUSPS, f"three solutions of {whose} meet at {_count(cusps, 'cusp')}", cusps, nodes)
-    if nodes or points:
-        has = _count(nodes, "node") if nodes else "a part that is mapped to one point"
-        words = f"the singular curve of {whose} has no cusp but {has}, and the theorem is of arms without"
-        return Decision(OPEN, words, (), nodes)
-    words = f"no three solutions of {whose} meet anywhere, and the singular curve has no nodes"
-    return Decision(NO_CUSP, words, (), ())
-
-
-def _count(places: tuple[Pair, ...], what: str) -> str:
-    return f"{len(places)} {what}{'s' if len(places) > 1 else ''}"
+        cusps, nodes = (_in_q(moved, places) for places in found[:2])
+        if cusps:
+            return Decision(CUSPS, "", wrist, cusps, nodes)
+        if nodes or found[2]:
+            return Decision(OPEN, "nodes" if nodes else "point", wrist, (), nodes)
+        return Decision(NO_CUSP, "", wrist, (), ())
+    return Decision(OPEN, "repeated", wrist)
 
 
 def _signs(chain: Chain, known: Regional) -> str:
-    """Why each solution of the inverse has signs of its own, in words; "" where none of the known reasons holds."""
+    """Why each solution of the inverse has signs of its own: a key; "" where none of the known reasons holds."""
     first, second = chain.sections[:2]
     alone = {(which, joint): known.by(getattr(known, which), joint) == 0 for which in "fg" for joint in (2, 3)}
     early, late = known.turns[0] and known.turns[1], known.turns[1] and known.turns[2]
     reasons = (
         # |p|² or p·z₁ gives joint 3, two values with opposite derivatives; the other one then joint 2, likewise
-        ("axes 1 and 2 meet", early and first.a == 0 and alone["f", 2]),
-        ("axes 1 and 2 are parallel", early and first.twist.sin == 0 and alone["g", 2]),
+        ("axes 1, 2 meet", early and first.a == 0 and alone["f", 2]),
+        ("axes 1, 2 parallel", early and first.twist.sin == 0 and alone["g", 2]),
         # θ2, θ3 move p in a plane (u, w): g gives w, f then (u + a1)², two values; then an arm of two links
-        ("axes 2 and 3 are parallel", late and second.twist.sin == 0),
+        ("axes 2, 3 parallel", late and second.twist.sin == 0),
         # p keeps its distance from O where axes 2 and 3 meet, which joint 1 alone moves: two values of q1; p·z₂ gives
         # two of θ3. det J = ((p − O)·(z₂ × z₃)) (z₁·(p × O))
-        ("axes 2 and 3 meet", late and second.a == 0),
+        ("axes 2, 3 meet", late and second.a == 0),
         # f or g gives one of the joints, and the other function the other
-        *((f"the inverse falls apart: one of its two equations does not hold joint {joint}", holds)
-          for (_, joint), holds in alone.items()),
-        ("orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other",
-         late and _one_factor(known)),
+        *((f"without {joint}", holds) for (_, joint), holds in alone.items()),
+        ("orthogonal", late and _one_factor(known)),
         # f and g on the line that one linear equation leaves: one quadratic equation
-        ("joints 2 and 3 slide", not (known.turns[1] or known.turns[2])),
+        ("two slides", not (known.turns[1] or known.turns[2])),
     )  # fmt: skip
-    return next((words for words, holds in reasons if holds), "")
+    return next((why for why, holds in reasons if holds), "")
 
 
 def _one_factor(known: Regional) -> bool:

@@ -15,11 +15,12 @@ angles as combinations of joint angles.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, reduce
 from math import pi
+from operator import add
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,7 +40,7 @@ DIGITS = 40
 HIGHEST = 40
 """Power."""
 WAVES = {"sin": "sin", "cos": "cos", "s": "sin", "c": "cos"}
-SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
+_LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _SIGNS = {"−": "-", "–": "-", "·": "*", "×": "*", "^": "**"}
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
@@ -73,7 +74,7 @@ class Node:
     number: Fraction = Fraction(0)
 
 
-def mistake(
+def wrong(
     text: str, place: int, what: str, *, allowed: str | None = None, mend: str | None = None
 ) -> OptionError:
     """The error for a mistake at a place of the text, which is shown with a mark before the mistake."""
@@ -103,8 +104,10 @@ def _tokens(text: str) -> list[Node]:
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
         if kind == "other":
-            what = "a character that means nothing in a condition"
-            raise mistake(text, match.start(), what, allowed="+ − * / ** ( ) = ; ,")
+            raise wrong(
+                text, match.start(), "a character that means nothing in a condition",
+                allowed="+ − * / ** ( ) = ; ,",
+            )  # fmt: skip
         if kind != "space":
             found.append(Node(kind, match.start(), name=_SIGNS.get(match.group(), match.group())))
     return [*found, Node("end", len(text))]
@@ -132,79 +135,72 @@ class _Reader:
         """Condition { (; | , | and) Condition }, to the end; a Condition is a Sum [= Sum { or Sum }]."""
         found = []
         while True:
-            start = self.token.place
-            sides = [self.sum()]
+            start, sides = self.token.place, [self.sum()]
             if self.take("="):
                 sides.append(self.sum())
                 while self.take("or"):
                     sides.append(self.sum())
             found.append(Node("=", start, tuple(sides), self.text[start : self.token.place].strip()))
-            if self.token.kind == "end":
-                return tuple(found)
-            if self.take(";", ",", "and") is None:
-                raise self.wrong("an operator or the end")
-            if self.token.kind == "end" and self.tokens[self.at - 1].name == ";":
+            ended = self.token.kind == "end"
+            separator = None if ended else self.take(";", ",", "and")
+            if separator is None and not ended:
+                raise self.unexpected("an operator or the end")
+            if ended or (self.token.kind == "end" and separator is not None and separator.name == ";"):
                 return tuple(found)
 
-    def wrong(self, allowed: str) -> OptionError:
-        what = "the condition ends too early" if self.token.kind == "end" else "this does not belong here"
-        return mistake(self.text, self.token.place, what, allowed=allowed)
+    def unexpected(self, allowed: str) -> OptionError:
+        ended = self.token.kind == "end"
+        return wrong(
+            self.text, self.token.place, "the condition ends too early" if ended else "this does not belong here",
+            allowed=allowed,
+        )  # fmt: skip
 
     def sum(self) -> Node:
         """[±] Product { (+ | −) Product }."""
-        first = self.take("-", "+")
-        node = self.product()
-        if first is not None and first.name == "-":
-            node = Node("-", first.place, (node,))
-        parts = [node]
-        while (sign := self.take("+", "-")) is not None:
+        sign, parts = self.take("-", "+"), list[Node]()
+        while not parts or sign is not None:
             part = self.product()
-            parts.append(Node("-", sign.place, (part,)) if sign.name == "-" else part)
-        return parts[0] if len(parts) == 1 else Node("+", parts[0].place, tuple(parts))
+            negative = sign is not None and sign.name == "-"
+            parts.append(Node("-", sign.place, (part,)) if sign is not None and negative else part)
+            sign = self.take("+", "-")
+        return _together("+", parts)
 
     def product(self) -> Node:
-        """Power { [* | /] Power }: side by side is a product, too."""
+        """Power { [* | /] Power }: side by side is a product, too; a factor after a sign may have a −."""
         parts = [self.power()]
-        while True:
-            sign = self.take("*", "/")
-            if sign is None and not self.starts_primary():
-                return parts[0] if len(parts) == 1 else Node("*", parts[0].place, tuple(parts))
-            inverted = sign is not None and sign.name == "/"
-            part = self.signed() if sign is not None else self.power()
-            parts.append(Node("/", part.place, (part,)) if inverted else part)
+        while (sign := self.take("*", "/")) is not None or self.starts_primary():
+            minus = self.take("-") if sign is not None else None
+            part = self.power()
+            part = part if minus is None else Node("-", minus.place, (part,))
+            parts.append(Node("/", part.place, (part,)) if sign is not None and sign.name == "/" else part)
+        return _together("*", parts)
 
     def starts_primary(self) -> bool:
-        token = self.token
-        if token.kind == "name":
-            return token.name not in ("and", "or")
-        return token.kind == "number" or token.name == "("
-
-    def signed(self) -> Node:
-        sign = self.take("-")
-        node = self.power()
-        return node if sign is None else Node("-", sign.place, (node,))
+        if self.token.kind == "name":
+            return self.token.name not in ("and", "or")
+        return self.token.kind == "number" or self.token.name == "("
 
     def power(self) -> Node:
         """Primary [** whole number]."""
-        return _to_power(self.primary(), self.raised())
+        return self.raise_to_power(self.primary(), self.exponent())
 
-    def raised(self) -> int | None:
-        token = self.token
-        if token.kind == "raised":
-            self.at += 1
-            return self.whole("".join(str(SUPERSCRIPTS.index(letter)) for letter in token.name), token.place)
-        if self.take("**") is None:
+    def raise_to_power(self, node: Node, exponent: Fraction | None) -> Node:
+        return node if exponent is None else Node("**", node.place, (node,), number=exponent)
+
+    def exponent(self) -> Fraction | None:
+        """A raised number, or what stands after **; None where neither does."""
+        if self.token.kind == "raised":
+            digits = self.token.name.translate(_LOWERED)
+        elif self.take("**") is None:
             return None
-        token = self.token
-        if token.kind != "number" or not token.name.isdecimal():
-            raise mistake(self.text, token.place, "a power must be a whole number", allowed=f"0 … {HIGHEST}")
-        self.at += 1
-        return self.whole(token.name, token.place)
-
-    def whole(self, digits: str, place: int) -> int:
+        else:
+            digits = self.token.name
+            if self.token.kind != "number" or not digits.isdecimal():
+                raise wrong(self.text, self.token.place, "a power must be a whole number", allowed=f"0 … {HIGHEST}")
         if len(digits) > 4 or int(digits) > HIGHEST:
-            raise mistake(self.text, place, "the power is too high", allowed=f"0 … {HIGHEST}")
-        return int(digits)
+            raise wrong(self.text, self.token.place, "the power is too high", allowed=f"0 … {HIGHEST}")
+        self.at += 1
+        return Fraction(digits)
 
     def primary(self) -> Node:
         token = self.token
@@ -217,49 +213,50 @@ class _Reader:
             if token.name in ("sin", "cos") or (token.name in WAVES and bracket and token.name not in self.letters):
                 return self.wave(token)
             if self.token.name == "(" and token.name not in self.letters and not _KNOWN.fullmatch(token.name):
-                raise mistake(self.text, token.place, f"there is no function {token.name}", allowed="sin, cos, s, c")
+                raise wrong(self.text, token.place, f"there is no function {token.name}", allowed="sin, cos, s, c")
             return token
         if self.take("±"):
             return Node("±", token.place, (self.power(),))
         if token.name == "(":
             return self.bracket()
-        raise self.wrong("a number, a name, sin, cos, or a bracket")
+        raise self.unexpected("a number, a name, sin, cos, or a bracket")
 
     def wave(self, token: Node) -> Node:
         """What follows sin or cos: an exponent, if there is one, and a bracket or a name."""
-        raised = self.raised()
+        exponent = self.exponent()
         if self.token.name == "(":
             inside = self.bracket()
         elif self.token.kind == "name" and self.token.name not in (*WAVES, "and", "or"):
             inside = self.token
             self.at += 1
         else:
-            raise mistake(self.text, self.token.place, f"{token.name} needs an angle", allowed=f"{token.name}(q1 + q2)")
-        node = Node(WAVES[token.name], token.place, (inside,))
-        return node if raised is None else Node("**", token.place, (node,), number=Fraction(raised))
+            raise wrong(self.text, self.token.place, f"{token.name} needs an angle", allowed=f"{token.name}(q1 + q2)")
+        return self.raise_to_power(Node(WAVES[token.name], token.place, (inside,)), exponent)
 
     def bracket(self) -> Node:
         opened = self.token
         self.at += 1
         self.depth += 1
         if self.depth > DEEPEST:
-            raise mistake(self.text, opened.place, "brackets are nested too deeply", allowed=f"up to {DEEPEST}")
+            raise wrong(self.text, opened.place, "brackets are nested too deeply", allowed=f"up to {DEEPEST}")
         node = self.sum()
         if self.take(")") is None:
-            raise self.wrong(f"an operator, or the ) of the bracket opened at column {opened.place + 1}")
+            raise self.unexpected(f"an operator, or the ) of the bracket opened at column {opened.place + 1}")
         self.depth -= 1
         return node
 
     def value(self, token: Node) -> Fraction:
         digits, _, power = token.name.lower().partition("e")
         if len(digits) > DIGITS or len(power) > 3:
-            allowed = f"{DIGITS} digits, powers of ten up to 99"
-            raise mistake(self.text, token.place, "the number is too long", allowed=allowed)
+            raise wrong(
+                self.text, token.place, "the number is too long",
+                allowed=f"{DIGITS} digits, powers of ten up to 99",
+            )  # fmt: skip
         return Fraction(token.name)
 
 
-def _to_power(node: Node, power: int | None) -> Node:
-    return node if power is None else Node("**", node.place, (node,), number=Fraction(power))
+def _together(kind: str, parts: Sequence[Node]) -> Node:
+    return parts[0] if len(parts) == 1 else Node(kind, parts[0].place, tuple(parts))
 
 
 TURNED = 1e-9
@@ -341,8 +338,10 @@ class Meaning:
         if any(map(self.is_angle, statement.parts)):
             return self.relation(left, rights)
         if len(rights) > 1:
-            what = "“or” stands between values of an angle only"
-            raise mistake(self.text, rights[1].place, what, allowed="θ4 = 0 or π")
+            raise wrong(
+                self.text, rights[1].place, "“or” stands between values of an angle only",
+                allowed="θ4 = 0 or π",
+            )  # fmt: skip
         value = self.value(left)
         return self.sum([value, self.negative(self.value(rights[0]))], rights[0]) if rights else value
 
@@ -357,17 +356,14 @@ class Meaning:
 
     def relation(self, left: Node, rights: Sequence[Node]) -> Parsed:
         """Σ m_j θ_j = value, modulo 2π."""
-        value = self.number(self.ring.half.constant(1))
+        halves = []
         for right in [signed for one in rights for signed in _both_signs(one)] or [Node("number", left.place)]:
             angle = _combined(self.angle(left), self.angle(right), Fraction(-1))
             turns = [m for j, m in angle.items() if j > PI]
             if not turns or any(m.denominator != 1 for m in turns):
-                raise mistake(
-                    self.text, left.place, "an equation of angles needs whole multiples of them on it"
-                )
-            half = self.wave("sin", _combined({}, angle, Fraction(1, 2)), left)
-            value = self.product(value, half, left)
-        return value
+                raise wrong(self.text, left.place, "an equation of angles needs whole multiples of them on it")
+            halves.append((self.wave("sin", _combined({}, angle, Fraction(1, 2)), left), left))
+        return self.product(halves)
 
     def angle(self, node: Node) -> Angle:
         """The tree as an angle."""
@@ -386,16 +382,16 @@ class Meaning:
                 plain = one.keys() <= {ONE}
                 if part.kind == "/":
                     if not plain or not one:
-                        raise mistake(self.text, part.place, "an angle is divided by numbers only, not by 0")
+                        raise wrong(self.text, part.place, "an angle is divided by numbers only, not by 0")
                     number /= one[ONE]
                 elif plain:
                     number *= one.get(ONE, Fraction(0))
                 elif kept.keys() - {ONE}:
-                    raise mistake(self.text, part.place, "angles are multiplied by numbers only")
+                    raise wrong(self.text, part.place, "angles are multiplied by numbers only")
                 else:
                     kept = one
             return _combined({}, kept, number)
-        raise mistake(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
+        raise wrong(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
 
     def named_angle(self, node: Node) -> Angle:
         """π, q3 or θ3."""
@@ -403,7 +399,7 @@ class Meaning:
             return {PI: Fraction(1)}
         joint = self.joint(node)
         if joint is None or joint not in self.ring.revolute:
-            raise mistake(self.text, node.place, "this is no angle", allowed=self.angles())
+            raise wrong(self.text, node.place, "this is no angle", allowed=self.angles())
         shift = Fraction(float(self.shifts[joint - 1])) if node.name[0] == "q" else Fraction(0)
         return _combined({joint: Fraction(1)}, {ONE: -shift})  # q = θ − shift
 
@@ -417,13 +413,14 @@ class Meaning:
         decimal = float(angle.get(ONE, 0))
         for j, m in turns.items():
             if m.denominator != 1 or abs(m) > 40:
-                what = f"{m / 2} θ{j} is no whole or half multiple of the angle, up to 20"
-                raise mistake(self.text, node.place, what)
+                raise wrong(
+                    self.text, node.place, f"{m / 2} θ{j} is no whole or half multiple of the angle, up to 20",
+                )  # fmt: skip
         if abs(decimal - round(decimal / (pi / 4)) * pi / 4) > TURNED:
             raise self.not_exact(angle, node)
         eighths = angle.get(PI, Fraction(0)) * 4 + round(decimal / (pi / 4))
         if eighths.denominator != 1:
-            raise mistake(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
+            raise wrong(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
         whole = {j: int(m) for j, m in turns.items()}
         found = self.turned(kind, whole, int(eighths) // 2)
         if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
@@ -437,12 +434,14 @@ class Meaning:
         if shifted:
             names = ", ".join(f"θ{j} = q{j} {'−' if self.shifts[j - 1] < 0 else '+'} {abs(self.shifts[j - 1]):.6g} rad"
                               for j in shifted)  # fmt: skip
-            return mistake(
+            return wrong(
                 self.text, node.place, "sines and cosines of this angle are not exact",
                 allowed=f"θ in place of q, with {names}", mend="write θ, or add the shift to q",
             )  # fmt: skip
-        allowed = "whole and half angles, plus quarter turns (pi/2)"
-        return mistake(self.text, node.place, "this angle is not exact", allowed=allowed)
+        return wrong(
+            self.text, node.place, "this angle is not exact",
+            allowed="whole and half angles, plus quarter turns (pi/2)",
+        )  # fmt: skip
 
     def turned(self, kind: str, turns: dict[int, int], quarters: int) -> Parsed:
         """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
@@ -463,28 +462,24 @@ class Meaning:
             return self.named(node)
         if node.kind in ("sin", "cos"):
             return self.wave(node.kind, self.angle(node.parts[0]), node)
+        if node.kind == "/":
+            return self.inverse(node)
         if node.kind == "-":
             return self.negative(self.value(node.parts[0]))
         if node.kind == "+":
             return self.sum([self.value(part) for part in node.parts], node)
-        if node.kind == "**":
-            base, total = self.value(node.parts[0]), self.number(self.ring.half.constant(1))
-            for _ in range(int(node.number)):
-                total = self.product(total, base, node)
-            return total
         if node.kind == "*":
-            total = self.number(self.ring.half.constant(1))
-            for part in node.parts:
-                total = self.product(total, self.inverse(part) if part.kind == "/" else self.value(part), part)
-            return total
-        raise mistake(self.text, node.place, "± stands before values of an angle only", allowed="θ4 = ±π/2")
+            return self.product([(self.value(part), part) for part in node.parts])
+        if node.kind == "**":
+            return self.product([(self.value(node.parts[0]), node)] * int(node.number))
+        raise wrong(self.text, node.place, "± stands before values of an angle only", allowed="θ4 = ±π/2")
 
     def inverse(self, node: Node) -> Parsed:
         """1 / a number."""
         one = self.value(node.parts[0])
         form = one.form
         if one.root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
-            raise mistake(self.text, node.place, "a condition is divided by numbers only, not by 0")
+            raise wrong(self.text, node.place, "a condition is divided by numbers only, not by 0")
         return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
 
     def named(self, node: Node) -> Parsed:
@@ -503,11 +498,11 @@ class Meaning:
                 one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
                 return Parsed(half_of(Product(Fraction(1), ((one, 1),)), ring))
         if joint is not None:
-            raise mistake(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
+            raise wrong(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
         allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
         allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"] if ring.revolute else []
         lengths = None if ring.letters else "the lengths of this arm are numbers here: write numbers"
-        raise mistake(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
+        raise wrong(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
 
     def joint(self, node: Node) -> int | None:
         """Number of the joint that a name speaks of; None for another name."""
@@ -519,7 +514,7 @@ class Meaning:
         joint = int(match[2])
         if joint not in self.ring.revolute and joint not in self.ring.prismatic:
             known = ", ".join(f"q{j}" for j in sorted([*self.ring.revolute, *self.ring.prismatic]))
-            raise mistake(self.text, node.place, f"there is no joint {joint}", allowed=known)
+            raise wrong(self.text, node.place, f"there is no joint {joint}", allowed=known)
         return joint
 
     def negative(self, value: Parsed) -> Parsed:
@@ -530,29 +525,37 @@ class Meaning:
         """What does not depend on an angle."""
         return Parsed(Form(self.ring, f, (0,) * self.ring.angles))
 
-    def product(self, one: Parsed, two: Parsed, node: Node) -> Parsed:
-        """f · g; √2 · √2 is 2."""
-        f, g = one.form.f, two.form.f
-        if len(f) * len(g) > LARGEST:
-            what = "multiplied out the condition has too many terms"
-            raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
-        degrees = tuple(a + b for a, b in zip(one.form.degrees, two.form.degrees, strict=True))
-        if max(degrees, default=0) > HIGH:
-            what = "the condition has too high powers of one angle's sine and cosine"
-            raise mistake(self.text, node.place, what, allowed=f"up to {HIGH // 2}")
-        root = one.root + two.root
-        return Parsed(Form(self.ring, f * g * (2 if root == 2 else 1), degrees), root % 2)
+    def product(self, factors: Iterable[tuple[Parsed, Node]]) -> Parsed:
+        """Π f; √2 · √2 is 2. A factor that makes it too long is shown in the error."""
+        total = self.number(self.ring.half.constant(1))
+        for factor, node in factors:
+            f, g = total.form.f, factor.form.f
+            if len(f) * len(g) > LARGEST:
+                raise wrong(
+                    self.text, node.place, "multiplied out the condition has too many terms",
+                    allowed=f"up to {LARGEST}",
+                )  # fmt: skip
+            degrees = tuple(map(add, total.form.degrees, factor.form.degrees))
+            if max(degrees, default=0) > HIGH:
+                raise wrong(
+                    self.text, node.place, "the condition has too high powers of one angle's sine and cosine",
+                    allowed=f"up to {HIGH // 2}",
+                )  # fmt: skip
+            root = total.root + factor.root
+            total = Parsed(Form(self.ring, f * g * (2 if root == 2 else 1), degrees), root % 2)
+        return total
 
     def sum(self, values: list[Parsed], node: Node) -> Parsed:
         """Σ f, over common degrees."""
         kept = [value for value in values if value.form.f != 0] or values[:1]
         if len({value.root for value in kept}) > 1:
-            what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"
-            raise mistake(self.text, node.place, what)
+            raise wrong(
+                self.text, node.place, "terms with an eighth turn (pi/4) and terms without do not add up exactly",
+            )  # fmt: skip
         try:
             form = added([value.form for value in kept])
         except ValueError as error:
-            raise mistake(self.text, node.place, f"{error}: the sign would depend on full turns") from error
+            raise wrong(self.text, node.place, f"{error}: the sign would depend on full turns") from error
         return Parsed(form, kept[0].root)
 
 

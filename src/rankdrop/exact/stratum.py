@@ -14,15 +14,12 @@ only whether an equation itself is among the atoms of a condition is seen. Facto
 are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to cos θ.
 Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of each
 piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
-
-`choose` takes the basic screws: six that are independent in general, with a triple that is a joint of its own,
-contiguous, and with the shortest determinant (KG's conditions a, b, c).
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from itertools import combinations, product
@@ -30,10 +27,10 @@ from math import prod
 
 from rankdrop.exact.algebra.field import P, random_point, value_at
 from rankdrop.exact.algebra.polynomial import (
-    COS_SIN,
     SIMPLE,
     Atom,
     Equality,
+    Factors,
     Polynomial,
     coefficients,
     order,
@@ -42,10 +39,7 @@ from rankdrop.exact.algebra.polynomial import (
 )
 from rankdrop.exact.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.algebra.solving import Solved, plainly_positive
-from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.structure import triples
 
 Assumed = dict[str, Polynomial]
 """Half-angle polynomials in lengths alone that were taken for ≠ 0, by their text."""
@@ -206,10 +200,10 @@ def _with_equations(
     piece: ZeroSet, pins: Mapping[int, str], equations: Sequence[Polynomial], nonzero: Sequence[Atom] | None = None
 ) -> ZeroSet:
     """The set of these equations and pins; the inequations are those of a piece where none are given."""
-    solved = {f: root for f in range(len(equations)) if (root := _root(piece.ring, equations[f])) is not None}
-    rest = tuple(f for place, f in enumerate(equations) if place not in solved)
+    roots = [(f, _root(piece.ring, f)) for f in equations]
+    solved, rest = tuple(root for _, root in roots if root is not None), tuple(f for f, root in roots if root is None)
     kept = piece.nonzero if nonzero is None else tuple(dict.fromkeys(nonzero))
-    return ZeroSet(piece.ring, pins, tuple(solved.values()), rest, nonzero=kept, equations=tuple(equations))
+    return ZeroSet(piece.ring, pins, solved, rest, nonzero=kept, equations=tuple(equations))
 
 
 def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> Sequence[Atom] | None:
@@ -289,7 +283,7 @@ def _put_in(piece: ZeroSet, form: Form, assumed: Assumed | None) -> list[Atom] |
             f = sum((part * top**k * bottom ** (power - k) for k, part in enumerate(parts)), f * 0)
     if f == 0:
         return None
-    _, letters, atoms = Form(piece.ring, f, tuple(degrees)).factors()
+    letters, atoms = Form(piece.ring, f, tuple(degrees)).factors()
     if assumed is not None:
         assumed.update((str(factor), factor) for factor, _ in letters)
     return [atom for atom, _ in atoms]
@@ -330,15 +324,7 @@ def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
 
 def _pin_polynomial(ring: Ring, j: int, angles: tuple[str, ...]) -> Polynomial:
     """One trigonometric polynomial that is zero where a joint stands at one of some angles, and nowhere else."""
-    if angles == TOGETHER[0]:
-        return ring.s[j]
-    if angles == TOGETHER[1]:
-        return ring.c[j]
-    found = ring.one
-    for value in angles:
-        cosine, sine = COS_SIN[value]
-        found = found * (1 - ring.c[j] * cosine - ring.s[j] * sine)  # zero exactly at the angle
-    return ring.reduce(found)
+    return _times(ring, [f.whole for f in joined(ring, [ring.pin(j, value) for value in angles])])
 
 
 @dataclass(frozen=True)
@@ -349,91 +335,54 @@ class Product:
         polynomial: as it reads on the stratum.
         factors: it vanishes where one of these conditions holds. Those known to be nowhere zero on the stratum are
             left out.
-        letters: factors in lengths alone (half-angle ring), with multiplicities.
-        written: all factors that depend on the configuration, with multiplicities, as they are printed.
-        outer: c with polynomial = c · Π letters · Π written: a number, or one times cosines and sines that are ±1 on
-            the stratum; None where that is not how the polynomial factors on all pieces at once.
+        letters: factors in lengths alone (half-angle ring).
     """
 
     polynomial: Polynomial
     factors: tuple[Equality, ...]
-    letters: tuple[tuple[Polynomial, int], ...]
-    written: tuple[tuple[Polynomial, int], ...]
-    outer: Polynomial | None
+    letters: tuple[Polynomial, ...]
 
 
 def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     """The factors of a trigonometric polynomial on a stratum, short ones first; None where it vanishes on a piece."""
     ring = stratum.ring
     p = stratum.short(p)
-    if p == 0:
-        return None
-    every: list[dict[Atom, int]] = []
-    letters: dict[str, tuple[Polynomial, int]] = {}  # by text: polynomials have no hash
+    every: list[Factors] = []
+    lists: list[list[Atom]] = []  # those that may hold
     for there in stratum.combinations:
         here = ring.at(p, there)
-        if here == 0:
+        atoms = _open_atoms(stratum, there, here) if here != 0 else None
+        if atoms is None:
             return None
-        found = ring.factor(here)
-        every.append(dict(found.atoms))
-        for f, power in found.letters:
-            letters[str(f)] = (f, max(power, letters.get(str(f), (f, 0))[1]))
-    open_atoms: list[list[Atom]] = []
-    for atoms, there in zip(every, stratum.combinations, strict=True):
-        pieces = [piece for piece in stratum.pieces if piece.pins == there]
-        lists = [{atom: atoms_on(piece, Equality((atom,))) for atom in atoms} for piece in pieces]
-        if any(found is None for one in lists for found in one.values()):
-            return None
-        open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
-    powers = [(letters_polynomial(ring, f), power) for f, power in letters.values()]
-    shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
-    rests = [[atom for atom in atoms if atom not in shared] for atoms in open_atoms]
-    common = {a: min(atoms[a] for atoms in every) for a in every[0] if all(a in atoms for atoms in every)}
-    pins = [atom for atom in common if atom.pinned]  # ≠ 0 in the cases of the factors that are not pins
-    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]
-    written = _with_powers(ring, common)
+        lists.append(atoms)
+        every.append(ring.factor(here))
+    shared = _in_all(lists)
+    rests = [[atom for atom in atoms if atom not in shared] for atoms in lists]
+    pins = [atom for atom in _in_all([[atom for atom, _ in found.atoms] for found in every]) if atom.pinned]
+    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]  # pins ≠ 0 in the cases of other factors
+    letters = {str(f): (f, power) for found in every for f, power in found.letters}  # by text: they have no hash
     if any(rests):
-        rest = _combine(stratum, without_letters(p, powers), shared, rests)
+        rest = _combine(stratum, _without_letters(ring, p, letters.values()), shared, rests)
         factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
-        written.append((rest, 1))
-    factors.sort(key=lambda f: _length(f.whole))
-    written.sort(key=lambda pair: _length(pair[0]))
-    named = tuple(letters[key] for key in sorted(letters))
-    return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
+    return Product(p, tuple(sorted(factors, key=_length)), tuple(letters[key][0] for key in sorted(letters)))
 
 
-def _length(f: Polynomial) -> tuple[int, int, str]:
+def _in_all(lists: Sequence[Sequence[Atom]]) -> list[Atom]:
+    return [atom for atom in lists[0] if all(atom in other for other in lists[1:])]
+
+
+def _length(factor: Equality) -> tuple[int, int, str]:
+    f: Polynomial = factor.whole
     return len(f), f.total_degree(), str(f)
 
 
-def _with_powers(ring: Ring, atoms: Mapping[Atom, int]) -> list[tuple[Polynomial, int]]:
-    """The product of powers of atoms in trigonometric factors; half angles that do not pair are multiplied out."""
-    left = dict(atoms)
-    found = []
-    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
-        for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
-            one, two = (ring.pin(j, value) for value in pair)
-            power = min(left.get(one, 0), left.get(two, 0))
-            if power:
-                found.append((generator, power))
-                left[one], left[two] = left[one] - power, left[two] - power
-    halves: list[Atom] = []
-    for atom, power in left.items():
-        if atom.f is not None and ring.to_trig(atom.f) is not None and power:
-            found.append((polynomial_of(ring, atom), power))
-        else:  # the polynomial has the square of the half angle's
-            found += [(polynomial_of(ring, atom), power // 2)] if power > 1 else []
-            halves += [atom] if power % 2 else []
-    if halves:
-        found.append((_half_angles(ring, halves), 1))
-    return found
-
-
-def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
-    """One trigonometric polynomial with the zeros of atoms that are not trigonometric one by one."""
-    finite = [ring.half_of(atom) for atom in atoms if atom.value != "pi"]
-    at_pi = [1 + ring.c[atom.joint] for atom in atoms if atom.value == "pi"]
-    return ring.reduce(_times(ring, [ring.trig_zero_set(prod(finite, start=ring.half.constant(1))), *at_pi]))
+def _open_atoms(stratum: Stratum, pins: Mapping[int, str], p: Polynomial) -> list[Atom] | None:
+    """Atoms of a polynomial that may hold on a piece with these pins; None where one always holds on one."""
+    pieces = [piece for piece in stratum.pieces if piece.pins == pins]
+    lists = {atom: [atoms_on(piece, Equality((atom,))) for piece in pieces] for atom, _ in stratum.ring.factor(p).atoms}
+    if any(found is None for one in lists.values() for found in one):
+        return None
+    return [atom for atom, found in lists.items() if any(found)]
 
 
 def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
@@ -464,12 +413,8 @@ def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Seq
         first = first or ratio
         if (ratio + first) % P == 0:
             part = -part  # as the signs of p are, so that R reads as p does
-        for j, angles in stratum.pins.items():
-            if angles == TOGETHER[0]:
-                part = part * (1 + ring.c[j] * (1 if pins[j] == "0" else -1))
-            elif angles == TOGETHER[1]:
-                part = part * (1 + ring.s[j] * (1 if pins[j] == "pi/2" else -1))
-        total += part
+        others = (ring.pin(j, value) for j, angles in stratum.pins.items() for value in angles if value != pins[j])
+        total += prod((polynomial_of(ring, atom) for atom in others), start=part)
     return primitive(stratum.short(total))
 
 
@@ -494,128 +439,13 @@ def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
     return replace(factor, whole=other) if 2 < len(other) < factor.terms else factor
 
 
-def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:
-    """p divided by factors in lengths alone (trigonometric ring), as often as they divide it."""
-    for f, power in letters:
-        for _ in range(power):
-            quotient, remainder = divmod(p, f)
-            if remainder != 0:
-                break
-            p = quotient
+def _without_letters(ring: Ring, p: Polynomial, letters: Iterable[tuple[Polynomial, int]]) -> Polynomial:
+    """p divided by factors in lengths alone (half-angle ring), as often as they divide it."""
+    for divisor in (letters_polynomial(ring, f) for f, power in letters for _ in range(power)):
+        quotient, remainder = divmod(p, divisor)
+        p = quotient if remainder == 0 else p
     return p
-
-
-def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, int]]) -> Polynomial | None:
-    """c (a number, or one times cosines that are ±1) with p = c · Π factors."""
-    ring = stratum.ring
-    whole = stratum.short(_times(ring, [f for f, power in factors for _ in range(power)]))
-    signs = [ring.c[j] for j, angles in stratum.pins.items() if angles == TOGETHER[0]]
-    signs += [ring.s[j] for j, angles in stratum.pins.items() if angles == TOGETHER[1]]
-    for count in range(len(signs) + 1):
-        for some in combinations(signs, count):
-            unit = _times(ring, some)
-            here = stratum.short(whole * unit)
-            if here == 0:
-                continue
-            ratio = p.leading_coefficient() / here.leading_coefficient()
-            if p == here * ratio:
-                return unit * ratio
-    return None
 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
     return reduce(lambda one, two: ring.reduce(one * two), factors, ring.one)
-
-
-Columns = Sequence[Sequence[Polynomial]]
-
-
-@dataclass(frozen=True)
-class Basic:
-    """Six screws and their determinant on a stratum.
-
-    Attributes:
-        joints: their numbers.
-        product: the determinant, taken apart.
-        reason: why these, by KG's conditions; "" for a case that is not the first.
-    """
-
-    joints: tuple[int, ...]
-    product: Product
-    reason: str = ""
-
-
-def determinants(
-    columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, work: Work
-) -> list[tuple[tuple[int, ...], Polynomial]]:
-    """The determinant of every six of these screws (v; ω), or of the six asked for, as it reads on a stratum."""
-    ring = stratum.ring
-    short = {j: [stratum.short(x) for x in columns[j - 1]] for j in joints}
-    found = []
-    for six in combinations(joints, 6) if asked is None else (asked,):
-        work.check()
-        found.append((six, stratum.short(ring.determinant([[short[j][r] for j in six] for r in range(6)]))))
-    return found
-
-
-def choose(
-    chain: Chain,
-    stratum: Stratum,
-    options: Sequence[tuple[tuple[int, ...], Polynomial]],
-    work: Work,
-) -> Basic | None:
-    """The best six whose determinant vanishes on no whole piece of a stratum; None where there is none."""
-    known = triples(chain)
-
-    def place(option: tuple[tuple[int, ...], Polynomial]) -> tuple[int, ...]:
-        six, p = option
-        return (not _with_triple(known, six), six[-1] - six[0], len(p), -six[0])
-
-    for six, p in sorted(options, key=place):
-        work.check()
-        if p != 0 and not any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
-            product = taken_apart(stratum, p)
-            if product is not None:
-                return Basic(six, product)
-    return None
-
-
-def why(
-    chain: Chain,
-    stratum: Stratum,
-    options: Sequence[tuple[tuple[int, ...], Polynomial]],
-    chosen: tuple[int, ...],
-    work: Work,
-) -> str:
-    """KG's conditions (a), (b), (c) in words, with how many sixes each leaves."""
-    known = triples(chain)
-    free = [
-        (six, p) for six, p in options if p != 0 and not any(vanishes(one, p, work.rng) for one in stratum.pieces)
-    ]
-    with_triple = [(six, p) for six, p in free if _with_triple(known, six)]
-    left = with_triple or free
-    least = min(six[-1] - six[0] for six, _ in left)
-    near = [(six, p) for six, p in left if six[-1] - six[0] == least]
-    said = [f"(a) not dependent everywhere: {len(free)} of {len(options)} sixes"]
-    if with_triple:
-        names = ", ".join(f"{'–'.join(str(j) for j in (three[0], three[-1]))} ({kind})" for three, kind in known)
-        said.append(f"(b) with three joints that are one, {names}: {len(with_triple)}")
-    else:
-        said.append("(b) no three joints are a planar or spherical one")
-    chain_of = "in a row" if least == 5 else "as near to a row as can be"
-    said.append(f"(c) {chain_of}: {len(near)}")
-    if len(near) > 1:
-        terms = ", ".join(f"{len(p)} for {_short(six)}" for six, p in near)
-        shortest = min(len(p) for _, p in near)
-        alike = sum(len(p) == shortest for _, p in near) > 1
-        said.append(f"terms of the determinant: {terms}; {'of equals the last' if alike else 'the least'}")
-    return "; ".join(said)
-
-
-def _with_triple(known: Sequence[tuple[tuple[int, int, int], str]], six: Sequence[int]) -> bool:
-    return any(set(joints) <= set(six) for joints, _ in known)
-
-
-def _short(six: Sequence[int]) -> str:
-    """1–6, or 1, 2, 4, 5, 6, 7."""
-    return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else ", ".join(map(str, six))

@@ -13,32 +13,21 @@ is proved by minors: one without zero on the stratum, or several without a commo
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
+from typing import NamedTuple
 
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.field import rank, residues
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
-from rankdrop.exact.algebra.ring import Ring, letters_polynomial
+from rankdrop.exact.algebra.ring import letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
-from rankdrop.exact.notation import SUPERSCRIPT, Step
-from rankdrop.exact.stratum import (
-    Basic,
-    Product,
-    Stratum,
-    atoms_on,
-    choose,
-    determinants,
-    joined,
-    taken_apart,
-    vanishes,
-    why,
-)
-from rankdrop.exact.writing import condition_text, text_of
+from rankdrop.exact.stratum import Product, Stratum, atoms_on, joined, taken_apart, vanishes
+from rankdrop.exact.writing import Value
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3
@@ -83,27 +72,18 @@ class Dependence:
     proof: Proof | None
 
 
-@dataclass(frozen=True)
-class Obstacle:
+class Obstacle(NamedTuple):
     """A minor of a circuit's other screws that has zeros on the stratum: a place to split it.
 
     Attributes:
+        weight: of the atoms that are not known to be nowhere zero: how much there is to split at.
+        light: whether it vanishes at pinned joints only.
         minor: as it reads on the stratum.
-        atoms: those that are not known to be nowhere zero.
     """
 
+    weight: int
+    light: bool
     minor: Polynomial
-    atoms: tuple[Atom, ...]
-
-    @property
-    def weight(self) -> int:
-        """Of the atoms: how much there is to split at."""
-        return sum(atom.weight for atom in self.atoms)
-
-    @property
-    def light(self) -> bool:
-        """Whether the minor vanishes at pinned joints only."""
-        return all(atom.pinned for atom in self.atoms)
 
 
 class Sampled:
@@ -205,34 +185,40 @@ def independent(
     chain: Chain, frame: int, stratum: Stratum, joints: Sequence[int], work: Work
 ) -> tuple[Proof | None, Obstacle | None]:
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
-    ring, columns = stratum.ring, chain.screws(frame)
+    columns = chain.screws(frame)
     chosen = [[stratum.short(x) for x in columns[j - 1]] for j in joints]
-    minors, proofs = [], list[Proof]()
-    for rows in combinations(range(6), len(joints)):
-        work.check()
-        minor = stratum.short(ring.determinant([[column[r] for column in chosen] for r in rows]))
-        if minor == 0:
-            continue
-        zeros = _zeros(stratum, minor, work)
-        if zeros is None:
-            continue
-        if not any(zeros):
-            proofs.append(Proof("minor", frame, (rows,), (minor,)))
-        minors.append((Obstacle(minor, tuple(atom for atoms in zeros for atom in atoms)), rows, minor, zeros))
+    minors = list(_minors(stratum, chosen, work))
+    proofs = [Proof("minor", frame, (rows,), (minor,)) for rows, minor, zeros in minors if not any(zeros)]
     if proofs:
         return min(proofs, key=lambda one: (len(one.polynomials[0]), one.polynomials[0].total_degree())), None
-    minors.sort(key=lambda one: one[0].weight)
     if not minors:
         return None, None
     gram = _gram(stratum, chosen, work) if len(joints) <= GRAM else None
     if gram is not None:
         return Proof("gram", frame, (), (gram,)), None
+    minors.sort(key=lambda one: _weight(one[2]))
     for size in (2, 3):
         for some in combinations(minors[:TOGETHER_AT_MOST], size):
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
-                rows_of, polynomials = tuple(one[1] for one in some), tuple(one[2] for one in some)
-                return Proof("minors", frame, rows_of, polynomials), None
-    return None, minors[0][0]
+                return Proof("minors", frame, tuple(one[0] for one in some), tuple(one[1] for one in some)), None
+    _, minor, zeros = minors[0]
+    return None, Obstacle(_weight(zeros), all(atom.pinned for atoms in zeros for atom in atoms), minor)
+
+
+def _minors(
+    stratum: Stratum, chosen: Columns, work: Work
+) -> Iterator[tuple[tuple[int, ...], Polynomial, list[tuple[Atom, ...]]]]:
+    """(rows, minor, its zeros on each piece) of the minors of some screws that vanish on no whole piece."""
+    for rows in combinations(range(6), len(chosen)):
+        work.check()
+        minor = stratum.short(stratum.ring.determinant([[column[r] for column in chosen] for r in rows]))
+        zeros = _zeros(stratum, minor, work) if minor != 0 else None
+        if zeros is not None:
+            yield rows, minor, zeros
+
+
+def _weight(zeros: Sequence[Sequence[Atom]]) -> int:
+    return sum(atom.weight for atoms in zeros for atom in atoms)
 
 
 def _zeros(stratum: Stratum, p: Polynomial, work: Work) -> list[tuple[Atom, ...]] | None:
@@ -264,6 +250,18 @@ def _no_common(sets: Sequence[Sequence[Atom]]) -> bool:
         any(a.pinned and b.pinned and a.joint == b.joint and a.value != b.value for a, b in combinations(choice, 2))
         for choice in product(*sets)
     )
+
+
+class Basic(NamedTuple):
+    """Six screws and their determinant on a stratum.
+
+    Attributes:
+        joints: their numbers.
+        product: the determinant, taken apart.
+    """
+
+    joints: tuple[int, ...]
+    product: Product
 
 
 @dataclass(frozen=True)
@@ -298,11 +296,6 @@ class Case:
         return self.stratum.closed
 
 
-ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
-LONG = 60
-"""Terms of a screw's entries above which it is not written out once more with a case's angles put in."""
-
-
 @dataclass(frozen=True)
 class Suppression:
     """What dependent-screw suppression found.
@@ -310,22 +303,26 @@ class Suppression:
     Attributes:
         chain: the arm over the exact ring.
         frame: link in whose frame (z along its axis, x along the normal after it) the screws are written.
-        frame_reason: why that one.
+        frame_asked, basic_asked: whether that frame and the basic screws were asked for.
+        sixes: every six screws that could be basic, and the terms of their determinant; 0 where it vanishes on a piece.
         columns: the screws (v; ω) there.
         start: the first case, which holds all others.
         families: disjoint; together, with what is `left`, every singular configuration.
         assumptions: polynomials in lengths alone (trigonometric ring) that were taken for ≠ 0.
-        left: what was not finished, in words.
+        left: what was not finished: "time", "full rank" (all six freedoms are left), "no point" or "empty" (no point of
+            the case, or of a piece, was met), "determinant" (of the basic screws); and the case.
     """
 
     chain: Chain
     frame: int
-    frame_reason: str
+    frame_asked: bool
+    basic_asked: bool
+    sixes: tuple[tuple[tuple[int, ...], int], ...]
     columns: list[list[Polynomial]]
     start: Case
     families: tuple[Case, ...]
     assumptions: tuple[Polynomial, ...]
-    left: tuple[str, ...]
+    left: tuple[tuple[str, Case], ...]
 
     @property
     def complete(self) -> bool:
@@ -340,183 +337,15 @@ class Suppression:
     @property
     def determinant(self) -> str:
         """The determinant of the basic screws, factored, as text; empty as `basic`."""
-        return product_text(self.chain.ring, self.start.basic.product) if self.start.basic is not None else ""
-
-    @property
-    def factors(self) -> tuple[Polynomial, ...]:
-        """The factors of that determinant which depend on the configuration."""
-        return tuple(f.whole for f in self.start.basic.product.factors) if self.start.basic is not None else ()
-
-    def steps(self) -> tuple[Step, ...]:
-        """The derivation as it is done by hand: screws, basic determinant, cases with dependent screws, families."""
-        found = [Step("Screws", tuple(_screws(self)))]
-        if self.start.basic is not None:
-            found.append(Step("Step 1: the determinant of the basic screws", tuple(_first(self))))
-            found += _cases(self, self.start)
-        found.append(Step("Families", tuple(_families(self))))
-        return (*found, Step("Not finished", self.left)) if self.left else tuple(found)
+        basic = self.start.basic
+        if basic is None:
+            return ""
+        ring, p = self.chain.ring, basic.product.polynomial
+        return Value(ring, p, ring.factor(p)).text()
 
 
-def _screws(suppression: Suppression) -> Iterator[str]:
-    ring = suppression.chain.ring
-    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}, z along its axis, x along the next normal"
-    yield f"why this frame: {suppression.frame_reason}"
-    for j, column in enumerate(suppression.columns, 1):
-        yield _screw(j, [text_of(ring, x) for x in column])
-
-
-def _screw(j: int, entries: Sequence[str]) -> str:
-    return f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})"
-
-
-def _first(suppression: Suppression) -> Iterator[str]:
-    start, chain = suppression.start, suppression.chain
-    assert start.basic is not None
-    joints = start.basic.joints
-    known = ((three, kind) for three, kind in triples(chain) if set(three) <= set(joints))
-    said = ", ".join(f"{_joints(three)} are a {kind} joint" for three, kind in known)
-    yield f"basic screws: {_names(joints)}, independent in general{'; ' * bool(said) + said}"
-    if chain.n > 6:
-        yield f"why these: {start.basic.reason}"
-    yield f"|{_names(joints)}| = {product_text(chain.ring, start.basic.product)}"
-    if chain.n == 6:
-        yield "with six joints there is no other screw: the arm is singular where a factor is zero"
-    yield from _branches(start)
-
-
-def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
-    for inner in case.cases:
-        lines = tuple(_case(suppression, inner))
-        if lines:
-            yield Step(f"Case {inner.number}: {conditions_text(inner.stratum)}", lines)
-        yield from _cases(suppression, inner)
-
-
-def _case(suppression: Suppression, case: Case) -> Iterator[str]:
-    ring, dependence = suppression.chain.ring, case.dependence
-    if dependence is not None:
-        yield from _put_in(suppression, case)
-        if not dependence.on:
-            yield f"${dependence.screw} is zero"
-        else:
-            assert dependence.proof is not None
-            if len(dependence.on) == 1:
-                yield f"${dependence.screw} is a multiple of {_names(dependence.on)}, which is not zero:"
-            else:
-                yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
-            yield from _proof(suppression, dependence.proof, dependence.on)
-        yield f"${dependence.screw} is suppressed; left: {_names(case.joints)}"
-    if case.basic is not None:
-        yield f"|{_names(case.basic.joints)}| = {product_text(ring, case.basic.product)}"
-        if not case.cases:
-            yield "which has no zero here: no singular configuration"
-    if case.split:
-        yield "no screw is a combination of the same others everywhere here: the case is split"
-    if case.family and len(case.joints) > 6:
-        yield "every determinant of six of the screws that are left is zero here"
-    yield from _branches(case)
-
-
-def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
-    """The screws of the circuit with the case's angles put in, where that changes short ones."""
-    assert case.dependence is not None
-    ring = suppression.chain.ring
-    for j in sorted((case.dependence.screw, *case.dependence.on)):
-        column = suppression.columns[j - 1]
-        short = [case.stratum.short(x) for x in column]
-        if short != column and sum(map(len, short)) <= LONG:
-            yield f"here {_screw(j, [text_of(ring, x) for x in short])}"
-
-
-def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
-    ring = suppression.chain.ring
-    there = "" if proof.frame == suppression.frame else f" in the frame of link {proof.frame}"
-    if proof.kind == "gram":
-        yield f"their Gram determinant{there} is {text_of(ring, proof.polynomials[0])} ≠ 0"
-        return
-    for rows, minor in zip(proof.rows, proof.polynomials, strict=True):
-        told = " ≠ 0" if proof.kind == "minor" else ""
-        names = " ".join(ROWS[r] for r in rows)
-        yield f"|{_names(on)}| of rows {names}{there} is {text_of(ring, minor)}{told}"
-    if proof.kind == "minors":
-        yield "which have no common zero here"
-
-
-def _branches(case: Case) -> Iterator[str]:
-    for inner in case.cases:
-        name = f"family {inner.family}" if inner.family else f"case {inner.number}"
-        yield f"{name}: {conditions_text(inner.stratum)}"
-
-
-def _families(suppression: Suppression) -> Iterator[str]:
-    ring = suppression.chain.ring
-    for family in suppression.families:
-        yield f"family {family.family}: {conditions_text(family.stratum)}"
-    yield from _disjointness(suppression)
-    for p in suppression.assumptions:
-        yield f"assumed: {text_of(ring, p)} ≠ 0"
-
-
-def _disjointness(suppression: Suppression) -> Iterator[str]:
-    """Why no two families meet: conditions that hold on some and not on others, until every pair is told apart."""
-    families, ring = suppression.families, suppression.chain.ring
-    apart = ((one.family, two.family, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
-    waiting = {(one, two): p for one, two, p in apart if p is not None}
-    if waiting:
-        yield "no two of them meet:"
-    while waiting:
-        p = next(iter(waiting.values()))
-        zero = [family.family for family in families if p in family.stratum.equalities]
-        other = [family.family for family in families if p in family.stratum.inequalities]
-        yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
-        told = {*product(zero, other), *product(other, zero)}
-        waiting = {pair: q for pair, q in waiting.items() if pair not in told}
-
-
-def _names(joints: Sequence[int]) -> str:
-    return " ".join(f"${j}" for j in joints)
-
-
-def _joints(joints: Sequence[int]) -> str:
-    return ", ".join(map(str, joints))
-
-
-def conditions_text(stratum: Stratum, most: int | None = None) -> str:
-    """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
-    parts = []
-    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
-        for p in polynomials:
-            long = most is not None and len(p) > most
-            parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))
-    return ", ".join(parts) or "everywhere"
-
-
-def product_text(ring: Ring, product: Product) -> str:
-    """A determinant as the product of its factors, or as it is where that is not how it factors."""
-    if product.outer is None:
-        return text_of(ring, product.polynomial)
-    factors = [*((letters_polynomial(ring, f), power) for f, power in product.letters), *product.written]
-    outer = text_of(ring, product.outer)
-    negative = outer.startswith("−")
-    outer = outer.removeprefix("−")
-    found = [outer] if outer != "1" or not factors else []
-    for f, power in factors:
-        text = text_of(ring, f)
-        if text.startswith("−"):
-            text = text_of(ring, -f)
-            negative ^= power % 2 == 1
-        text = f"({text})" if " + " in text or " − " in text else text
-        found.append(text if power == 1 else text + str(power).translate(SUPERSCRIPT))
-    return ("−" if negative else "") + " ".join(found)
-
-
-Progress = Callable[[str, int, int], None]
-"""Called with (what is done, cases done, cases known so far)."""
 DEEPEST = 4
 """Most equations of a piece beside its pinned joints: more do not occur in an arm of eight joints without a fault."""
-SHORT = 30
-"""Most terms of a polynomial that is written out where something is said to be left."""
-
 
 def suppress(
     chain: Chain,
@@ -525,7 +354,6 @@ def suppress(
     basic: Sequence[int] | None = None,
     seconds: float = 60.0,
     seed: int = 0,
-    progress: Progress | None = None,
 ) -> Suppression:
     """Derive the singular configurations of an arm as disjoint families (KG).
 
@@ -536,7 +364,6 @@ def suppress(
             fewest terms.
         seconds: time limit; cases that were not finished are named in `left`.
         seed: of the random points modulo p.
-        progress: called now and then.
 
     Raises:
         TaskError: not all six rows, fewer than six joints, or the screws never span all six freedoms.
@@ -546,8 +373,8 @@ def suppress(
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> found = suppress(exact_chain(open_robot("puma560")))
-        >>> [conditions_text(family.stratum) for family in found.families[:2]]
-        ['s5 = 0', 'a3 s3 + d4 c3 = 0, s5 ≠ 0']
+        >>> [(family.stratum.closed, family.stratum.open) for family in found.families[:2]]
+        [((s5,), ()), ((s3*a3 + c3*d4,), (s5,))]
     """
     if chain.task.rows != (0, 1, 2, 3, 4, 5) or chain.n < 6:
         raise TaskError(
@@ -556,33 +383,22 @@ def suppress(
             got=f"{chain.task.m} rows, {chain.n} joints",
             mend="another method",
         )
-    reason = _frame_reason(chain) if frame is None else "asked for"
-    frame = chain.frame if frame is None else frame
-    if not 1 <= frame < chain.n:
-        raise OptionError("no such link frame", where="frame", got=str(frame), allowed=f"1 … {chain.n - 1}")
-    check_basic(chain, basic)
-    return _Derivation(chain, frame, reason, basic, Work(seconds, seed), progress).run()
+    check_basic(chain, basic, frame)
+    return _Derivation(chain, frame, basic, Work(seconds, seed)).run()
 
 
 class _Derivation:
     """The recursion, with what it gathers on the way."""
 
-    def __init__(
-        self,
-        chain: Chain,
-        frame: int,
-        reason: str,
-        basic: Sequence[int] | None,
-        work: Work,
-        progress: Progress | None,
-    ) -> None:
-        self.chain, self.ring, self.frame, self.frame_reason = chain, chain.ring, frame, reason
-        self.columns = chain.screws(frame)
+    def __init__(self, chain: Chain, frame: int | None, basic: Sequence[int] | None, work: Work) -> None:
+        self.chain, self.ring, self.frame_asked = chain, chain.ring, frame is not None
+        self.frame = chain.frame if frame is None else frame
+        self.columns = chain.screws(self.frame)
         self.asked = tuple(sorted(basic)) if basic is not None else None
-        self.work, self.progress = work, progress
+        self.work = work
+        self.sixes: list[tuple[tuple[int, ...], int]] = []
         self.families: list[Case] = []
-        self.left: list[str] = []
-        self.done, self.known = 0, 1
+        self.left: list[tuple[str, Case]] = []
 
     def run(self) -> Suppression:
         whole = Stratum.whole(self.ring, self.work.assumed)
@@ -597,46 +413,72 @@ class _Derivation:
         try:
             start = self.determinant(start)
         except OutOfTime:
-            self.left.append("the determinant of the basic screws")
+            self.left.append(("determinant", start))
         assumed = tuple(
             letters_polynomial(self.ring, f)
             for f in self.work.assumed.values()
             if len(f) > 1 and not plainly_positive(self.ring, f)  # a length alone is not zero
         )
-        found, left = tuple(self.families), tuple(self.left)
-        return Suppression(self.chain, self.frame, self.frame_reason, self.columns, start, found, assumed, left)
+        return Suppression(
+            self.chain, self.frame, self.frame_asked, self.asked is not None, tuple(self.sixes), self.columns, start,
+            tuple(self.families), assumed, tuple(self.left),
+        )  # fmt: skip
 
     def determinant(self, case: Case) -> Case:
         """Step 1 with the screws that are left: a case for each factor of the determinant of six of them."""
         first = not case.number
-        options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.work)
-        basic = choose(self.chain, case.stratum, options, self.work)
-        if first and basic is not None:
-            reason = "asked for" if self.asked else why(self.chain, case.stratum, options, basic.joints, self.work)
-            basic = replace(basic, reason=reason)
+        options = self.determinants(case.stratum, case.joints, self.asked if first else None)
+        if first and self.asked is None:
+            self.sixes = [(six, len(p) if self.nowhere_zero(case.stratum, p) else 0) for six, p in options]
+        basic = self.choose(case.stratum, options)
+        if basic is None and first:
+            raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
         if basic is None:
-            if first:
-                raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
-            if all(case.stratum.vanishes(p, self.work.rng) for _, p in options):
-                return self.family(case)
-            return self.apart(case)
+            zero = all(case.stratum.vanishes(p, self.work.rng) for _, p in options)
+            return self.family(case) if zero else self.apart(case)
         self.assume(basic.product)
-        case = replace(case, basic=basic)
-        return self.branch(case, basic.product.factors)
+        return self.branch(replace(case, basic=basic), basic.product.factors)
+
+    def determinants(
+        self, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None
+    ) -> list[tuple[tuple[int, ...], Polynomial]]:
+        """The determinant of every six of these screws, or of the six asked for, as it reads on a stratum."""
+        short = {j: [stratum.short(x) for x in self.columns[j - 1]] for j in joints}
+        found = []
+        for six in combinations(joints, 6) if asked is None else (asked,):
+            self.work.check()
+            rows = [[short[j][r] for j in six] for r in range(6)]
+            found.append((six, stratum.short(self.ring.determinant(rows))))
+        return found
+
+    def nowhere_zero(self, stratum: Stratum, p: Polynomial) -> bool:
+        """Whether a polynomial vanishes on no whole piece."""
+        return p != 0 and not any(vanishes(piece, p, self.work.rng) for piece in stratum.pieces)
+
+    def choose(self, stratum: Stratum, options: Sequence[tuple[tuple[int, ...], Polynomial]]) -> Basic | None:
+        """The best six by KG's conditions: with a triple that is one joint, in a row, with the fewest terms."""
+        known = [set(joints) for joints, _ in triples(self.chain)]
+
+        def place(option: tuple[tuple[int, ...], Polynomial]) -> tuple[int, ...]:
+            six, p = option
+            return (not any(joints <= set(six) for joints in known), six[-1] - six[0], len(p), -six[0])
+
+        for six, p in sorted(options, key=place):
+            self.work.check()
+            product = taken_apart(stratum, p) if self.nowhere_zero(stratum, p) else None
+            if product is not None:
+                return Basic(six, product)
+        return None
 
     def branch(
         self, case: Case, factors: Sequence[Equality], first: tuple[Case, ...] = ()
     ) -> Case:
         """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, list(first)
-        self.known += len(factors)
         for f in factors:
             here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
             if here.pieces:
                 cases.append(self.finished(_inside(case, here, cases)))
-            self.done += 1
-            if self.progress is not None:
-                self.progress("dependent-screw suppression", self.done, self.known)
         return replace(case, cases=tuple(cases))
 
     def finished(self, case: Case) -> Case:
@@ -647,7 +489,7 @@ class _Derivation:
                 raise OutOfTime
             return self.suppressed(case)
         except OutOfTime:
-            self.left.append(f"case {case.number}: {conditions_text(case.stratum, SHORT)}")
+            self.left.append(("time", case))
             return case
 
     def suppressed(self, case: Case) -> Case:
@@ -713,8 +555,7 @@ class _Derivation:
         sampled = Sampled(self.columns, case.stratum, self.work.rng)
         ranks = tuple(sorted(sampled.ranks(range(1, self.chain.n + 1))))
         if not ranks or ranks[-1] == 6:
-            met = "all six freedoms are left at points of it" if ranks else "no point of it was met"
-            self.left.append(f"case {case.number}: {met}: {conditions_text(case.stratum, SHORT)}")
+            self.left.append(("full rank" if ranks else "no point", case))
             return case
         self.families.append(replace(case, family=len(self.families) + 1, ranks=ranks))
         return self.families[-1]
@@ -726,18 +567,12 @@ class _Derivation:
             if piece.point(self.work.rng) is not None:
                 kept.append(piece)
             elif replace(piece, nonzero=()).point(self.work.rng) is None:
-                alone = replace(stratum, pieces=(piece,))
-                self.left.append(f"no point modulo p was found on: {conditions_text(alone, SHORT)}")
+                self.left.append(("empty", Case("", replace(stratum, pieces=(piece,)), ())))
         return replace(stratum, pieces=tuple(kept))
 
     def assume(self, product: Product) -> None:
-        for f, _ in product.letters:
+        for f in product.letters:
             self.work.assume(f)
-
-
-def _frame_reason(chain: Chain) -> str:
-    terms = ", ".join(f"link {k}: {sum(len(x) for c in chain.screws(k) for x in c)}" for k in range(1, chain.n))
-    return f"the screws are shortest there; terms, multiplied out: {terms}"
 
 
 def _inside(case: Case, stratum: Stratum, before: Sequence[Case]) -> Case:

@@ -38,12 +38,12 @@ from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zer
 from rankdrop.exact.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.exact.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
 from rankdrop.exact.algebra.ring import Form, Ring, Terms, replace_angles
-from rankdrop.exact.algebra.work import OutOfTime, Work, spent, tick
+from rankdrop.exact.algebra.work import OutOfTime, TooLong, Work, spent, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.local.block import generic_rank
 
-_EACH = 6  # polynomials kept of those in the same variables
+_EACH, _PAIR = 6, 4  # polynomials kept of those in the same variables, and in the same two
 _LENGTH = 1_000_000  # letters without a value stand at random whole numbers up to this
 _MINORS = 400  # of all choices of rows and columns
 _TERMS = 6_000  # that a resultant may have
@@ -158,13 +158,17 @@ class _Known:
             self.barren = self.barren or common.total_degree() == 0
             return before is None or common.total_degree() < before.total_degree()
         same = self._by_variables.setdefault(places, [])
-        if len(same) >= _EACH:
+        if self._full(places):
             return False
         if len(places) == 2 and sum(f.gcd(other).total_degree() > 0 for other in same) > 1:
             return False  # of those with a common factor two are enough
         same.append(f)
         self._kept.append(f)
         return True
+
+    def _full(self, places: tuple[int, ...]) -> bool:
+        """Whether there are enough polynomials in these variables."""
+        return len(self._by_variables.get(places, ())) >= (_PAIR if len(places) == 2 else _EACH)
 
     def _real(self, f: Polynomial, place: int) -> Polynomial:
         """f without its factors 1 + t²: no configuration is there."""
@@ -186,12 +190,14 @@ class _Known:
         for f, g in combinations(pool, 2):
             one, two = ({k for k in range(self._moving) if h.degrees()[k]} for h in (f, g))
             if one & two and len(f) * len(g) <= _COST.get(len(one | two), 0):
-                pairs += [(len(one | two), len(f) * len(g), f, g, k) for k in one & two if _size(f, g, k) <= _TERMS]
-        for _, cost, f, g, k in sorted(pairs, key=lambda pair: pair[:2]):
+                pairs += [(one | two, len(f) * len(g), f, g, k) for k in one & two if _size(f, g, k) <= _TERMS]
+        for together, cost, f, g, k in sorted(pairs, key=lambda pair: (len(pair[0]), pair[1])):
             key = (id(f), id(g), k)
             if key in self._tried:
                 continue
             self._tried.add(key)
+            if self._full(tuple(sorted(together - {k}))):
+                continue
             work.check()
             if f.gcd(g).total_degree() > 0:
                 continue  # the resultant is zero
@@ -210,8 +216,8 @@ def _size(f: Polynomial, g: Polynomial, place: int) -> int:
     return prod(1 + b * x + a * y for k, (x, y) in enumerate(zip(one, two, strict=True)) if k != place)
 
 
-_EASY = 0.5  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
-_STAGE = 0.7  # share of the time left that one rank may take
+_EASY = 0.2  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
+_STAGE = 0.8  # share of the work left that one rank may take
 _TRIED = 6  # minors factored before one is chosen: more cost more than the better choice saves
 _TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
 _FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds
@@ -327,10 +333,17 @@ def _explore(
     bound = (m - order + 1) * (n - order + 1)
     bending = _bending(columns, waiting[0].ring)
     seen: list[ZeroSet] = []
+    too_long: list[tuple[ZeroSet, TooLong]] = []
     while waiting:
         work.show(f"sets looked into for rank < {order + tree.cleared}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
-        for part in _cut(columns, order, piece, bending, work):
+        try:
+            parts = _cut(columns, order, piece, bending, work)
+        except TooLong as stop:
+            waiting.remove(piece)
+            too_long.append((piece, stop))
+            continue
+        for part in parts:
             here = rank_on(columns, part)
             if here < order:
                 drop = Drop(part, here)
@@ -346,6 +359,9 @@ def _explore(
         work.without_points.clear()
         waiting.remove(piece)
         tree.visited += 1
+    if too_long:
+        waiting += [piece for piece, _ in too_long]
+        raise too_long[0][1]
 
 
 def _cut(
@@ -354,27 +370,36 @@ def _cut(
     """The parts of a set on which minors of an order vanish, on each of which the rank is one and the same.
 
     A set that takes long, or leaves something open, may hold nothing of a lower rank: a proof of that comes second, for
-    it costs more than most sets.
+    it costs more than most sets. Where there is none the set is cut by the first minor that does not make polynomials
+    too long.
     """
+    minors = _chosen(columns, piece, order, work)
+    last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
+    # not of several sets: what one of them leaves is told apart by its points
+    together = last and not piece.several
 
-    def parts() -> list[ZeroSet]:
-        minors = _chosen(columns, piece, order, work)
-        last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
-        together = last and not piece.several  # else what one of them leaves is told apart by its points
-        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minors[0], work), work)
+    def parts(minor: Polynomial) -> list[ZeroSet]:
+        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minor, work), work)
         return with_points([same for one in cuts for same in _by_rank(columns, one, work)], work)
 
     with work.attempt(_EASY) as undo:
         open_before = len(work.unresolved)
         try:
-            found = parts()
+            found = parts(minors[0])
             if len(work.unresolved) == open_before and not work.without_points:
                 return found
         except OutOfTime:
             pass
         undo()
     work.check()
-    return [] if barren(piece.ring, columns, order, piece.pins, piece.equations, work) else parts()
+    if barren(piece.ring, columns, order, piece.pins, piece.equations, work):
+        return []
+    for minor in minors[: 0 if together else -1]:
+        try:
+            return parts(minor)
+        except TooLong:
+            continue
+    return parts(minors[-1])
 
 
 def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
@@ -465,7 +490,7 @@ def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iter
     ring = piece.ring
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
-    known = residues(ring, here, piece.samples)
+    known = residues(ring, columns, piece.samples)
     for columns_used, rows_used in by_length(lengths, order):
         if any(rank([[m[c][r] for r in rows_used] for c in columns_used], prime) == order for m, prime in known):
             yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])

@@ -14,11 +14,13 @@ closed inverse.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property
 from math import atan2, pi, prod, tau
+from operator import add
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -36,11 +38,9 @@ from rankdrop.exact.notation import (
     Symbol,
     Text,
     Wave,
-    angle_words,
     derivative,
     fourier,
     half_of,
-    latex_angle,
     number_of,
     product,
     symbols,
@@ -58,10 +58,11 @@ LOOKS = 240
 FEW = 3
 """Terms of a Fourier form that is short enough as it is."""
 
-_PINNED = ("pi", "0", "pi/2", "-pi/2")
-"""Order in which `_pins` counts simple angles."""
+_SAME = 1e-12  # angles closer than this are the same [rad]
 _KNOWN: WeakKeyDictionary[Ring, dict[str, Product]] = WeakKeyDictionary()
 """Forms found, by polynomial: sets at θ = 0 and θ = π share their conditions."""
+_TEXTS: WeakKeyDictionary[Ring, dict[str, str]] = WeakKeyDictionary()
+"""Texts of trigonometric polynomials: the same ones come back in every case of a derivation."""
 
 
 def shortest(f: Polynomial, ring: Ring) -> Product:
@@ -81,25 +82,6 @@ def shortest(f: Polynomial, ring: Ring) -> Product:
     return known[key]
 
 
-def multiplied(ring: Ring, p: Polynomial, factors: Factors) -> Product:
-    """A trigonometric polynomial as the product of its factors, number and sign included: equal to it everywhere.
-
-    Half angles of one joint are put together as far as they go: 2 sin(θ/2) cos(θ/2) is sin θ.
-
-    Args:
-        ring: of p.
-        p: not zero.
-        factors: of p, from `Ring.factor`.
-
-    Example:
-        >>> ring = Ring([1, 2], letters=["a1"])
-        >>> p = -2 * ring.letter["a1"] * ring.s[2] * (ring.c[1] + ring.c[2])
-        >>> Text().value(multiplied(ring, p, ring.factor(p)))
-        '−4 a1 s2 cos((θ1 − θ2)/2) cos((θ1 + θ2)/2)'
-    """
-    return _Search(ring).scaled(ring.to_half(p).f, factor_forms(ring, factors.atoms, factors.letters))
-
-
 def factor_forms(
     ring: Ring, atoms: Sequence[tuple[Atom, int]], lengths: Sequence[tuple[Polynomial, int]]
 ) -> list[tuple[Factor, int]]:
@@ -107,36 +89,48 @@ def factor_forms(
 
     Joints at simple angles become sines and cosines of the whole angle as far as they go.
     """
-    search = _Search(ring)
-    counts: dict[int, list[int]] = {}
-    rest = []
-    for atom, power in atoms:
-        if atom.pinned:
-            counts.setdefault(atom.joint, [0, 0, 0, 0])[_PINNED.index(atom.value)] += int(power)
-        else:
-            rest.append((search.bracket(atom.f), int(power)))
-    pins = [pair for j in sorted(counts) for pair in _pins(j, counts[j])]
-    return _whole_angles([*((search.bracket(f), int(power)) for f, power in lengths), *pins, *rest])
+    bracket = _Search(ring).bracket
+    written = [(_half(atom.joint, atom.value) if atom.pinned else bracket(atom.f), int(power)) for atom, power in atoms]
+    return _whole_angles([*((bracket(f), int(power)) for f, power in lengths), *written])
 
 
-def _whole_angles(factors: Sequence[tuple[Factor, int]]) -> list[tuple[Factor, int]]:
-    """sin(x/2) cos(x/2) as sin x, (cos(x/2) + sin(x/2)) (cos(x/2) − sin(x/2)) as cos x, up to a number."""
-    powers: dict[Factor, int] = {}
+def _half(joint: int, value: str) -> Factor:
+    """The sine or cosine of half an angle, or their sum or difference, that vanishes at a simple angle."""
+    return dict(zip(("0", "pi", "-pi/2", "pi/2"), _halves(((joint, 1),)), strict=True))[value]
+
+
+def _halves(turns: tuple[tuple[int, int], ...]) -> tuple[Factor, Factor, Factor, Factor]:
+    """sin y, cos y, cos y + sin y and cos y − sin y of a combination of angles."""
+    sine, cosine = Wave("sin", turns), Wave("cos", turns)
+    plus, minus = (total([_of(cosine), _of(sine, sign)]).factors[0][0] for sign in (1, -1))
+    return sine, cosine, plus, minus
+
+
+def _of(factor: Factor, number: int = 1) -> Product:
+    return Product(Fraction(number), ((factor, 1),))
+
+
+def _whole_angles(factors: Iterable[tuple[Factor, int]]) -> list[tuple[Factor, int]]:
+    """Functions of half an angle x as functions of x as far as they go, up to a number.
+
+    sin(x/2) cos(x/2) is sin x, (cos(x/2) + sin(x/2)) (cos(x/2) − sin(x/2)) is cos x, and of one joint cos²(x/2) is
+    1 + cos x.
+    """
+    powers = Counter[Factor]()
     for factor, power in factors:
-        powers[factor] = powers.get(factor, 0) + power
+        powers[factor] += power
     for turns in dict.fromkeys(t for factor in powers if (t := _halved(factor)) is not None):
-        sine, cosine = Wave("sin", turns), Wave("cos", turns)
-        plus, minus = (
-            total([Product(Fraction(1), ((cosine, 1),)), Product(Fraction(sign), ((sine, 1),))]).factors[0][0]
-            for sign in (1, -1)
-        )
-        whole = tuple((j, 2 * m) for j, m in turns)
+        sine, cosine, plus, minus = _halves(turns)
+        whole = {kind: Wave(kind, tuple((j, 2 * m) for j, m in turns)) for kind in ("sin", "cos")}
         for kind, pair in (("sin", (sine, cosine)), ("cos", (plus, minus))):
-            power = min(powers.get(one, 0) for one in pair)
-            if power:
-                powers[Wave(kind, whole)] = powers.get(Wave(kind, whole), 0) + power
-                for one in pair:
-                    powers[one] -= power
+            power = min(powers[one] for one in pair)
+            powers[whole[kind]] += power
+            powers.subtract(dict.fromkeys(pair, power))
+        squares = ((cosine, "cos", 1), (sine, "cos", -1), (plus, "sin", 1), (minus, "sin", -1))
+        for half, kind, sign in squares if len(turns) == 1 else ():
+            square = total([Product(Fraction(1)), _of(whole[kind], sign)]).factors[0][0]
+            powers[square] += powers[half] // 2
+            powers[half] %= 2
     return [(factor, power) for factor, power in powers.items() if power]
 
 
@@ -188,7 +182,7 @@ class _Search:
         if len(f) > FINE:
             places = sorted(places, key=lambda place: self.spread(f, place))[: 2 if len(f) <= COARSE else 1]
         for place in places:
-            yield self.by_joint(form, place) if place < self.ring.angles else self.by_symbol(form, place)
+            yield self.by_variable(form, place)
 
     def spread(self, f: Polynomial, place: int) -> int:
         """Terms of the factors of all coefficients of f in one variable: what is left to be written."""
@@ -201,35 +195,45 @@ class _Search:
         if p is None:
             return None
         found = single_angles(self.ring, p)
-        return Product(found.number * _ratio(f, self.ring.to_half(p).f), found.factors)
+        return Product(found.number / ratio(self.ring, p, f), found.factors)
 
     def factors(self, form: Form) -> Iterator[Product]:
         """A form as a product: of all its factors, and with those that hold half angles kept in one bracket."""
-        ring, f, at_pi = self.ring, form.f, dict(form.at_pi)
+        ring, f = self.ring, form.f
         _, found = f.factor()
-        if len(found) + len(at_pi) < 2:
+        if len(found) + len(form.at_pi) < 2:
             return
-        powers = {j: [at_pi.get(j, 0), 0, 0, 0] for j in ring.revolute}  # π, 0, π/2, −π/2
+        halves = [(_half(joint, "pi"), power) for joint, power in form.at_pi]
         rest: list[tuple[Polynomial, int]] = []
         for factor, power in found:
-            place = used(factor)[0]
-            atom = ring.atom(factor) if place < ring.angles else None
+            atom = ring.atom(factor) if used(factor)[0] < ring.angles else None
             if atom is not None and atom.pinned:
-                powers[atom.joint][_PINNED.index(atom.value)] += power
+                halves.append((_half(atom.joint, atom.value), power))
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))
-        pins = [pair for j, counts in powers.items() for pair in _pins(j, counts)]
-        yield self.scaled(f, pins + [(self.bracket(g), power) for g, power in rest])
-        odd = [(g, p) for g, p in rest if any(d % 2 for d in g.degrees()[: ring.angles])]
-        loose = [(factor, p) for factor, p in pins if not (isinstance(factor, Wave) and not factor.halved)]
-        if odd and (len(odd) + len(loose)) > 1 and len(odd) + len(loose) < len(rest) + len(pins):
-            kept = [(factor, p) for factor, p in pins if isinstance(factor, Wave) and not factor.halved]
-            one = prod((g**p for g, p in odd), start=number_of(Fraction(1), ring))
-            more = half_of(Product(Fraction(1), tuple(loose)), ring)
-            counted = tuple(a + b for a, b in zip(ring.form(one).degrees, more.degrees, strict=True))
-            together = self.best(Form(ring, one * more.f, counted))
-            even = [(self.bracket(g), p) for g, p in rest if not any(d % 2 for d in g.degrees()[: ring.angles])]
-            yield self.scaled(f, kept + even + list(together.factors))
+        pins = _whole_angles(halves)
+        yield self.scaled(f, [*pins, *((self.bracket(g), power) for g, power in rest)])
+        yield from self.with_one_bracket(f, pins, rest)
+
+    def with_one_bracket(
+        self, f: Polynomial, pins: list[tuple[Factor, int]], rest: list[tuple[Polynomial, int]]
+    ) -> Iterator[Product]:
+        """The product of all factors with those that hold half angles in one bracket, where others are left."""
+        whole, odd, even = list[tuple[Factor, int]](), list[tuple[Polynomial, int]](), list[tuple[Factor, int]]()
+        loose: list[tuple[Factor, int]] = []
+        for pin, power in pins:
+            (whole if isinstance(pin, Wave) and not pin.halved else loose).append((pin, power))
+        for g, power in rest:
+            if any(degree % 2 for degree in g.degrees()[: self.ring.angles]):
+                odd.append((g, power))
+            else:
+                even.append((self.bracket(g), power))
+        if odd and (whole or even) and len(odd) + len(loose) > 1:
+            one = prod((g**power for g, power in odd), start=number_of(Fraction(1), self.ring))
+            more = half_of(Product(Fraction(1), tuple(loose)), self.ring)
+            counted = tuple(map(add, self.ring.form(one).degrees, more.degrees))
+            together = self.best(Form(self.ring, one * more.f, counted))
+            yield self.scaled(f, [*whole, *even, *together.factors])
 
     def bracket(self, g: Polynomial) -> Factor:
         written = self.best(self.ring.form(g))
@@ -237,35 +241,25 @@ class _Search:
 
     def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
         written = product(1, factors)
-        return Product(_ratio(f, half_of(written, self.ring).f) * written.number, written.factors)
+        return Product(_quotient(f, half_of(written, self.ring).f) * written.number, written.factors)
 
-    def by_joint(self, form: Form, place: int) -> Product:
-        """f = A cos + B sin + C in one joint (half its angle where the degree is 1)."""
-        degrees = form.degrees
-        j, degree = self.ring.revolute[place], degrees[place]
-        powers = coefficients(form.f, place) + [self.ring.half.constant(0)] * 2
-        if degree == 2:
+    def by_variable(self, form: Form, place: int) -> Product:
+        """f = A cos + B sin + C in one joint (half its angle where the degree is 1), or by powers of a symbol."""
+        ring, left = self.ring, form.degrees
+        powers = coefficients(form.f, place)
+        if place < ring.angles:
+            turns = ((ring.revolute[place], left[place]),)
+            sine, cosine = (list[tuple[Factor, int]]([(Wave(kind, turns), 1)]) for kind in ("sin", "cos"))
+            zero, one, two = [*powers, ring.half.constant(0), ring.half.constant(0)][:3]
             # t² stands for (1 − c) / 2, t for s / 2, 1 for (1 + c) / 2
-            whole = {"cos": (powers[0] - powers[2]) / 2, "sin": powers[1] / 2, "": (powers[0] + powers[2]) / 2}
+            whole = [((zero - two) / 2, cosine), (one / 2, sine), ((zero + two) / 2, [])]
+            split = whole if left[place] == 2 else [(zero, cosine), (one, sine)]
+            left = (*left[:place], 0, *left[place + 1 :])
         else:
-            whole = {"cos": powers[0], "sin": powers[1]}
-        left = (*degrees[:place], 0, *degrees[place + 1 :])
-        parts = []
-        for kind, coefficient in whole.items():
-            if coefficient != 0:
-                own: list[tuple[Factor, int]] = [(Wave(kind, ((j, degree),)), 1)] if kind else []
-                parts += _spread(self.best(Form(self.ring, coefficient, left)), own)
-        return total(parts)
-
-    def by_symbol(self, form: Form, place: int) -> Product:
-        ring = self.ring
-        parts = []
-        for power, coefficient in enumerate(coefficients(form.f, place)):
-            if coefficient != 0:
-                exponents = [0] * (len(ring.names) - ring.angles)
-                exponents[place - ring.angles] = power
-                parts += _spread(self.best(Form(ring, coefficient, form.degrees)), symbols(exponents, ring))
-        return total(parts)
+            rest = range(ring.angles, len(ring.names))
+            split = [(f, symbols([power * (k == place) for k in rest], ring)) for power, f in enumerate(powers)]
+        parts = (_spread(self.best(Form(ring, f, left)), own) for f, own in split if f != 0)
+        return total(part for one in parts for part in one)
 
 
 def _spread(form: Product, own: list[tuple[Factor, int]]) -> list[Product]:
@@ -280,46 +274,23 @@ def parts_of(form: Product) -> list[Product]:
     return [form]
 
 
-def _pins(joint: int, counts: list[int]) -> list[tuple[Factor, int]]:
-    """cos^π(θ/2) sin^0(θ/2) … as sines and cosines of the whole angle as far as they go."""
-    at_pi, at_zero, up, down = counts
-    found: list[tuple[Factor, int]] = [
-        (Wave("sin", ((joint, 2),)), min(at_pi, at_zero)),
-        (Wave("cos", ((joint, 2),)), min(up, down)),
-    ]
-    one = Product(Fraction(1))
-    for kind, sign, count in (
-        ("cos", 1, at_pi - at_zero), ("cos", -1, at_zero - at_pi), ("sin", -1, up - down), ("sin", 1, down - up)
-    ):  # fmt: skip
-        if count > 0:
-            square = total([one, Product(Fraction(sign), ((Wave(kind, ((joint, 2),)), 1),))])
-            half: tuple[Factor, int]
-            if kind == "cos":
-                half = (Wave("cos" if sign > 0 else "sin", ((joint, 1),)), 1)
-            else:
-                lower = Product(Fraction(sign), ((Wave("cos", ((joint, 1),)), 1),))
-                half = (total([Product(Fraction(1), ((Wave("sin", ((joint, 1),)), 1),)), lower]).factors[0][0], 1)
-            found += [(square.factors[0][0], count // 2), (half[0], count % 2)]
-    return [(factor, power) for factor, power in found if power]
+def ratio(ring: Ring, p: Polynomial, f: Polynomial) -> Fraction:
+    """c where a trigonometric polynomial is c times what a half-angle one stands for, up to factors 1 + t²."""
+    return _quotient(ring.to_half(p).f, f)
 
 
-def _ratio(f: Polynomial, back: Polynomial) -> Fraction:
-    """f / back where they are equal up to a number and factors 1 + t², whose first coefficient is 1."""
-    one, two = f.coeffs()[0], back.coeffs()[0]
-    value = one / two
+def _quotient(one: Polynomial, two: Polynomial) -> Fraction:
+    """One half-angle polynomial over another that it is equal to up to a number and factors 1 + t²."""
+    value = one.coeffs()[0] / two.coeffs()[0]
     return Fraction(int(value.p), int(value.q))
 
 
 def gathered(form: Product) -> Product:
     """A sum with common factors put before brackets, the one that saves most first."""
     parts = parts_of(form)
-    counts: dict[Factor, int] = {}
-    for part in parts:
-        for factor, _ in part.factors:
-            if not isinstance(factor, Sum):
-                counts[factor] = counts.get(factor, 0) + 1
-    common = max(counts, key=lambda factor: counts[factor], default=None)
-    if common is None or counts[common] < 2:
+    counts = Counter(factor for part in parts for factor, _ in part.factors if not isinstance(factor, Sum))
+    common, count = next(iter(counts.most_common(1)), (Symbol(""), 0))
+    if count < 2:
         return form
     inside = [part for part in parts if common in dict(part.factors)]
     outside = [part for part in parts if common not in dict(part.factors)]
@@ -391,26 +362,34 @@ class AnglePin(NamedTuple):
     def latex(self) -> str:
         r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}."""
         kept = _checked(self.values)
-        name = rf"\theta_{self.joint}" if self.joint < 10 else rf"\theta_{{{self.joint}}}"
+        name = Latex().theta(self.joint)
         if len(kept) == 1:
             return f"{name} = {LATEX[kept[0]]}"
         if set(kept) == QUARTERS:
             return rf"{name} = \pm\frac{{\pi}}{{2}}"
         return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
 
+    @property
+    def form(self) -> Product:
+        """What vanishes there and nowhere else; no length plays a part."""
+        kept = set(_checked(self.values))
+        factors = []
+        for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
+            if kept >= pair:
+                factors.append(Wave(kind, ((self.joint, 2),)))
+                kept -= pair
+        for value in sorted(kept, key=SIMPLE.index):
+            half = ((self.joint, 1),)
+            factors.append(Wave("cos", half) if value == "pi" else Wave("sin", half, value))
+        return Product(Fraction(1), tuple((factor, 1) for factor in factors))
+
     def code(self, notation: Python) -> str:
-        """An expression in q that vanishes there and nowhere else; no length plays a part."""
-        return "*".join(f"{kind}({angle})" for kind, angle, _ in self._factors(notation))
+        """`form` as an expression in q."""
+        return notation.product(self.form)
 
     def gradient(self, notation: Python) -> dict[int, str]:
         """The derivative of `code` by its joint variable."""
-        factors = self._factors(notation)
-        parts = []
-        for place, (kind, angle, whole) in enumerate(factors):
-            number = ("" if whole else "0.5*") if kind == "sin" else ("-" if whole else "-0.5*")
-            others = [f"{other}({inner})" for k, (other, inner, _) in enumerate(factors) if k != place]
-            parts.append(number + "*".join([f"{'cos' if kind == 'sin' else 'sin'}({angle})", *others]))
-        return {self.joint: " + ".join(parts).replace("+ -", "- ")}
+        return {self.joint: notation.value(derivative(self.form, self.joint))}
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
         """The numeric equation Π sin((θ_j − value) / 2) = 0 in q; arguments as in `Condition.equation`."""
@@ -429,19 +408,6 @@ class AnglePin(NamedTuple):
                 if kind == "cos" or power:
                     terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
         return normalised(terms)
-
-    def _factors(self, notation: Python) -> list[tuple[str, str, bool]]:
-        """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
-        kept = set(_checked(self.values))
-        factors = []
-        for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
-            if kept >= pair:
-                factors.append((kind, notation.angle(((self.joint, 2),)), True))
-                kept -= pair
-        for value in _checked(tuple(kept)) if kept else ():
-            kind, rest = ("cos", "0") if value == "pi" else ("sin", value)
-            factors.append((kind, notation.angle(((self.joint, 1),), rest), False))
-        return factors
 
 
 @dataclass(frozen=True, eq=False)
@@ -469,7 +435,11 @@ class Condition:
     @cached_property
     def waves(self) -> tuple[Product, ...]:
         """The terms of the Fourier form: each a number, lengths, slides, and at most one sine or cosine."""
-        return tuple(parts_of(fourier(self.ring.form(self.polynomial))))
+        known, key = self.ring.known, ("waves", str(self.polynomial))
+        parts: tuple[Product, ...] = known.get(key) or known.keep(
+            key, tuple(parts_of(fourier(self.ring.form(self.polynomial)))), len(self.polynomial)
+        )
+        return parts
 
     @property
     def joints(self) -> tuple[int, ...]:
@@ -478,22 +448,19 @@ class Condition:
         degrees = dict(zip(self.ring.names, self.polynomial.degrees(), strict=True))
         return tuple(j for j in numbers if degrees.get(f"t{j}", degrees.get(f"q{j}", 0)) > 0)
 
-    def __str__(self) -> str:
-        return self.text()
-
     def text(self) -> str:
         """For people: "a2 c2 + a3 c23 = 0", "θ5 = θ3 + π"; s_i is sin θ_i, c_23 is cos(θ2 + θ3). Angles modulo 2π."""
-        relation = self.relation
-        if relation is not None:
-            return _related(*relation, "θ{}", "−", angle_words)
-        return self._slide("q{}", Text(), " m") or _sides(self.form, Text())
+        return self._written(Text())
 
     def latex(self) -> str:
         r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
+        return self._written(Latex())
+
+    def _written(self, notation: Text) -> str:
         relation = self.relation
         if relation is not None:
-            return _related(*relation, r"\theta_{{{}}}", "-", latex_angle)
-        return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
+            return _related(*relation, notation)
+        return self._slide(notation) or _sides(self.form, notation)
 
     def code(self, notation: Python) -> str:
         """The left-hand side as an expression in q; zero where the condition holds."""
@@ -536,19 +503,15 @@ class Condition:
             return None
         return kept, 2 * atan2(-cosine, sine) if sine else pi
 
-    def _slide(self, name: str, notation: Text, unit: str) -> str:
+    def _slide(self, notation: Text) -> str:
         """q_j = number, where the condition says just that; else ""."""
-        if len(self.joints) != 1 or self.joints[0] not in self.ring.prismatic or len(self.polynomial) > 2:
+        ring, f, places = self.ring, self.polynomial, used(self.polynomial)
+        if len(places) != 1 or not ring.angles <= places[0] < ring.moving or f.total_degree() > 1:
             return ""
-        j = self.joints[0]
-        numbers = {tuple(factor for factor, _ in part.factors): part.number for part in self.waves}
-        slope = numbers.pop((Symbol(f"q{j}", j),), None)
-        rest = numbers.pop((), 0)
-        if slope is None or numbers:
-            return ""
-        value = -rest / slope
-        sign = notation.minus if value < 0 else ""
-        return f"{name.format(j)} = {sign}{notation.number(abs(value))}" + (unit if value else "")
+        numbers = {int(powers[places[0]]): Fraction(int(c.p), int(c.q)) for powers, c in f.terms()}
+        value = -numbers.get(0, Fraction(0)) / numbers[1]
+        sign, unit = notation.minus * (value < 0), notation.metre * bool(value)
+        return f"{notation.slide.format(self.joints[0])} = {sign}{notation.number(abs(value))}{unit}"
 
 
 def _equation(
@@ -587,24 +550,18 @@ def _largest(waves: Sequence[Product]) -> Fraction:
     return Fraction(2) ** bits
 
 
-def _related(
-    turns: tuple[tuple[int, int], ...], value: float, name: str, minus: str, words: Callable[[float], str]
-) -> str:
+def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text) -> str:
     """θ5 = θ3 + π, θ3 + θ5 = 0."""
     value = (value + pi) % tau - pi
-    if abs(value + pi) < 1e-12:
-        value = pi
-    if len(turns) == 2 and turns[0][1] == 1 and turns[1][1] == -1:
-        left, right = name.format(turns[1][0]), name.format(turns[0][0])
-        other = -value if abs(value - pi) > 1e-12 else pi
-        if abs(other) < 1e-12:
-            return f"{left} = {right}"
-        return f"{left} = {right} {minus if other < 0 else '+'} {words(abs(other))}"
-    text = ""
-    for j, multiple in turns:
-        sign = f" {minus if multiple < 0 else '+'} " if text else ""
-        text += sign + ("" if abs(multiple) == 1 else str(abs(multiple))) + name.format(j)
-    return f"{text} = {words(value)}"
+    value = pi if abs(value + pi) < _SAME else value
+    if [multiple for _, multiple in turns] != [1, -1]:
+        parts = [(m < 0, ("" if abs(m) == 1 else str(abs(m))) + notation.angle.format(j)) for j, m in turns]
+        return f"{notation.signed(parts)} = {notation.angle_value(value)}"
+    right, left = (notation.angle.format(j) for j, _ in turns)
+    other = value if abs(value - pi) < _SAME else -value
+    if abs(other) < _SAME:
+        return f"{left} = {right}"
+    return f"{left} = {right} {notation.minus if other < 0 else '+'} {notation.angle_value(abs(other))}"
 
 
 def _sides(form: Product, notation: Text) -> str:
@@ -625,16 +582,10 @@ def text_of(ring: Ring, p: Polynomial) -> str:
         >>> text_of(ring, ring.s[1] * ring.c[2] + ring.c[1] * ring.s[2])
         's12'
     """
-    known, key = _known(ring), str(p)
+    known, key = _TEXTS.setdefault(ring, {}), str(p)
     if key not in known:
         known[key] = "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
     return known[key]
-
-
-@lru_cache(maxsize=8)
-def _known(ring: Ring) -> dict[str, str]:
-    """Texts found before, by polynomial: the same ones come back in every case."""
-    return {}
 
 
 def form_of(ring: Ring, p: Polynomial) -> Product:
@@ -669,6 +620,23 @@ def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
     return f"{text_of(ring, -wanted) if text.startswith('−') else text} {sign} 0"
 
 
+def atoms_text(ring: Ring, atoms: Sequence[Atom], written: Callable[[Polynomial], str] | None = None) -> str:
+    """When one of some atoms holds: "θ3 = 0 or π or a2 c2 + a3 c23 = 0"; joints at simple angles first.
+
+    Args:
+        ring: of the polynomials.
+        atoms: at least one.
+        written: how a polynomial that vanishes is written; None for the shortest form.
+    """
+    pins: dict[int, list[str]] = {}
+    for atom in atoms:
+        if atom.pinned:
+            pins.setdefault(atom.joint, []).append(atom.value)
+    texts = [AnglePin(joint, tuple(values)).text() for joint, values in sorted(pins.items())]
+    written = written or (lambda f: Condition(ring, f).text())
+    return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.pinned)])
+
+
 FOLDED = 240
 """Characters of one factor above which people are told its size in place of it."""
 
@@ -701,17 +669,8 @@ class Value:
             return Product(Fraction(0))
         if self.factors is None:
             return single_angles(self.ring, self.polynomial)
-        return multiplied(self.ring, self.polynomial, self.factors)
-
-    @property
-    def sign(self) -> int:
-        """Of the number before the factors: 1, −1, or 0 for a polynomial that is zero."""
-        return (self.form.number > 0) - (self.form.number < 0)
-
-    @property
-    def terms(self) -> int:
-        """Of the polynomial in sines and cosines."""
-        return len(self.polynomial)
+        written = factor_forms(self.ring, self.factors.atoms, self.factors.letters)
+        return _Search(self.ring).scaled(self.ring.to_half(self.polynomial).f, written)
 
     def text(self, most: int | None = None) -> str:
         """For people.
@@ -719,7 +678,7 @@ class Value:
         Args:
             most: factors of more characters than that are told by their size; None for none.
         """
-        return Text.folding(most).value(self.form)
+        return Text(most).value(self.form)
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -795,22 +754,16 @@ class Quotient:
         Args:
             most: sums of more characters are told by their size; None for none.
         """
-        above, below = self.forms
-        return _join_fraction(Text.folding(most), above, below, " / ")
+        return self.code(Text(most))
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
-        above, below = self.forms
-        notation = Latex()
-        if below == Product(Fraction(1)):
-            return notation.value(above)
-        sign = "-" if above.number < 0 else ""
-        upper, lower = Product(abs(above.number), above.factors), below
-        return rf"{sign}\frac{{{notation.value(upper)}}}{{{notation.value(lower)}}}"
+        return self.code(Latex())
 
-    def code(self, notation: Python) -> str:
-        """An expression in q and the lengths."""
-        return _join_fraction(notation, *self.forms, "/")
+    def code(self, notation: Text) -> str:
+        """In a notation: with `Python` an expression in q and the lengths."""
+        above, below = self.forms
+        return notation.value(above) if below == Product(Fraction(1)) else notation.fraction(above, below)
 
     def at(self, theta: Array, letters: Mapping[str, float]) -> float:
         """Its value at one configuration θ (n,), with values of the lengths [m]; inf or nan where below is zero."""
@@ -834,14 +787,6 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
     return found
 
 
-def _join_fraction(notation: Text, above: Product, below: Product, line: str) -> str:
-    if below == Product(Fraction(1)):
-        return notation.value(above)
-    upper, lower = notation.sum([notation.readable(above)]), notation.product(notation.readable(below))
-    bracketed = len(below.factors) + (below.number != 1) > 1
-    return f"{upper}{line}({lower})" if bracketed else f"{upper}{line}{lower}"
-
-
 def _with_numbers(above: Product, below: Product, number: Fraction) -> tuple[Product, Product]:
     """The forms with a number before both: small whole numbers above and below, any other above."""
     if number.denominator > WHOLE:
@@ -853,13 +798,10 @@ def _form(
     ring: Ring, atoms: Sequence[tuple[Atom, int]], lengths: Sequence[tuple[Polynomial, int]]
 ) -> tuple[Product, Fraction]:
     """(product of the factors, its number left out; the leading coefficient of that product)."""
-    made = product(1, factor_forms(ring, atoms, lengths))
-    bare = Product(Fraction(1), made.factors)
-    value = half_of(bare, ring).f.coeffs()[0]
-    return bare, Fraction(int(value.p), int(value.q))
+    bare = Product(Fraction(1), product(1, factor_forms(ring, atoms, lengths)).factors)
+    return bare, _quotient(half_of(bare, ring).f, ring.half.constant(1))
 
 
 def _leading(value: Value) -> Fraction:
     """The leading coefficient of a polynomial in half-angle tangents: factors 1 + t² have 1, so that they count not."""
-    found = value.ring.to_half(value.polynomial).f.coeffs()[0]
-    return Fraction(int(found.p), int(found.q))
+    return ratio(value.ring, value.polynomial, value.ring.half.constant(1))

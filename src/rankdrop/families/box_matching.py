@@ -9,16 +9,18 @@ a known family. The boxes that are left are grouped: places to look at.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations, islice, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.covering import Covering
-from rankdrop.families.searching import refine
-from rankdrop.family.equation import SOLVED, System
+from rankdrop.families.points import Rows, near_family
+from rankdrop.families.searching import Progress, refine
+from rankdrop.family.equation import SOLVED, Equation, System
 from rankdrop.family.record import Family
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
@@ -141,8 +143,6 @@ def _descended(
     return tuple(spots_found)
 
 
-Progress = Callable[[int, int], None]
-
 _WIDER = 1e-9  # half a diagonal is taken this much longer: neighbours of a pinned value lie exactly so far [rad]
 _SIDES = 1e-12  # a value of an equation counts as of one sign beyond this, per sum of its coefficients
 _STEPS = 12  # of Newton's method
@@ -174,9 +174,10 @@ class Explainer:
         self.width = (np.array(covering.plan.upper) - self.low) / self.cells
         part = float(np.linalg.norm(self.width / self.unit)) / 2
         self.radius = part * ((2 << halvings) - 1) + _WIDER
+        self.turns = np.zeros(robot.n, dtype=np.bool_)
+        self.turns[self.place] = covering.plan.turns
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]
-        order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
-        self._sights = {i: _Sight(self, self.families[i]) for i in order}
+        self._order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
 
     @property
     def diagonal(self) -> float:
@@ -209,111 +210,65 @@ class Explainer:
     def by(self, cells: Cells) -> NDArray[np.int64]:
         """(M,) index of the family that explains each leaf (M, d), the first that does; −1 where none does."""
         found = np.full(len(cells), -1)
-        for i, sight in self._sights.items():
-            open_ = np.flatnonzero(found < 0)
-            if not len(open_):
+        for i in self._order:
+            left = np.flatnonzero(found < 0)
+            if not len(left):
                 break
-            found[open_[sight.near(cells[open_])]] = i
+            found[left[self._near(self.families[i], cells[left])]] = i
         return found
 
+    def _near(self, family: Family, cells: Cells) -> Flags:
+        """(M,) whether a point of a family was found near enough to the centre of each leaf, or part."""
+        q, scale = np.zeros((len(cells), self.n)), np.ones(self.n)
+        q[:, self.place], scale[self.place] = self.low + (cells + 0.5) * self.width, self.unit
+        return near_family(family, q, self.radius, scale, self.turns, partial(self._coupled, family, cells))
 
-class _Sight:
-    """One family, seen from leaves."""
-
-    def __init__(self, maker: Explainer, family: Family) -> None:
-        self.maker = maker
-        self.system = family.system
-        self.pins: dict[int, tuple[Array, ...]] = {}  # place -> squared distance of each value from each cell's centre
-        self.values: dict[int, tuple[float, ...]] = {}
-        for one in family.pinned:
-            at = int(np.flatnonzero(maker.place == one.number - 1)[0])
-            centre = maker.low[at] + (np.arange(maker.cells[at]) + 0.5) * maker.width[at]
-            away = [self._away(value - centre, at) for value in one.values]
-            self.pins[at] = tuple((gap / maker.unit[at]) ** 2 for gap in away)
-            self.values[at] = one.values
-        joints = {number - 1 for equation in family.equations for number in equation.joints}
-        self.bound = [int(np.flatnonzero(maker.place == j)[0]) for j in sorted(joints) if j not in self._pinned()]
-        names = {int(maker.place[at]) + 1 for at in self.pins}
-        self.others = tuple(equation for equation in family.equations if not names.issuperset(equation.joints))
-        conditions = maker.n - family.dimension - len(self.pins)
-        some = combinations(self.others, conditions) if 0 < conditions < len(self.others) else ()
-        self.fewer = tuple(islice(some, _SUBSETS))
-
-    def _pinned(self) -> set[int]:
-        return {int(self.maker.place[at]) for at in self.pins}
-
-    def _away(self, gap: Array, at: int) -> Array:
-        """A difference of joint values, on a turn the short way round."""
-        return wrap(gap) if self.maker.found.plan.turns[at] else gap
-
-    def near(self, cells: Cells) -> Flags:
-        """(M,) whether a point of the family was found near enough to the centre of each leaf, or part."""
-        found = np.zeros(len(cells), dtype=np.bool_)
-        least = self.maker.radius**2
-        pinned = list(self.pins)
-        for choice in product(*(range(len(self.values[at])) for at in pinned)):
-            room = np.full(len(cells), least)
-            for at, which in zip(pinned, choice, strict=True):
-                room -= self.pins[at][which][cells[:, at]]
-            open_ = np.flatnonzero((room >= 0.0) & ~found)
-            if not self.others:
-                found[open_] = True
-            elif len(open_):
-                found[open_] = self._coupled(cells[open_], room[open_], dict(zip(pinned, choice, strict=True)))
-        return found
-
-    def _coupled(self, cells: Cells, room: Array, choice: dict[int, int]) -> Flags:
-        """The same, the pinned joints at one value each; once for all leaves that differ in other joints only."""
-        maker = self.maker
-        columns = sorted({*self.bound, *self.pins})
-        told = keys(cells[:, columns], [maker.cells[at] for at in columns])
+    def _coupled(self, family: Family, cells: Cells, rows: Rows, q: Array, radius: Array) -> Flags:
+        """The same, pinned joints at one value each; once for all leaves that differ in other joints only."""
+        pinned = {one.number for one in family.pinned}
+        joints = pinned.union(*(equation.joints for equation in family.equations))
+        columns = [column for column, j in enumerate(self.place.tolist()) if j + 1 in joints]
+        told = keys(cells[rows][:, columns], [self.cells[at] for at in columns])
         _, first, back = np.unique(told, axis=0, return_index=True, return_inverse=True)
-        some, radius = cells[first], np.sqrt(room[first])
-        q = np.zeros((len(some), maker.n))
-        q[:, maker.place] = maker.low + (some + 0.5) * maker.width
-        for at, which in choice.items():
-            q[:, maker.place[at]] = self.values[at][which]
-        moves = maker.place[self.bound]
-        scale = np.zeros(maker.n)
-        scale[moves] = maker.unit[self.bound]
-        near = np.zeros(len(some), dtype=np.bool_)
-        if len(self.others) == 1:
-            near = self._sides(q, radius, scale)
-        rest = np.flatnonzero(~near)
-        near[rest] = self._walked(q[rest], radius[rest], scale)
+        q, radius = q[first], radius[first]
+        scale = np.zeros(self.n)
+        bound = [column for column in columns if self.place[column] + 1 not in pinned]
+        scale[self.place[bound]] = self.unit[bound]
+        others = tuple(equation for equation in family.equations if not pinned.issuperset(equation.joints))
+        near = _between(others[0], q, radius, scale) if len(others) == 1 else np.zeros(len(q), dtype=np.bool_)
+        left = np.flatnonzero(~near)
+        near[left] = _walked(others, self.n - family.dimension - len(pinned), q[left], radius[left], scale)
         return np.asarray(near[back.reshape(-1)])
 
-    def _sides(self, q: Array, radius: Array, scale: Array) -> Flags:
-        """A zero between two points along the gradient, by a change of sign."""
-        equation = self.others[0]
-        f, slope = equation.with_gradient(q)
-        way = slope * scale
-        length = np.linalg.norm(way, axis=1, keepdims=True)
-        step = scale * way / np.maximum(length, 1e-300) * radius[:, None]
-        other = equation(q - np.sign(f)[:, None] * step)
-        sure = _SIDES * sum(abs(term.coefficient) for term in equation.terms)
-        return np.asarray((length[:, 0] > 0.0) & ((np.abs(f) <= sure) | ((f * other < 0.0) & (np.abs(other) > sure))))
 
-    def _walked(self, q: Array, radius: Array, scale: Array) -> Flags:
-        """A zero at the end of Newton's walk, near enough.
+def _between(equation: Equation, q: Array, radius: Array, scale: Array) -> Flags:
+    """(M,) whether there is a zero between two points along the gradient, by a change of sign."""
+    f, slope = equation.with_gradient(q)
+    way = slope * scale
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    step = scale * way / np.maximum(length, 1e-300) * radius[:, None]
+    other = equation(q - np.sign(f)[:, None] * step)
+    sure = _SIDES * sum(abs(term.coefficient) for term in equation.terms)
+    return np.asarray((length[:, 0] > 0.0) & ((np.abs(f) <= sure) | ((f * other < 0.0) & (np.abs(other) > sure))))
 
-        Where equations are more than conditions, they pull apart off the family, or one that has double zeros leads
-        astray: what as many of them as there are conditions lead to is a zero as well if it is one of all.
-        """
-        whole = System(self.others)
-        moves = np.flatnonzero(scale)
-        along = np.zeros((len(scale), len(moves)))
-        along[moves, np.arange(len(moves))] = 1.0
-        near = np.zeros(len(q), dtype=np.bool_)
-        for system in (whole, *map(System, self.fewer)):
-            open_ = np.flatnonzero(~near)
-            if not len(open_):
-                break
-            end, there = system.solve(q[open_], along=along, iterations=_STEPS)
-            away = np.linalg.norm((end - q[open_])[:, moves] / scale[moves], axis=1)
-            there &= (away <= radius[open_]) & (np.abs(whole.values(end)).max(axis=1) <= SOLVED)
-            near[open_] = there
-        return near
+
+def _walked(equations: tuple[Equation, ...], conditions: int, q: Array, radius: Array, scale: Array) -> Flags:
+    """(M,) whether a zero at the end of Newton's walk is near enough.
+
+    Where equations are more than conditions, they pull apart off the family, or one that has double zeros leads
+    astray: what as many of them as there are conditions lead to is a zero as well if it is one of all.
+    """
+    whole, moves = System(equations), np.flatnonzero(scale)
+    fewer = combinations(equations, conditions) if 0 < conditions < len(equations) else ()
+    near = np.zeros(len(q), dtype=np.bool_)
+    for system in (whole, *map(System, islice(fewer, _SUBSETS))):
+        left = np.flatnonzero(~near)
+        if not len(left):
+            break
+        end, there = system.solve(q[left], along=np.eye(len(scale))[:, moves], iterations=_STEPS)
+        away = np.linalg.norm((end - q[left])[:, moves] / scale[moves], axis=1)
+        near[left] = there & (away <= radius[left]) & (np.abs(whole.values(end)).max(axis=1) <= SOLVED)
+    return near
 
 
 def keys(cells: Cells, counts: Sequence[int]) -> NDArray[np.int64]:

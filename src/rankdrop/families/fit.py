@@ -1,361 +1,454 @@
-"""Fitting: from points of a hypersurface on the torus to its equation.
+"""Conditions fitted to points of a search, for arms whose families no derivation finished.
 
-*Libraries* are spaces of trigonometric polynomials of given degree in each joint. In the half-angle variable t =
-tan(θ/2) a trigonometric polynomial is an ordinary one, and unique factorisation holds there (it fails in cos and sin).
-Degree d in t means the harmonics −d/2, −d/2 + 1, …, d/2: d + 1 functions. So d = 1 holds sin(θ/2) and cos(θ/2), d = 2
-the usual 1, cos, sin, and d = 4 is enough for every minor of a pose Jacobian. A prismatic joint has powers 0 … d, a
-helical one both. Without helical joints a space of multidegree (d_1, …, d_b) has Π(d_j + 1) functions. All terms of a
-space have one parity, so that every zero set is well defined on the torus.
-
-*Fitting.* Let a family have dimension D in its coupled joints. A minimal set of joints bound by an equation of their
-own is a circuit of the family's algebraic matroid, and has at most D + 1 joints. Seen in the joints of a circuit the
-family is a hypersurface, so the polynomials in these joints that vanish on it form a *principal* ideal of the ring in t
-= tan(θ/2): one generator, the same whichever library it is found in. Two things follow.
-
-- If f has multidegree d(f), the null space of a library of multidegree d has dimension Π(d_j − d_j(f) + 1). So a
-  generous library finds out whether f is within reach, and lowering one degree at a time as long as something is left
-  ends at d(f), where the null space has dimension one and the coefficients come out without any choice of basis.
-- Half-angle conditions (d·cos(θ4/2) = a·sin(θ3 + θ4/2)) need no special treatment: an odd degree is one.
+Points are grouped by what D says of them (`signature`). Values of pinned joints and relations are snapped, completed by
+symmetry and verified directly by σ. Equations of coupled joints are fitted circuit by circuit, in order of size, until
+they have the family's codimension (`library`). Solutions that are not singular ("strangers": the equations of two
+circuits may meet in more than the family) are cut off by further ones, then by minors of the task Jacobian. Where
+single circuits have too high a degree (projections of a curve have), low-degree equations in all joints are tried.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import lru_cache
-from itertools import combinations, product
-from typing import Literal
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.linear import gathered, spread
-from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.problem import Twin
-from rankdrop.robot.model import Array
-from rankdrop.tolerances import Tolerances
+from rankdrop.families.inspection import (
+    Covector,
+    Inspection,
+    Signature,
+    candidates,
+    independent,
+    inspect,
+    polished,
+)
+from rankdrop.families.library import (
+    FitProblem,
+    Kind,
+    circuits,
+    holds,
+    hypersurface,
+    vanishing_spaces,
+)
+from rankdrop.families.row import (
+    SIMPLE,
+    Linear,
+    Membership,
+    Row,
+    boxes,
+    clusters,
+    completed,
+    elsewhere,
+    on_any,
+    on_row,
+    sharp_values,
+)
+from rankdrop.families.searching import refine
+from rankdrop.family.equation import Equation, Mask, System, Term, normalised
+from rankdrop.kinematics import task_jacobian
+from rankdrop.problem import Problem, wrap
+from rankdrop.robot.model import Array, JointKind
 
-Kind = Literal["angle", "length", "both"]
-"""How a joint enters: through harmonics, through powers, or, helical, through both."""
-
-
-NULL = 1e-9  # singular values of the library matrix below this share of the largest may be zero
-WORSE = 3.0  # the residual may grow so much when small coefficients are dropped
-Degrees = tuple[int, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Library:
-    """The functions of one multidegree in b variables, simplest first.
-
-    Attributes:
-        harmonics: (L, b) twice the multiples m.
-        powers: (L, b) exponents of the variables that are not periodic.
-        is_sin: (L,) sine rather than cosine.
-    """
-
-    harmonics: NDArray[np.int64]
-    powers: NDArray[np.int64]
-    is_sin: NDArray[np.bool_]
-
-    def __len__(self) -> int:
-        return len(self.harmonics)
-
-    def __call__(self, x: Array) -> Array:
-        """(N, L) values at x (N, b)."""
-        unique, inverse = np.unique(self.harmonics, axis=0, return_inverse=True)
-        angle = x @ (unique.T / 2)
-        waves = np.where(self.is_sin, np.sin(angle)[:, inverse.reshape(-1)], np.cos(angle)[:, inverse.reshape(-1)])
-        for j in np.flatnonzero(self.powers.any(axis=0)):
-            waves = waves * x[:, j : j + 1] ** self.powers[:, j]
-        return np.asarray(waves)
-
-    def equation(self, coefficients: Array, variables: tuple[int, ...], n: int) -> Equation:
-        """Σ c_i·function_i as an equation in n joints, the b variables being the given joints (from 0)."""
-        terms = []
-        for c, h, p, is_sin in zip(coefficients, self.harmonics, self.powers, self.is_sin, strict=True):
-            if c != 0.0:
-                wide_h, wide_p = [0] * n, [0] * n
-                for j, joint in enumerate(variables):
-                    wide_h[joint], wide_p[joint] = int(h[j]), int(p[j])
-                terms.append(Term(float(c), "sin" if is_sin else "cos", tuple(wide_h), tuple(wide_p)))
-        return normalised(terms)
+FITS = 16  # combinations of values of one signature that are fitted on their own, at most
+WORK = 6e9  # of the fits for one group, in floating-point operations
+MOST_GROUPS = 8  # that are fitted: more would take minutes
+_MANY = 12  # joints; of arms with more, one combination of values of one group is fitted: each takes half a minute
+FEW = 3  # points from which a fit is tried
+BADLY = 0.1  # share of the points left out of fits: those that are known worst
 
 
-@lru_cache(maxsize=256)
-def library(degrees: Degrees, kinds: tuple[Kind, ...]) -> Library:
-    """The functions of multidegree `degrees` in joints of these kinds."""
-    waves = [(0,) if k == "length" else range(-d, d + 1, 2) for d, k in zip(degrees, kinds, strict=True)]
-    powers = [range(_power(d, k) + 1) for d, k in zip(degrees, kinds, strict=True)]
-    rows: list[tuple[tuple[int, ...], tuple[int, ...], bool]] = []
-    for m in product(*waves):
-        leading = next((h for h in m if h), 0)
-        if leading < 0:
-            continue
-        for is_sin in (False, True) if leading else (False,):
-            rows.extend((m, p, is_sin) for p in product(*powers))
-    rows.sort(key=lambda row: (sum(map(abs, row[0])) + 2 * sum(row[1]), sum(map(bool, row[0])), row))
-    return Library(
-        np.array([row[0] for row in rows], dtype=np.int64),
-        np.array([row[1] for row in rows], dtype=np.int64),
-        np.array([row[2] for row in rows], dtype=np.bool_),
-    )
+def find_rows(
+    problem: Problem,
+    inspection: Inspection,
+    cover: Membership,
+    seed: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Row]:
+    """Rows that explain the regular points of a cloud, each verified to be singular.
 
-
-def size(degrees: Degrees, kinds: tuple[Kind, ...]) -> int:
-    """Number of functions of a multidegree."""
-    pairs = zip(degrees, kinds, strict=True)
-    return int(np.prod([(1 if k == "length" else d + 1) * (_power(d, k) + 1) for d, k in pairs]))
-
-
-def _power(degree: int, kind: Kind) -> int:
-    """Largest power at a degree: none for angles; helical joints take one for every two half-angles."""
-    return {"angle": 0, "length": degree, "both": degree // 2}[kind]
-
-
-def vanishing(values: Array, tolerances: Tolerances) -> Array:
-    """Combinations of functions that are zero at all points.
+    Groups are taken by dimension, large ones first, so that a group whose points already lie on a row costs nothing.
 
     Args:
-        values: (N, L) functions at points, N > L.
-        tolerances: `fit_gap`.
-
-    Returns:
-        (L, d) orthonormal basis; d = 0 when no gap separates zero singular values from the rest.
+        problem: the arm, and the corank.
+        inspection: the cloud with its signatures.
+        cover: of the points of the cloud.
+        seed: of every random choice.
+        progress: called with (groups done, groups).
     """
-    r = np.linalg.qr(values, mode="r")
-    _, s, vt = np.linalg.svd(r)
-    inside = s <= NULL * s[0]
-    count = int(inside.sum())
-    if count == 0 or count == len(s):
-        return np.zeros((values.shape[1], 0))
-    first = len(s) - count
-    if s[first] > tolerances.fit_gap * s[first - 1]:
-        return np.zeros((values.shape[1], 0))
-    return np.asarray(vt[first:].T)
-
-
-def sparse_basis(null: Array) -> Array:
-    """(L, d) basis of the same space with zeros where possible: each vector leads at another, late, function.
-
-    Gauss–Jordan from the least simple function upwards, so that simple generators come out by themselves; sparse
-    ones first.
-    """
-    rows = null.T[:, ::-1].copy()
-    pivot = 0
-    for column in range(rows.shape[1]):
-        if pivot == len(rows):
-            break
-        best = pivot + int(np.argmax(np.abs(rows[pivot:, column])))
-        if abs(rows[best, column]) < 1e-7:
+    rows: list[Row] = []
+    fitted, groups = 0, grouped(inspection)
+    for index, (signature, members) in enumerate(groups):
+        if progress is not None:
+            progress(index, len(groups))
+        left = members[~on_any(cover, rows, len(inspection.q))[members]]
+        if not signature.rank or len(left) < (FEW if signature.residual else 1):
             continue
-        rows[[pivot, best]] = rows[[best, pivot]]
-        rows[pivot] /= rows[pivot, column]
-        others = np.arange(len(rows)) != pivot
-        rows[others] -= rows[others, column : column + 1] * rows[pivot]
-        pivot += 1
-    rows = rows[:, ::-1]
-    rows = rows / np.abs(rows).max(axis=1, keepdims=True)
-    filled = np.abs(rows) > 1e-7
-    last = rows.shape[1] - np.argmax(filled[:, ::-1], axis=1)  # the least simple function of each
-    return np.asarray(rows[np.lexsort((last, filled.sum(axis=1)))].T)
+        rng = np.random.default_rng([seed, problem.corank, index])
+        if fitted < (MOST_GROUPS if problem.n <= _MANY else 1) and smooth(problem, inspection, left, rng):
+            fitted += bool(signature.residual)
+            rows += _rows_of(problem, signature, inspection, left, rng)
+    rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
+    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
+    return without_contained(problem, rows, np.random.default_rng([seed, problem.corank, len(groups) + 1]))
 
 
-def refit(values: Array, coefficients: Array, tolerances: Tolerances) -> Array:
-    """Drop coefficients that are zero within noise and solve again on the support: right to the points' own accuracy.
+def grouped(inspection: Inspection) -> list[tuple[Signature, NDArray[np.int64]]]:
+    """Points by signature: large dimension first, then many points first."""
+    found: dict[Signature, list[int]] = {}
+    for point, signature in enumerate(inspection.signatures):
+        if signature is not None:
+            found.setdefault(signature, []).append(point)
+    order = sorted(found, key=lambda s: (s.rank, -len(found[s]), s))
+    return [(signature, np.array(found[signature])) for signature in order]
+
+
+def _rows_of(
+    problem: Problem,
+    signature: Signature,
+    inspection: Inspection,
+    members: NDArray[np.int64],
+    rng: np.random.Generator,
+) -> list[Row]:
+    linear = Linear.of(problem.robot, signature.covectors(problem.n))
+    q, tangent, known = (part[members] for part in (inspection.q, inspection.tangent, inspection.condition))
+    met = linear.combinations(q, known, problem.tolerances.value)
+    plain = Row(linear, (), (), signature, "values verified")
+    if not signature.residual:
+        return completed(problem, plain, met, rng)
+    rows: list[Row] = []
+    for values in sorted(met, key=lambda values: (-len(met[values]), values))[: FITS if problem.n <= _MANY else 1]:
+        if any(values in row.combinations for row in rows):
+            continue
+        here = met[values]
+        here = rng.permutation(here[known[here] >= np.quantile(known[here], BADLY)])
+        single = replace(plain, sets=tuple((value,) for value in values), evidence="fitted, then verified")
+        residual = fitted_equations(FamilyPoints(problem, single, q[here], tangent[here], rng), WORK)
+        if residual is not None:
+            alike = [one for one, points in met.items() if all(holds(f, q[points]) for f in residual)]
+            rows += completed(problem, replace(single, residual=residual), [values, *alike], rng)
+    return rows
+
+
+def without_contained(problem: Problem, rows: list[Row], rng: np.random.Generator) -> list[Row]:
+    """Drop what lies within a larger row, combination of values by combination: θ4 = 0 or π may shrink to θ4 = 0.
+
+    Found by sampling each combination and testing the other rows' equations.
+    """
+    kept: list[Row] = []
+    for row in sorted(rows, key=lambda row: row.signature.rank):
+        q, good = row.sample(problem, 6, rng)
+        inside = np.zeros(len(q), dtype=np.bool_)
+        for other in kept:
+            hits = on_row(problem, other, q.reshape(-1, q.shape[2])).reshape(good.shape)
+            inside |= (hits | ~good).all(axis=1) & good.any(axis=1)
+        outside = {values for i, values in enumerate(row.combinations) if i >= len(inside) or not inside[i]}
+        if not inside.any():
+            kept.append(row)
+        elif outside:
+            kept += [replace(row, sets=sets) for sets in boxes(outside)]
+    return kept
+
+
+WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
+SHARED = 5  # points that must share a value
+GROUPS = 8  # groups of points that are tried, large ones first
+
+
+def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
+    """Rows with linear conditions only, from the values that points share.
+
+    For families on which D vanishes more than it should: where the condition is a square, D does not see it (det J of
+    the Stanford arm is q3²·sin θ2·sin θ5 up to a constant: D = 0 all over q3 = 0), and points are known to √`target`
+    only. But the values that unit covectors and small whole-number covectors take do not scatter: those that many
+    points share are conditions, and a direct test of the rank at these values decides.
 
     Args:
-        values: (N, L) functions at points.
-        coefficients: (L,) a combination that vanishes there.
-
-    Returns:
-        (L,) exact zeros outside the support; the largest entry has size one.
+        problem: the arm, and the corank.
+        q: (N, n) singular points that no row explains.
+        rng: for the direct tests.
     """
-    best = coefficients / np.abs(coefficients).max()
-    noise = float(np.linalg.norm(values @ best) / np.linalg.norm(best))
-    floor = 1e-15 * float(np.linalg.norm(values))
-    for threshold in tolerances.coefficient * np.array([1e2, 1.0, 1e-2, 1e-4]):
-        support = np.abs(best) > threshold
-        _, s, vt = np.linalg.svd(np.linalg.qr(values[:, support], mode="r"))
-        if s[-1] <= WORSE * noise + floor:  # a small coefficient that is real would show here
-            result = np.zeros_like(best)
-            result[support] = vt[-1]
-            return np.asarray(result / np.abs(result).max())
-    return np.asarray(best)
+    if len(q) < SHARED:
+        return []
+    n = problem.n
+    moving = [int(j) for j in np.flatnonzero(~problem.idle)]
+    units = np.eye(n, dtype=np.int64)[moving]
+    angles = [j for j in moving if problem.robot.periodic[j]]
+    covectors = np.concatenate([units, candidates(tuple(angles), n)])
+    every = Linear.of(problem.robot, map(tuple, covectors))
+    pairs = zip(every.values(q).T, every.periodic.tolist(), strict=True)
+    shared = np.stack([_shared(column, turns) for column, turns in pairs], axis=1)
+    patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
+    rows: list[Row] = []
+    for label in np.argsort(-counts, kind="stable")[:GROUPS]:
+        conditions = independent(covectors[patterns[label]])
+        if conditions and counts[label] >= SHARED:
+            rows += _rows_of_values(problem, conditions, q[inverse.reshape(-1) == label], rng)
+    return rows
 
 
-LARGEST = 700  # functions in a library at most; a generic 6R needs 225
-MOST = 24  # equations of one library that are looked at
-HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
-
-FamilyPoints = Callable[[int], Array]
-"""source(count) -> (N, n) points of the family; N < count when no more can be had."""
-
-
-@dataclass
-class Budget:
-    """Work left for fits, in floating-point operations: a limit that does not depend on the machine."""
-
-    left: float = 2e10
-
-    def spend(self, points: int, functions: int) -> bool:
-        """Take the cost of one null space off; False when the budget would not suffice."""
-        cost = 4.0 * points * functions**2
-        if cost > self.left:
-            return False
-        self.left -= cost
-        return True
-
-    def share(self, most: float) -> Budget:
-        """A part of this budget, for one task; give back what it leaves with `back`."""
-        part = Budget(min(most, self.left))
-        self.left -= part.left
-        return part
-
-    def back(self, part: Budget) -> None:
-        """Take back what a share has left."""
-        self.left += part.left
+def _rows_of_values(
+    problem: Problem, conditions: tuple[Covector, ...], q: Array, rng: np.random.Generator
+) -> list[Row]:
+    linear = Linear.of(problem.robot, conditions)
+    met = linear.combinations(q, np.ones(len(q)), WIDTH)
+    sharp = [
+        values if all(map(_is_simple, values)) else sharp_values(problem, linear, values, q[members[0]], WIDTH)
+        for values, members in met.items()
+    ]
+    single = {m: m.index(1) for m in conditions if sum(map(abs, m)) == 1}
+    pinned, relations = tuple(single.values()), tuple(m for m in conditions if m not in single)
+    coupled = tuple(j for j in range(problem.n) if any(m[j] for m in relations))
+    free = tuple(j for j in range(problem.n) if j not in pinned and j not in coupled)
+    signature = Signature(len(linear), pinned, free, coupled, relations)
+    return completed(problem, Row(linear, (), (), signature, "shared values, verified"), sharp, rng)
 
 
-@dataclass(frozen=True)
-class FitProblem:
-    """What a fit stands on.
+def _is_simple(value: float) -> bool:
+    return abs(value / SIMPLE - round(value / SIMPLE)) <= 1e-12
+
+
+def _shared(values: Array, periodic: bool) -> Mask:
+    """(N,) whether at least `SHARED` points have a value within `WIDTH`."""
+    labels = clusters(values, WIDTH, periodic=periodic)
+    return np.asarray(np.bincount(labels)[labels] >= SHARED)
+
+
+STEPS = 12  # tangent steps of all points at most; each gives about as many points as it starts from
+SAME = 1e-6  # combinations of values closer than this are the same
+
+
+def smooth(
+    problem: Problem, inspection: Inspection, members: NDArray[np.int64], rng: np.random.Generator
+) -> bool:
+    """Whether ker D is the tangent space: a step ε along it is ε² away from the set, not ε as where families meet."""
+    chosen = members[:: max(1, len(members) // 8)][:8]
+    q = inspection.q[chosen]
+    step = _tangent_steps(inspection.tangent[chosen], rng, 0.01)
+    back = refine(problem.robot, q + step, problem.corank, task=problem.task, tolerances=problem.tolerances)
+    way = np.linalg.norm(wrap(back.q - q - step), axis=1)
+    return bool(np.median(way) < 0.2 * 0.01)
+
+
+def _tangent_steps(tangent: Array, rng: np.random.Generator, length: float | Array) -> Array:
+    """(N, n) random steps of given lengths along tangent spaces, by projectors (N, n, n)."""
+    step = np.einsum("nij,nj->ni", tangent, rng.standard_normal(tangent.shape[:2]))
+    return np.asarray(step * (length / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)))
+
+
+@dataclass(eq=False)
+class FamilyPoints:
+    """Points of one family with one combination of values; makes more when asked.
 
     Attributes:
+        problem: the arm, and the corank.
+        row: the linear conditions of the family, one value each; its equations are sought.
+        q: (N, n) points so far, in no special order: a fit needs them spread over the family.
+        tangent: (N, n, n) projectors on the tangent space there.
+        rng: of steps, starts and tests.
+    """
+
+    problem: Problem
+    row: Row
+    q: Array
+    tangent: Array
+    rng: np.random.Generator
+    exhausted: bool = field(default=False)
+
+    def __call__(self, count: int) -> Array:
+        """At least `count` points, somewhat more where they are there, or all that can be had."""
+        for _ in range(STEPS):
+            if len(self.q) >= count or self.exhausted:
+                break
+            self._more(count)
+        return self.q[: count + 150]
+
+    def _more(self, count: int) -> None:
+        problem, batch = self.problem, min(max(2 * (count - len(self.q)), 64), 2000)
+        base = self.rng.integers(0, len(self.q), size=batch)
+        way = _tangent_steps(self.tangent[base], self.rng, self.rng.uniform(0.1, 1.0, size=(batch, 1)))
+        found = refine(
+            problem.robot, self.q[base] + way, problem.corank, task=problem.task, tolerances=problem.tolerances
+        )
+        inspection = inspect(problem, polished(problem, found.converged))
+        same = np.array([one == self.row.signature for one in inspection.signatures], dtype=np.bool_)
+        same &= inspection.sigma[:, problem.rank] <= 1e-12
+        same &= (np.abs(self.row.linear.away(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)
+        self.exhausted = bool(same.sum() < 0.02 * batch)
+        self.q = np.concatenate([self.q, inspection.q[same]])
+        self.tangent = np.concatenate([self.tangent, inspection.tangent[same]])
+
+
+GRID = 20_000  # grid points at most
+LONGEST = 1500  # terms of an equation at most
+NOISE = 1e-12  # coefficients below this share of the largest are rounding
+
+
+def minors(
+    problem: Problem, row: Row, joints: tuple[int, ...], highest: int, rng: np.random.Generator
+) -> list[Equation]:
+    """Minors of full height as equations in turning joints, the short ones first.
+
+    Corank ≥ 1 means that every minor of full height vanishes. A minor has harmonics up to 2 in every angle (3 for tasks
+    whose columns depend on the reference point), so that its values on a grid of 5 (7) angles per joint give all its
+    coefficients by a discrete Fourier transform, without any fit. Minors are long where the arm is generic, and an
+    irreducible condition is a factor of them at best; but together they cut off whatever is not singular.
+
+    Args:
+        problem: the arm; only corank 1 of a task of full rank has such minors.
+        row: linear conditions with one value each; joints that they pin are put there.
+        joints: from 0; the other joints stand at random values, which is right for joints the family leaves free.
+        highest: twice the largest harmonic.
+        rng: for the joints that are left free.
+    """
+    robot, task, shape = problem.robot, problem.task, (highest + 1,) * len(joints)
+    turning = bool(joints) and bool(robot.periodic[list(joints)].all())
+    if not turning or problem.rank + 1 != task.m or robot.n < task.m or np.prod(shape) > GRID:
+        return []
+    grid = np.indices(shape).reshape(len(joints), -1).T * (2 * np.pi / (highest + 1))
+    q = np.repeat(problem.random(1, rng), len(grid), axis=0)
+    q[:, joints] = grid
+    q = row.linear.place(q, np.repeat(np.array(row.combinations), len(grid), axis=0), rng)
+    jacobian = np.asarray(task_jacobian(robot, q, task))
+    found = []
+    for columns in combinations(range(robot.n), task.m):
+        values = np.linalg.det(jacobian[:, :, columns]).reshape(shape)
+        if np.abs(values).max() >= 1e-13:
+            found.append(_equation_of(np.fft.fftn(values) / values.size, joints, robot.n))
+    return sorted((one for one in found if len(one.terms) <= LONGEST), key=lambda equation: len(equation.terms))
+
+
+def _equation_of(waves: NDArray[np.complex128], joints: tuple[int, ...], n: int) -> Equation:
+    """Σ c·e^{i m·q} with c(−m) = conj c(m), as `fftn` orders it, as cosines and sines in the given joints of n."""
+    floor, zero, size = NOISE * np.abs(waves).max(), (0,) * n, len(waves)
+    terms = []
+    for index in zip(*np.nonzero(np.abs(waves) > floor), strict=True):
+        harmonics = np.zeros(n, dtype=np.int64)
+        harmonics[list(joints)] = [2 * i if 2 * i < size else 2 * (i - size) for i in index]
+        wave, c = tuple(harmonics.tolist()), complex(waves[index])
+        if wave == zero:
+            terms.append(Term(c.real, "cos", wave, zero))
+        elif wave > zero:
+            pairs = ((2 * c.real, "cos"), (-2 * c.imag, "sin"))
+            terms += [Term(part, kind, wave, zero) for part, kind in pairs if abs(part) > floor]
+    return normalised(sorted(terms, key=lambda term: (sum(map(abs, term.harmonics)), term.harmonics, term.kind)))
+
+
+EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
+SEED = 12  # points at which ranks are looked at
+ROUNDS = 16  # of some 100 solutions at special places: of a row of a general 8R one in 400 is regular
+
+
+def fitted_equations(source: FamilyPoints, work: float) -> tuple[Equation, ...] | None:
+    """Sound equations of the coupled joints of a family with one combination of its linear values.
+
+    Args:
         source: points of the family.
-        n: number of joints of the arm.
-        kinds: (n,) how each joint enters.
-        highest: largest degree in t of an angle. 4 for the full pose: an exterior power of the adjoint map of a
-            rotation has harmonics up to 2. 6 for the other tasks, whose columns each depend on the reference point.
-        budget: work that may be spent.
-        tolerances: `fit_gap`, `coefficient`.
-        twins: joints on one axis, of which the first stands for both in every fit.
-    """
-
-    source: FamilyPoints
-    n: int
-    kinds: tuple[Kind, ...]
-    highest: int
-    budget: Budget
-    tolerances: Tolerances
-    twins: tuple[Twin, ...] = ()
-
-    def equation(self, functions: Library, vector: Array, joints: tuple[int, ...]) -> Equation:
-        """A combination of the functions of a library as an equation of the arm."""
-        return spread(functions.equation(vector, joints, self.n), self.twins)
-
-    def of(self, joints: tuple[int, ...]) -> tuple[Kind, ...]:
-        """Kinds of the given joints (from 0)."""
-        return tuple(self.kinds[j] for j in joints)
-
-    def ladder(self, joints: tuple[int, ...]) -> Iterator[Degrees]:
-        """Multidegrees to try for the joints, growing."""
-        return ladder(self.of(joints), self.highest)
-
-    def enough(self, degrees: Degrees, joints: tuple[int, ...]) -> Array | None:
-        """Points for a library, or None when there are too few or the budget is used up."""
-        count = size(degrees, self.of(joints))
-        points = gathered(self.source(int(1.25 * count) + 24), self.twins)
-        return points if len(points) >= 1.1 * count + 12 and self.budget.spend(len(points), count) else None
-
-
-def ladder(kinds: tuple[Kind, ...], highest: int = 4, most: int = LARGEST) -> Iterator[Degrees]:
-    """Multidegrees to try, growing: all 1, then 2, 4 … (angle) and 1 or 2 (length) per joint by library size."""
-    yield tuple(1 for _ in kinds)
-    steps = product(*((1, 2) if k == "length" else range(2, highest + 1, 2) for k in kinds))
-    yield from (degrees for degrees in sorted(steps, key=lambda d: (size(d, kinds), d)) if size(degrees, kinds) <= most)
-
-
-def hypersurface(fit: FitProblem, joints: tuple[int, ...]) -> Equation | None:
-    """The equation that binds the given joints on a family.
-
-    Args:
-        fit: points, budget …
-        joints: from 0; the family seen in them has one dimension less than their number.
+        work: that may be spent on fits.
 
     Returns:
-        The generator, its largest coefficient of size one, or None: not within reach of the libraries, the points or
-        the budget, or refuted by held-out points.
+        The equations, or None where they are out of reach.
     """
-    kinds, tolerances = fit.of(joints), fit.tolerances
-    for degrees, train, held, null in _nulls(fit, joints):
-        x = train[:, joints]
-        degrees, null = _lowest(x, degrees, null, kinds, tolerances)
-        functions = library(degrees, kinds)
-        vector = sparse_basis(null)[:, 0] if null.shape[1] > 1 else null[:, 0]
-        equation = fit.equation(functions, refit(functions(x), vector, tolerances), joints)
-        return equation if holds(equation, held) else None
+    problem, row, need = source.problem, source.row, source.row.signature.residual
+    fit = _fit_problem(source, work)
+    moving = tuple(j for j in row.signature.coupled if j not in row.linear.pivots)
+    bound = circuits(source.tangent[:SEED], moving)
+    fitted = (one for circuit in bound if (one := hypersurface(fit, circuit)) is not None)
+    chosen, spare = _independent(source, fitted)
+    reached = _rank(source, chosen)
+    if reached > need:  # more than the signature promises: families meet here
+        return None
+    if reached == need:
+        sound = _without_strangers(source, chosen, spare)
+        if sound is None:
+            more = minors(problem, row, moving, fit.highest, source.rng)
+            sound = _without_strangers(source, chosen, [*spare, *(one for one in more if holds(one, source.q))])
+        if sound is not None:
+            return sound
+    return _from_all_joints(source, fit, moving) if len(moving) > 1 else None
+
+
+def _fit_problem(source: FamilyPoints, work: float) -> FitProblem:
+    """What fits of a family stand on."""
+    problem = source.problem
+    kinds: tuple[Kind, ...] = tuple(
+        "angle" if periodic else "length" if joint.kind is JointKind.PRISMATIC else "both"
+        for joint, periodic in zip(problem.robot.variables, problem.robot.periodic, strict=True)
+    )
+    return FitProblem(source, problem.n, kinds, 4 if problem.task.m == 6 else 6, work, problem.tolerances)
+
+
+def _independent(source: FamilyPoints, equations: Iterable[Equation]) -> tuple[list[Equation], list[Equation]]:
+    """Equations that raise the rank of the gradients, until it is the codimension, and those before that do not."""
+    chosen: list[Equation] = []
+    spare: list[Equation] = []
+    for equation in equations:
+        raised = _rank(source, [*chosen, equation])
+        (chosen if raised > _rank(source, chosen) else spare).append(equation)
+        if raised >= source.row.signature.residual:
+            break
+    return chosen, spare
+
+
+def _from_all_joints(source: FamilyPoints, fit: FitProblem, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:
+    """Low-degree equations in all joints together."""
+    need = source.row.signature.residual
+    for basis in vanishing_spaces(fit, joints):
+        rank = _rank(source, basis)
+        if rank > need:
+            return None
+        chosen, _ = _independent(source, basis)
+        spare = [one for one in basis if one not in chosen]
+        sound = _without_strangers(source, chosen, spare) if rank == need else None
+        if sound is not None:
+            return sound
     return None
 
 
-def _lowest(
-    x: Array, degrees: Degrees, null: Array, kinds: tuple[Kind, ...], tolerances: Tolerances
-) -> tuple[Degrees, Array]:
-    """Lower the degrees one by one as long as something vanishes."""
-    for j in range(len(degrees)):
-        while degrees[j] > 0 and null.shape[1] > 1:
-            trial = (*degrees[:j], degrees[j] - 1, *degrees[j + 1 :])
-            smaller = vanishing(library(trial, kinds)(x), tolerances)
-            if not smaller.shape[1]:
-                break
-            degrees, null = trial, smaller
-    return degrees, null
-
-
-def holds(equation: Equation, points: Array, tolerance: float = HELD_OUT) -> bool:
-    """Whether an equation vanishes on points, as a distance |f|/|∇f| where the gradient is not small."""
-    f, slope = np.abs(equation(points)), np.linalg.norm(equation.gradient(points), axis=-1)
-    return bool((f <= tolerance * np.maximum(slope, 1e-2)).all())
-
-
-_BOUND = 1e-11  # eigenvalue of the projector on the tangent space, restricted to joints that are bound
-MOST_CIRCUITS = 1000
-"""More are not looked for: a family in general position of 14 joints has 924, of 20 joints 18,564."""
-
-
-def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """Minimal sets of joints bound by an equation of their own, small and close together first.
-
-    On a family of dimension D in its coupled joints any D + 1 of them are bound. `MOST_CIRCUITS` are told at most.
-
-    Args:
-        tangent: (p, n, n) projectors on the tangent space at a few points of the family.
-        joints: the joints (from 0) to look among.
+def _without_strangers(
+    source: FamilyPoints, chosen: Sequence[Equation], spare: Sequence[Equation]
+) -> tuple[Equation, ...] | None:
+    """The equations, with spare ones added until no stranger is left: those first that most strangers do not satisfy.
     """
-    found: list[tuple[int, ...]] = []
-    free = np.linalg.eigvalsh(tangent[:, joints, :][:, :, joints]) >= _BOUND
-    for count in range(1, min(len(joints), int(free.sum(axis=1).max(initial=0)) + 1) + 1):
-        bound: list[tuple[int, ...]] = []
-        for support in combinations(joints, count):
-            if len(found) + len(bound) >= MOST_CIRCUITS:
-                break
-            if any(set(circuit) <= set(support) for circuit in found):
-                continue
-            part = tangent[:, support, :][:, :, support]
-            if np.median(np.linalg.eigvalsh(part)[:, 0]) < _BOUND:
-                bound.append(support)
-        found += sorted(bound, key=lambda support: (support[-1] - support[0], support))
-    return found
+    chosen, spare = list(chosen), list(spare)
+    for _ in range(EXTRA + 1):
+        tested, strangers = _strangers(source, chosen)
+        if not tested:
+            return None
+        if not len(strangers):
+            return tuple(chosen)
+        share = [float(np.mean(np.abs(equation(strangers)) > 1e-4)) for equation in spare]
+        separating = [i for i, s in enumerate(share) if s > 0.2 and s > 0.8 * max(share)]
+        if not separating:
+            return None
+        chosen.append(spare.pop(separating[0]))
+    return None
 
 
-def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
-    """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
-    for degrees, train, held, null in _nulls(fit, joints):
-        functions = library(degrees, fit.of(joints))
-        values = functions(train[:, joints])
-        basis = sparse_basis(null)[:, :MOST].T
-        equations = [fit.equation(functions, refit(values, v, fit.tolerances), joints) for v in basis]
-        yield [equation for equation in equations if holds(equation, held)]
+def _rank(source: FamilyPoints, equations: Sequence[Equation]) -> int:
+    """Codimension the equations give within the linear conditions: gradient rank at most of a few points."""
+    if not equations:
+        return 0
+    slopes = System(tuple(equations)).jacobian(source.q[:SEED]) @ source.row.linear.along
+    return int(np.median((np.linalg.svd(slopes, compute_uv=False) > 1e-6).sum(axis=1)))
 
 
-def _nulls(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Degrees, Array, Array, Array]]:
-    """Multidegrees whose libraries hold equations of the family, training and held-out points, null space."""
-    for degrees in fit.ladder(joints):
-        points = fit.enough(degrees, joints)
-        if points is None:
-            return
-        out = np.arange(len(points)) % 8 == 7
-        train, held = points[~out], points[out]
-        null = vanishing(library(degrees, fit.of(joints))(train[:, joints]), fit.tolerances)
-        if null.shape[1]:
-            yield degrees, train, held, null
+def _strangers(source: FamilyPoints, equations: Sequence[Equation]) -> tuple[int, Array]:
+    """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
+    before it says none."""
+    problem, row, tested = source.problem, replace(source.row, residual=tuple(equations)), 0
+    strangers = np.zeros((0, problem.n))
+    for count in (200, 800):
+        q, good = row.sample(problem, count, source.rng)
+        q = q[good]
+        strangers = q[problem.sigma(q)[:, problem.rank] > problem.tolerances.singular]
+        tested += len(q)
+        if len(strangers):
+            return tested, strangers
+    for _ in range(ROUNDS if tested else 0):
+        _, strangers = elsewhere(problem, row, {}, source.rng)
+        if len(strangers):
+            break
+    return tested, strangers

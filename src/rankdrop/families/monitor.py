@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop.certify.ball import settings_of
-from rankdrop.certify.setting import Setting
+from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.families.batch_distance import Distances, Ruler
+from rankdrop.families.distance import Distances, Ruler
 from rankdrop.family.equation import equation_tables
 from rankdrop.family.record import Family
 from rankdrop.kinematics import chain_of, check_robot, configurations, one_configuration, task_view
@@ -222,11 +221,6 @@ class Monitor:
         return tuple(self.families[i] for i in self._numbers[:-1])
 
     @property
-    def tables(self) -> Tables:
-        """Their conditions as lists by name."""
-        return tables_of(self.watched, self.robot, self.task)
-
-    @property
     def settings(self) -> dict[str, float]:
         """What counts as zero, and as on a family, by the core's names."""
         set_to = self.tolerances
@@ -423,10 +417,8 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     name = monitor.robot.name
     mark = re.sub(r"[^A-Za-z0-9]+", "_", name if mark is None else mark).strip("_").lower() or "arm"
     plain = " ".join(name.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())
-    fields: dict[str, Value] = _chain(monitor)
+    fields = _chain(monitor) | _question(monitor)
     arrays: dict[str, str] = {}
-    for part in (_task(monitor), _families(monitor), _settings(monitor), _bounds(monitor)):
-        fields |= part
     lines = [
         f"/* {plain} and its families of singular configurations, written by rankdrop. */",
         f"#ifndef RANKDROP_ARM_{mark.upper()}_H", f"#define RANKDROP_ARM_{mark.upper()}_H", "",
@@ -469,19 +461,17 @@ def _chain(monitor: Monitor) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _task(monitor: Monitor) -> dict[str, Value]:
-    task, joints = monitor.task, len(monitor.robot.joints)
-    length = task.scale(monitor.robot)
+def _question(monitor: Monitor) -> dict[str, Value]:
+    """Task, families, thresholds, and what enclosures are made from; none for a task that cannot be certified."""
+    task, joints, families = monitor.task, len(monitor.robot.joints), monitor.watched
+    length, table = task.scale(monitor.robot), tables_of(monitor.watched, monitor.robot, task)
+    made: Sequence[Setting] = ()
+    with suppress(OptionError):
+        made = settings_for(monitor.robot, monitor.task)
     return {
         "rows": task.m, "axes": link_index(task.frame.axes, joints, "axes"),
         "origin": link_index(task.frame.origin, joints, "origin"), "point": list(task.frame.point),
         "row": list(task.rows), "factor": [1.0 / length if row < 3 else 1.0 for row in task.rows],
-    }  # fmt: skip
-
-
-def _families(monitor: Monitor) -> dict[str, Value]:
-    families, table = monitor.watched, monitor.tables
-    return {
         "families": len(families), "angles": len(table["shift"]), "terms": len(table["angle"]),
         "equations": len(table["coupled"]), "ids": [one.id for one in families],
         "names": [one.name for one in families],
@@ -490,24 +480,8 @@ def _families(monitor: Monitor) -> dict[str, Value]:
         "first_term": table["terms"], "coupled": table["coupled"], "first_equation": table["equations"],
         "first_pin": table["pins"], "pinned": table["pinned"], "first_value": table["at"], "values": table["values"],
         "scale": table["scale"], "periodic": table["periodic"],
-    }  # fmt: skip
-
-
-def _settings(monitor: Monitor) -> dict[str, Value]:
-    set_to = monitor.settings
-    return {
-        "generic_rank": monitor.generic_rank, "singular": set_to["singular"], "on": set_to["on"],
-        "loose": set_to["loose"], "start": monitor.start, "stop": monitor.stop, "beyond": int(monitor.beyond),
-        "rates": monitor.rates.tolist(),
-    }  # fmt: skip
-
-
-def _bounds(monitor: Monitor) -> dict[str, Value]:
-    """What enclosures are made from, the same as `certify.ball` takes; none for a task that cannot be certified."""
-    made: Sequence[Setting] = ()
-    with suppress(OptionError):
-        made = settings_of(monitor.robot, monitor.task)
-    return {
+        "generic_rank": monitor.generic_rank, **monitor.settings, "start": monitor.start, "stop": monitor.stop,
+        "beyond": int(monitor.beyond), "rates": monitor.rates.tolist(),
         "bounds": len(made), "bound_rows": len(made[0].rows) if made else 0,
         "bound_row": list(made[0].rows) if made else [], "bound_link": [one.link for one in made],
         "bound_point": [x for one in made for x in one.point], "bound_length": [one.length for one in made],

@@ -10,29 +10,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.fit import Budget
-from rankdrop.families.linear import FamilyPoints, Linear, Values, canonical, smooth
-from rankdrop.families.residual import circuit_equations
-from rankdrop.families.row import Row
-from rankdrop.families.rows import recognised
+from rankdrop.families.fit import FamilyPoints, fitted_equations, grouped, recognised, smooth
+from rankdrop.families.inspection import Covector, Inspection, Signature, inspect
+from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
-from rankdrop.families.signature import Inspection, Signature, inspect
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.naming import name_family, shortened
-from rankdrop.family.record import Condition, Family, Local, Pin, Relation, condition_words, family_from_metres
+from rankdrop.family.record import Family, Pin, rescaled, rescaled_pin, slides_of
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 SIZES = (0.01, 0.05, 0.2, 0.6)  # steps from q [rad, length scales]
 EACH = 24  # starts for each size
@@ -69,37 +67,27 @@ def conormal_rank(at: Inspection) -> int:
     return int(at.q.shape[1]) - round(float(np.trace(at.tangent[0])))
 
 
-def _usual_rank(around: Inspection) -> int:
-    ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
-    return ranks[len(ranks) // 2] if ranks else -1
-
-
 def groups_through(problem: Problem, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
     """Signatures of the neighbourhood whose linear conditions hold at q, each with its points.
 
     Where the set is smooth at q there is one family: the signature most neighbours of that rank have. Else every
     signature that is met next to q is a family through it. Groups where ker D is not the tangent space tell nothing.
     """
-    groups: dict[Signature, list[int]] = {}
-    for i, signature in enumerate(around.signatures):
-        if i and signature is not None and signature.rank:
-            groups.setdefault(replace(signature, bound=()), []).append(i)
-    groups = {signature: _holding(problem, signature, q, around.q, members) for signature, members in groups.items()}
-    scale = problem.scale
-    far = np.linalg.norm(wrap(around.q - q) / scale, axis=1)
+    way = wrap(around.q - q) / problem.scale
+    far = np.linalg.norm(way, axis=1)
     rng = np.random.default_rng([seed, 3])
-    ordered = [
-        (signature, np.array(members))
-        for signature, members in sorted(groups.items(), key=lambda item: (item[0].rank, -len(item[1]), item[0]))
-        if len(members) >= FEW
-        and smooth(problem, around, np.array(members), rng)
-        and _filled(wrap(around.q[members] - q) / scale, far[members], len(q) - signature.rank)
-    ]
+    found = []
+    for signature, every in grouped(replace(around, signatures=(None, *around.signatures[1:]))):
+        members = _holding(problem, signature, q, around.q, every)
+        if signature.rank and len(members) >= FEW and smooth(problem, around, members, rng) and (
+            _filled(way[members], far[members], problem.n - signature.rank)
+        ):
+            found.append((signature, members))
+    ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
     rank = conormal_rank(at)
-    if rank == _usual_rank(around):
-        alike = [item for item in ordered if item[0].rank == rank]
-        return [max(alike, key=lambda item: len(item[1]))] if alike else []
-    return [(signature, members) for signature, members in ordered if far[members].min() <= BACK * SIZES[0]]
+    if ranks and rank == ranks[len(ranks) // 2]:
+        return sorted((item for item in found if item[0].rank == rank), key=lambda item: -len(item[1]))[:1]
+    return [(signature, members) for signature, members in found if far[members].min() <= BACK * SIZES[0]]
 
 
 def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
@@ -115,16 +103,16 @@ def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
     return int((spread > 0.05 * spread[0]).sum()) >= dimension
 
 
-def _holding(problem: Problem, signature: Signature, q: Array, points: Array, members: list[int]) -> list[int]:
+def _holding(
+    problem: Problem, signature: Signature, q: Array, points: Array, members: NDArray[np.int64]
+) -> NDArray[np.int64]:
     """Those of the members at which the pinned joints and relations have the same values as at q."""
     linear = Linear.of(problem.robot, signature.covectors(len(q)))
-    off = linear.values(points[members]) - linear.values(q[None])
-    off = np.where(linear.periodic, wrap(off), off)
-    same = np.abs(off).max(axis=1, initial=0.0) <= HELD * max(1.0, problem.task.scale(problem.robot))
-    return [members[i] for i in np.flatnonzero(same)]
+    off = np.abs(linear.away(points[members], linear.values(q[None])))
+    same = off.max(axis=1, initial=0.0) <= HELD * max(1.0, problem.task.scale(problem.robot))
+    return np.asarray(members[same])
 
 
-NOT_TOLD = np.zeros((0, 6))  # lost directions: whoever asks for the family of a configuration has them already
 NAMED = 12  # points that a name is taken from
 SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
 FIT_WORK = 2e7  # of one fit, in floating-point operations
@@ -167,182 +155,159 @@ def name_on_the_spot(
         >>> found.dimension, found.words
         (6, ('θ4 = 0',))
     """
-    configuration = one_configuration(robot, q)
-    if metre_exponent(robot):
-        there = name_on_the_spot(
-            in_metres(robot),
-            into_metres(robot, configuration),
-            task_in_metres(task, robot),
-            corank,
-            seed,
-            fit=fit,
-            tolerances=tolerances,
-        )
-        return family_from_metres(there, robot, metre_exponent(robot))
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    problem = Problem(robot, task, corank, tolerances)
-    rank = problem.rank
-    at = inspect(problem, configuration[None])
-    if at.sigma[0, rank] > max(tolerances.singular, 1e-6):
+    here = into_metres(robot, one_configuration(robot, q))
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), corank, tolerances)
+    at = inspect(problem, here[None])
+    sigma = at.sigma[0, problem.rank :]
+    if sigma[0] > max(tolerances.singular, 1e-6):
         raise ConfigurationError(
-            "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
+            "the configuration does not have this corank", got=f"σ = {sigma.tolist()}",
             mend="take the corank that configuration.at(…).corank gives",
         )  # fmt: skip
-    around = neighbourhood(problem, configuration, at, seed)
-    found = groups_through(problem, configuration, at, around, seed)
-    families = [
-        _described(problem, configuration, around, signature, members, seed, fit=fit) for signature, members in found
-    ]
-    if not families:
-        families = _from_shared_values(problem, configuration, around, seed)
-    if not families:
-        return _nameless(problem, configuration, at, around)
+    spot = _Spot(robot, problem, here, neighbourhood(problem, here, at, seed), seed)
+    groups = groups_through(problem, here, at, spot.around, seed)
+    families = [spot.described(signature, members, fit=fit) for signature, members in groups]
+    families = families or spot.from_shared_values() or [spot.nameless(at)]
     return families[0] if len(families) == 1 else _meeting(families)
 
 
-def _described(
-    problem: Problem,
-    q: Array,
-    around: Inspection,
-    signature: Signature,
-    members: NDArray[np.int64],
-    seed: int,
-    *,
-    fit: bool,
-) -> Family:
-    linear = Linear.of(problem.robot, signature.covectors(problem.n))
-    values = _values(linear, around.q[members])
-    rest: tuple[Equation, ...] | None = None if signature.residual else ()
-    if fit and signature.residual:
-        rest = _fitted(problem, around, linear, values, members, seed)
-    how = f"{len(members)} singular configurations around q with one tangent shape"
-    row = Row(linear, tuple((value,) for value in values), rest or (), signature, how)
-    return _family(problem, q, around.q[members], row, whole=rest is not None)
-
-
-def _family(problem: Problem, q: Array, points: Array, row: Row, *, whole: bool) -> Family:
-    """The record of one family through q; `points` are of it, and its name is taken from them.
-
-    `whole`: the equations of its coupled joints are known.
+@dataclass(frozen=True, eq=False)
+class _Spot:
+    """A configuration (n,) of an arm, and the singular configurations around it; in metres, but for the arm as given.
     """
-    robot, joints, signature = problem.robot, problem.robot.variables, row.signature
-    values = [value for (value,) in row.sets]
-    pinned = tuple(Pin(joints[j].name, j + 1, (value,)) for j, value in zip(signature.pinned, values, strict=False))
-    coupled = tuple(j + 1 for j in signature.coupled)
-    relations = map(Relation, signature.relations, values[len(pinned) :])
-    conditions: tuple[Condition, ...] = (*pinned, *relations, *row.residual)
-    spread = points[:: max(1, len(points) // NAMED)][:NAMED]
-    words = condition_words(robot, conditions, () if whole else coupled)
-    name = name_family(robot, problem.task, spread, [one.number for one in pinned], coupled=coupled)
-    return Family(
-        id="",
-        name=shortened([name])[0],
-        corank=problem.corank,
-        dimension=robot.n - signature.rank,
-        pinned=pinned,
-        free=tuple(j + 1 for j in signature.free),
-        coupled=coupled,
-        equations=row.system.equations if whole else (),
-        witness=tuple(q.tolist()),
-        lost_directions=NOT_TOLD,
-        lost_words=(),
-        evidence=Local(row.evidence, conditions, words, len(points)),
-    )
+
+    robot: Robot
+    problem: Problem
+    q: Array
+    around: Inspection
+    seed: int
+
+    def described(self, signature: Signature, members: NDArray[np.int64], *, fit: bool) -> Family:
+        """The family through q that some of its neighbours belong to; `fit` also finds short unknown equations."""
+        problem, points = self.problem, self.around.q[members]
+        linear = Linear.of(problem.robot, signature.covectors(problem.n))
+        how = f"{len(members)} singular configurations around q with one tangent shape"
+        row = Row(linear, tuple((value,) for value in _values(linear, points)), (), signature, how)
+        if not signature.residual:
+            return self.family(row, points, whole=True)
+        few = len(set(signature.coupled) - set(linear.pivots)) <= FIT_JOINTS
+        residual = self.fitted(row, members) if fit and few else None
+        return self.family(replace(row, residual=residual or ()), points, whole=residual is not None)
+
+    def fitted(self, row: Row, members: NDArray[np.int64]) -> tuple[Equation, ...] | None:
+        """Equations of the coupled joints, or None where a small budget does not find them."""
+        rng = np.random.default_rng([self.seed, 1])
+        source = FamilyPoints(self.problem, row, self.around.q[members], self.around.tangent[members], rng)
+        source(SPREAD)
+        order = rng.permutation(len(source.q))  # a fit takes the first ones: they have to be spread over the family
+        source.q, source.tangent = source.q[order], source.tangent[order]
+        return fitted_equations(source, FIT_WORK)
+
+    def from_shared_values(self) -> list[Family]:
+        """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ.
+        """
+        rng = np.random.default_rng([self.seed, 2])
+        near = self.around.q[self.around.exact]
+        found = []
+        for row in recognised(self.problem, near, rng):
+            labels, far = row.nearest_values(self.q[None])
+            if far.max() <= 1e2 * HELD:
+                values = [options[label] for options, label in zip(row.sets, labels[0].tolist(), strict=True)]
+                # neighbours are known badly where σ is of higher order: take the values exactly
+                points = row.linear.place(near, np.repeat(np.array([values]), len(near), axis=0), rng)
+                points = points[inspect(self.problem, points).exact]
+                found.append(self.family(replace(row, sets=tuple((value,) for value in values)), points, whole=True))
+        return found
+
+    def family(self, row: Row, points: Array, *, whole: bool) -> Family:
+        """The family of a row through q; `whole`: the equations of its coupled joints are known."""
+        power, slides, signature = metre_exponent(self.robot), slides_of(self.robot), row.signature
+        values = [value for (value,) in row.sets]
+        pinned = self.pins(signature.pinned, values[: len(signature.pinned)])
+        words = [_pin_words(one, slides) for one in pinned]
+        words += map(_relation_words, signature.relations, values[len(pinned) :])
+        words += [f"{rescaled(one, slides, power).pretty()} = 0" for one in row.residual]
+        if signature.coupled and not whole:
+            numbers = ", ".join(str(j + 1) for j in signature.coupled)
+            words.append(f"coupled: joints {' and '.join(numbers.rsplit(', ', 1))}")
+        equations = tuple(rescaled(one, slides, power) for one in row.system.equations) if whole else ()
+        return self.record(signature, pinned, row.evidence, tuple(words), points, equations)
+
+    def nameless(self, at: Inspection) -> Family:
+        """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
+        joints, idle, rank = tuple(range(self.problem.n)), self.problem.idle.tolist(), conormal_rank(at)
+        if rank == self.problem.n:
+            pinned, words = self.pins(joints, self.q.tolist()), ("an isolated singular configuration",)
+            return self.record(Signature(rank, joints, (), ()), pinned, "D has full rank", words, self.q[None])
+        how = "D has no clear rank here; the dimension is an upper bound"
+        words = ("no condition found around it",)
+        free, coupled = (tuple(j for j in joints if idle[j] is still) for still in (True, False))
+        return self.record(Signature(rank, (), free, coupled), (), how, words, self.q[None], named=False)
+
+    def pins(self, joints: Sequence[int], values: Sequence[float]) -> tuple[Pin, ...]:
+        """Joints (from 0) at values in metres, as those of the arm as given."""
+        power, slides, names = metre_exponent(self.robot), slides_of(self.robot), self.robot.variables
+        pairs = zip(joints, values, strict=True)
+        return tuple(rescaled_pin(Pin(names[j].name, j + 1, (value,)), slides, power) for j, value in pairs)
+
+    def record(
+        self, signature: Signature, pinned: tuple[Pin, ...], how: str, words: tuple[str, ...], points: Array,
+        equations: tuple[Equation, ...] = (), *, named: bool = True,
+    ) -> Family:  # fmt: skip
+        """The record of a family through q; its name is taken from points (N, n) of it."""
+        problem, spread = self.problem, points[:: max(1, len(points) // NAMED)][:NAMED]
+        coupled = tuple(j + 1 for j in signature.coupled)
+        known = coupled if named else None
+        name = name_family(problem.robot, problem.task, spread, [one.number for one in pinned], coupled=known)
+        return Family(
+            id="",
+            name=shortened([name])[0],
+            named=named,
+            corank=problem.corank,
+            dimension=problem.n - signature.rank,
+            pinned=pinned,
+            free=tuple(j + 1 for j in signature.free),
+            coupled=coupled,
+            equations=equations,
+            witness=tuple(out_of_metres(self.robot, self.q).tolist()),
+            lost_directions=np.zeros((0, 6)),  # whoever asks for the family of a configuration has them already
+            lost_words=(),
+            evidence=how,
+            words=words,
+        )
 
 
 def _values(linear: Linear, points: Array) -> Values:
     """The values that covectors take on points, simple ones exact."""
-    raw = linear.values(points)
-    middle = raw[len(raw) // 2]
-    off = raw - middle
-    mean = middle + np.median(np.where(linear.periodic, wrap(off), off), axis=0)
+    middle = points[len(points) // 2] @ linear.covectors.T
+    mean = middle + np.median(linear.away(points, middle), axis=0)
     pairs = zip(mean.tolist(), linear.periodic.tolist(), strict=True)
     return tuple(canonical(value) if turns else value + 0.0 for value, turns in pairs)
 
 
-def _fitted(
-    problem: Problem,
-    around: Inspection,
-    linear: Linear,
-    values: Values,
-    members: NDArray[np.int64],
-    seed: int,
-) -> tuple[Equation, ...] | None:
-    """Equations of the coupled joints, or None where they are long or a small budget does not find them."""
-    rng = np.random.default_rng([seed, 1])
-    met = [signature for i in members if (signature := around.signatures[i]) is not None]
-    signature = max(met, key=met.count)  # the sets of joints bound together included
-    source = FamilyPoints(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
-    if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
-        return None
-    source(SPREAD)
-    order = rng.permutation(len(source.q))  # a fit takes the first ones, and they have to be spread over the family
-    source.q, source.tangent = source.q[order], source.tangent[order]
-    return circuit_equations(source, Budget(FIT_WORK))
+def _pin_words(pin: Pin, slides: tuple[int, ...]) -> str:
+    if pin.number - 1 in slides:
+        return f"q{pin.number} = " + f"{pin.values[0]:.4g} m".replace("-", "−")
+    return f"θ{pin.number} = {pretty_angle(pin.values[0])}"
 
 
-def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: int) -> list[Family]:
-    """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ."""
-    rng = np.random.default_rng([seed, 2])
-    near = around.q[around.exact]
-    found = []
-    for row in recognised(problem, near, rng):
-        values = _row_values(row, q)
-        if values is None:
-            continue
-        # neighbours are known badly where σ is of higher order: take the values exactly
-        points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
-        points = points[inspect(problem, points).exact]
-        found.append(_family(problem, q, points, replace(row, sets=tuple((value,) for value in values)), whole=True))
-    return found
-
-
-def _row_values(row: Row, q: Array) -> Values | None:
-    """The combination of a row's values that q takes; None where it takes none."""
-    mine = row.linear.values(q[None])[0]
-    chosen = []
-    for value, options, turns in zip(mine, row.sets, row.linear.periodic, strict=True):
-        off = np.array(options) - value
-        off = np.abs(wrap(off) if turns else off)
-        if off.min() > 1e2 * HELD:
-            return None
-        chosen.append(options[int(off.argmin())])
-    return tuple(chosen)
-
-
-def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) -> Family:
-    """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
-    robot = problem.robot
-    isolated = conormal_rank(at) == robot.n
-    everyone = tuple(range(1, robot.n + 1))
-    pinned = tuple(Pin(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
-    words = "an isolated singular configuration" if isolated else "no condition found around it"
-    how = "D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound"
-    name = name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None)
-    return Family(
-        id="",
-        name=shortened([name])[0],
-        named=isolated,
-        corank=problem.corank,
-        dimension=round(float(np.trace(at.tangent[0]))),
-        pinned=pinned if isolated else (),
-        free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(problem.idle)),
-        coupled=() if isolated else tuple(j for j in everyone if not problem.idle[j - 1]),
-        equations=(),
-        witness=tuple(q.tolist()),
-        lost_directions=NOT_TOLD,
-        lost_words=(),
-        evidence=Local(how, (), (words,), len(around.q)),
-    )
+def _relation_words(multiples: Covector, value: float) -> str:
+    """A whole-number relation of angles for people: "θ3 + θ5 = 0", "2 θ2 − θ4 = π"."""
+    text = ""
+    for number, m in enumerate(multiples, start=1):
+        if m:
+            text += (" − " if m < 0 else " + ") if text else "−" if m < 0 else ""
+            text += (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
+    return f"{text} = {pretty_angle(value)}"
 
 
 def _meeting(families: list[Family]) -> Family:
     """Several families meet at q: the largest one first."""
     names = "; ".join(dict.fromkeys(family.name for family in families))
-    how = "; ".join(family.evidence.how for family in families)
-    points = sum(family.evidence.points for family in families if isinstance(family.evidence, Local))
+    how = "; ".join(family.evidence for family in families)
     words = tuple(" and ".join(family.words) for family in families)
-    evidence = Local(how, (), words, points, tuple(families))
-    return replace(families[0], name=f"meeting point of families: {names}", equations=(), evidence=evidence)
+    name = f"meeting point of families: {names}"
+    return replace(families[0], name=name, equations=(), evidence=how, words=words, parts=tuple(families))

@@ -11,9 +11,10 @@ scaled joint coordinates. A slice of joint space: some joints vary, the others s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import REACHED, Equation, Mask, System, normalised
-from rankdrop.family.incidence import on_one_of
-from rankdrop.family.record import Check, Family, family_in_metres
+from rankdrop.family.record import Check, Family, family_in_metres, rescaled, slides_of, ways_to
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap, wrapped
@@ -30,8 +30,9 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import newton
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import in_metres, metre_exponent, out_of_metres, task_in_metres
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
+Rows = NDArray[np.int64]
 EDGE = 1e-9  # a slide this far beyond its travel stands at its end [m]
 
 
@@ -53,13 +54,14 @@ def members(
     """
     if not family.named or not family.equations:
         return np.empty((0, robot.n))
-    if metre_exponent(robot):
-        there, own = in_metres(robot), family_in_metres(family, robot)
-        found = members(there, task_in_metres(task, robot), own, count, seed, tolerances=tolerances)
-        return out_of_metres(robot, found)
-    problem = Problem(robot, task, family.corank, tolerances)
-    points, solved = family.system.solve(problem.sample(count, seed))
-    points = wrapped(robot, points[solved])
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank, tolerances)
+    return out_of_metres(robot, _solved(problem, family_in_metres(family, robot), problem.sample(count, seed)))
+
+
+def _solved(problem: Problem, family: Family, starts: Array, along: Array | None = None) -> Array:
+    """(≤ N, n) points of a family that starts (N, n) lead to, moved along some directions: singular, within travel."""
+    points, solved = family.system.solve(starts, along=along)
+    points = wrapped(problem.robot, points[solved])
     return points[problem.singular(points) & within_travel(problem, family, points)]
 
 
@@ -81,26 +83,27 @@ def general_member(
     """
     if not family.named or not family.equations:
         return np.array(family.witness)
-    if metre_exponent(robot):
-        there, own = in_metres(robot), family_in_metres(family, robot)
-        rest = [family_in_metres(other, robot) for other in others]
-        return out_of_metres(robot, general_member(there, task_in_metres(task, robot), own, moving, seed, rest))
-    problem = Problem(robot, task, family.corank)
-    starts = np.round(problem.sample(256, seed), 1)
-    bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
-    tied = sorted(set(moving) & set(bound)) or bound
-    held = [number - 1 for number in (one.number for one in family.pinned)]
-    along = np.eye(robot.n)[:, sorted({*tied, *held})]
-    points, solved = family.system.solve(starts, along=along)
-    points = wrapped(robot, points[solved])
-    points = points[problem.singular(points) & within_travel(problem, family, points)]
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
+    own = family_in_metres(family, robot)
+    held = {one.number - 1 for one in own.pinned}
+    bound = held | {number - 1 for number in own.coupled}
+    along = np.eye(robot.n)[:, sorted(held | (set(moving) & bound or bound))]
+    points = _solved(problem, own, np.round(problem.sample(256, seed), 1), along)
     if not len(points):
         return np.array(family.witness)
     room = problem.sigma(points)[:, problem.rank - 1] if problem.rank else np.ones(len(points))
     for other in others:
         if other.id != family.id and other.equations:
-            room = np.minimum(room, np.abs(System(other.equations).values(points)).max(axis=1))
-    return np.asarray(points[int(room.argmax())])
+            values = family_in_metres(other, robot).system.values(points)
+            room = np.minimum(room, np.abs(values).max(axis=1))
+    return out_of_metres(robot, points[int(room.argmax())])
+
+
+def lifted(q: Array, moving: Sequence[int], points: Array) -> Array:
+    """(N, n) a configuration with some joints (from 0) at each of points (N, d)."""
+    full = np.repeat(q[None], len(points), axis=0)
+    full[:, list(moving)] = points
+    return full
 
 
 def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
@@ -114,6 +117,37 @@ def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
         low[j], high[j] = min(low[j], *pinned.values), max(high[j], *pinned.values)
     inside = (q >= low - EDGE) & (q <= high + EDGE)
     return np.asarray((inside | problem.robot.periodic).all(axis=1))
+
+
+def near_family(
+    family: Family, q: Array, within: float, scale: Array, turns: Mask, walk: Callable[[Rows, Array, Array], Mask]
+) -> Mask:
+    """Which configurations lie within a distance of a family.
+
+    Args:
+        family: with equations.
+        q: (N, n).
+        within: the distance [rad; slides divided by the length scale].
+        scale: (n,) unit of motion of each joint.
+        turns: (n,) joints whose differences are taken the short way round.
+        walk: (R,) which of the configurations it is told, by (R,) their rows and (R, n) with pinned joints put where
+            they belong, are within (R,) distances of a zero of the equations of coupled joints.
+    """
+    numbers = [one.number - 1 for one in family.pinned]
+    turn = 2 * np.pi * turns[numbers]
+    near = np.zeros(len(q), dtype=np.bool_)
+    for values in product(*(one.values for one in family.pinned)):
+        gap = q[:, numbers] - np.array(values)
+        gap -= turn * np.round(gap / np.where(turn > 0.0, turn, 1.0))
+        left = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)
+        rows = np.flatnonzero((left >= 0.0) & ~near)
+        if not family.coupled:
+            near[rows] = True
+        elif len(rows):
+            at = q[rows]
+            at[:, numbers] -= gap[rows]
+            near[rows] = walk(rows, at, np.sqrt(left[rows]))
+    return near
 
 
 ITERATIONS = 30
@@ -286,8 +320,8 @@ def in_slice(
         raise OptionError("starts is outside the range", got=starts, allowed=f"1 … {MOST_STARTS}")
     problem = Problem(robot, task, 1, limits=limits)
     low, high = problem.box
-    rows = np.repeat(centre[None], starts, axis=0)
-    rows[:, chosen] = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
+    drawn = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
+    rows = lifted(centre, chosen, drawn)
     full = problem.generic_rank
     if full == 0:
         return Cloud(robot, task, rows[:0], np.zeros(0, dtype=np.int64))
@@ -307,8 +341,6 @@ ROUNDS = 20
 """The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
 FURTHER = 1e-2
 """Longest way that a configuration is searched on [rad]: what moves on was not singular to begin with."""
-WITHIN = 1e-3
-"""Longest way from a point of a cloud to a family that is walked [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -387,22 +419,15 @@ def explained(
     Returns:
         (Check, (L,) indices of the points left over).
     """
-    systems = [System(tuple(normalised(equation.terms) for equation in family)) for family in families]
+    robot = points.robot
+    problem = Problem(in_metres(robot), task_in_metres(points.task, robot), 1, tolerances)
+    power, slides = -metre_exponent(robot), slides_of(robot)
+    systems = [System(tuple(normalised(rescaled(one, slides, power).terms) for one in family)) for family in families]
     left = np.arange(len(points.q))
-    for system in systems:
-        way, _ = system.nearest(points.q[left], WITHIN)
-        left = left[way > tolerances.explained]
-        if not len(left):
-            break
-    crossing = [system.equations for system in systems]
-
-    def over(indices: NDArray[np.int64], q: Array) -> NDArray[np.int64]:
-        on = [on_one_of(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
-        return indices[[not one for one in on]]
-
-    left = over(left, points.q)
-    if len(left):
-        left = over(left, _further(points, left))
+    for further in (False, True):
+        q = into_metres(robot, _further(points, left) if further else points.q)
+        for system in systems:
+            left = left[np.isinf(ways_to(problem, system, q[left])) | ~problem.singular(q[left])]
     return Check(len(points.q), len(points.q) - len(left)), left
 
 

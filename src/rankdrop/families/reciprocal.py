@@ -26,20 +26,19 @@ and drawn anew.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.search_record import Outcome, Search
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import block, sample, sampling_box, singular_values
-from rankdrop.problem import Problem
+from rankdrop.problem import Problem, into_one_turn
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
-from rankdrop.solve import iterate
+from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 
 EXACT = 1e-13
@@ -65,7 +64,7 @@ Draw = Callable[[int, np.random.Generator], Array]
 
 def drawn(
     problem: Problem, count: int, seed: int, progress: Callable[[int, int], None] | None = None
-) -> Search:
+) -> tuple[Array, Array, NDArray[np.int32], tuple[str, ...], bool]:
     """Draw exact singular configurations, the same number from every stratum that has any.
 
     Args:
@@ -75,66 +74,69 @@ def drawn(
         progress: progress(done, count).
 
     Returns:
-        A search in which every start converged at once, with what each began with as its stratum: "wrenches of joints
-        4-6", "joint 3 alone", "joints 2, 5 together", "joint 4 at 0".
+        (N, n) configurations; (N, min(m, n)) their singular values; (N,) which stratum each is from; the strata, by
+        what they begin with: "wrenches of joints 4-6", "joint 3 alone", "joints 2, 5 together", "joint 4 at 0"; and
+        whether as many were drawn as were asked for, or there are no more: False after Ctrl-C.
 
     Raises:
         OptionError: no stratum that has a singular configuration.
     """
-    robot, task, corank, full = problem.robot, problem.task, problem.corank, problem.generic_rank
-    rank = full + 1 - corank  # σ of this number vanishes
+    robot, task = problem.robot, problem.task
     arm = _Chain(robot, task, problem.limits)
-    ways: list[tuple[str, Draw]] = []
-    if corank == 1 and _in_closed_form(robot, task, full):
-        ways = [*arm.wrenches(), *arm.single_joints(full)]
-    exact = len(ways)
-    ways += [*arm.together(rank - 1, alone=not ways or corank > 1), *arm.pinned(rank - 1)]
-    rng = np.random.default_rng(seed)
-    alive = set(range(len(ways)))
-    parts: list[tuple[Array, Array, int]] = []
-    share = -(-count // len(ways))
-    have, tried = np.zeros(len(ways), dtype=np.int64), np.zeros(len(ways), dtype=np.int64)
-    complete = True
+    exact = []
+    if problem.corank == 1 and _in_closed_form(robot, task, problem.generic_rank):
+        exact = [*arm.wrenches(), *arm.single_joints(problem.generic_rank)]
+    ways = [*exact, *arm.together(problem.rank, alone=not exact or problem.corank > 1), *arm.pinned(problem.rank)]
+    patience = [_TRIED] * len(exact) + [_TRIED_TOGETHER] * (len(ways) - len(exact))
+    parts: list[tuple[Array, Array, int]] = [(np.zeros((0, robot.n)), np.zeros((0, min(task.m, robot.n))), 0)]
+    complete, have = True, 0
     try:
-        for _ in range(_ROUNDS):
-            open_ = [k for k in sorted(alive) if have[k] < share]
-            if not open_:  # those that have any make up for those that have none
-                share *= 2
-                open_ = sorted(alive)
-            if have.sum() >= count or not open_:
-                break
-            for k in open_:
-                rate = (have[k] + 1) / (tried[k] + 2)
-                wanted = int(np.clip(1.5 * (share - have[k]) / rate, 64, _BATCH))
-                q, sigma = arm.kept(ways[k][1](wanted, rng), rank, int(share - have[k]))
-                have[k] += len(q)
-                tried[k] += wanted
-                parts.append((q, sigma, k))
-                if not have[k] and tried[k] >= (_TRIED if k < exact else _TRIED_TOGETHER):
-                    alive.discard(k)
-                if progress is not None:
-                    progress(min(int(have.sum()), count), count)
+        for part in _in_turn(arm, [way for _, way in ways], patience, problem.rank + 1, count, seed):
+            parts.append(part)
+            have += len(part[0])
+            if progress is not None:
+                progress(min(have, count), count)
     except KeyboardInterrupt:
         complete = False
-    if not have.any() and complete:
+    if not have and complete:
         raise OptionError(
             "no reciprocal wrench was found: there may be no singular configuration of this corank, or hardly any",
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
-    none = np.zeros((0, robot.n))
-    q = np.concatenate([none, *(one for one, _, _ in parts)])
-    sigma = np.concatenate([np.zeros((0, min(task.m, robot.n))), *(one for _, one, _ in parts)])
-    stratum = np.concatenate([none[:, 0], *(np.full(len(one), k) for one, _, k in parts)]).astype(np.int32)
+    q, sigma = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+    stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
     turn = np.zeros(len(q), dtype=np.int64)
     for k in range(len(ways)):
         turn[stratum == k] = np.arange(int((stratum == k).sum()))
     order = np.lexsort((stratum, turn))[:count]  # one stratum after the other, so that a part has all of them
-    return Search(
-        robot, task, corank, rank - 1, "reciprocal", seed, problem.limits, problem.tolerances,
-        q=q[order], sigma=sigma[order], outcome=np.full(len(order), Outcome.CONVERGED, dtype=np.int8),
-        iterations=np.zeros(len(order), dtype=np.int32), most=0, stratum=stratum[order],
-        strata=tuple(name for name, _ in ways) if len(q) else (), interrupted=not complete,
-    )  # fmt: skip
+    return q[order], sigma[order], stratum[order], tuple(name for name, _ in ways) if have else (), complete
+
+
+def _in_turn(
+    arm: _Chain, draws: Sequence[Draw], patience: Sequence[int], rank: int, count: int, seed: int
+) -> Iterator[tuple[Array, Array, int]]:
+    """Configurations of one stratum after the other, with their singular values, until there are enough in all.
+
+    Strata that have none after so many draws as `patience` says are given up.
+    """
+    rng, alive, share = np.random.default_rng(seed), set(range(len(draws))), -(-count // len(draws))
+    have, tried = np.zeros((2, len(draws)), dtype=np.int64)
+    for _ in range(_ROUNDS):
+        waiting = [k for k in sorted(alive) if have[k] < share]
+        if not waiting:  # those that have any make up for those that have none
+            share *= 2
+            waiting = sorted(alive)
+        if have.sum() >= count or not waiting:
+            break
+        for k in waiting:
+            rate = (have[k] + 1) / (tried[k] + 2)
+            wanted = int(np.clip(1.5 * (share - have[k]) / rate, 64, _BATCH))
+            q, sigma = arm.kept(draws[k](wanted, rng), rank, int(share - have[k]))
+            have[k] += len(q)
+            tried[k] += wanted
+            if not have[k] and tried[k] >= patience[k]:
+                alive.discard(k)
+            yield q, sigma, k
 
 
 def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:
@@ -178,11 +180,7 @@ class _Chain:
 
     def kept(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
         """Those that are singular to rounding, angles in (−π, π]; within the limits where these count."""
-        turning = ~self.slides
-        inside = np.isfinite(q).all(axis=1)
-        q = q[inside]
-        wrapped = q[:, turning] - 2 * np.pi * np.ceil((q[:, turning] - np.pi) / (2 * np.pi))
-        q[:, turning] = np.clip(wrapped, -np.pi, np.pi)
+        q = into_one_turn(self.robot, q[np.isfinite(q).all(axis=1)])
         q = q[((q >= self.least) & (q <= self.most) | ~self.bound).all(axis=1)]
         if not len(q):
             return q, np.zeros((0, min(self.task.m, self.n)))
@@ -233,8 +231,8 @@ class _Chain:
                 q = q[left].copy()
                 if not len(q):
                     break
-                move = _shortest(found.f[left].reshape(len(q), -1), found.d[left][..., joints].reshape(
-                    len(q), -1, len(joints)))  # fmt: skip
+                f, d = found.f[left].reshape(len(q), -1), found.d[left][..., joints]
+                move = shortest(d.reshape(len(q), -1, len(joints)), f, 1e-9)
                 size = np.linalg.norm(move, axis=1, keepdims=True)
                 q[:, joints] -= move * np.minimum(1.0, _STEP / np.maximum(size, _STEP))
             return np.concatenate(done)
@@ -373,14 +371,6 @@ class _Chain:
             return np.concatenate(found)
 
         return draw
-
-
-def _shortest(f: Array, d: Array) -> Array:
-    """(B, n) the shortest x with d x = f, (B, k, n) and (B, k), in the sense of least squares."""
-    if d.shape[1] == 1:
-        square = (d[:, 0] ** 2).sum(axis=1, keepdims=True)
-        return np.asarray(d[:, 0] * (f / np.where(square > 0.0, square, np.inf)))
-    return np.asarray((np.linalg.pinv(d, rcond=1e-9) @ f[..., None])[..., 0])
 
 
 def _zeros(waves: Waves, slope: bool) -> tuple[NDArray[np.int64], Array]:

@@ -1,4 +1,7 @@
-"""A row under construction: linear conditions with their value sets, and the residual equations of coupled joints.
+"""A row under construction: the values that pinned joints and relations take, and the equations of coupled joints.
+
+Linear conditions are m·q = c, for pinned joints and whole-number relations, and the values c they take. A set of values
+has an equation, too: what the pinned joint, or the relation, satisfies.
 
 A readable configuration on a family: zeros where nothing depends on a joint, round numbers elsewhere.
 
@@ -12,26 +15,256 @@ also be where all equations together lead from random starts, though the first f
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from itertools import combinations, product
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rankdrop.families.genuine import ROUNDING, descents
-from rankdrop.families.linear import Linear, Values, canonical
-from rankdrop.families.signature import HIGHER, Signature
-from rankdrop.family.equation import Equation, Mask, System, normalised
-from rankdrop.family.record import Check, Family
+from rankdrop.errors import OptionError
+from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
+from rankdrop.family.equation import Equation, Mask, System, Term, normalised
+from rankdrop.family.record import Check, Family, ways_to
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
 FLAT = 1e-7  # where no slope reaches `CONDITIONED` but one exceeds this, slopes are measured by the largest
+ROUNDED = 10.0  # times `target`: σ below this tells nothing
+NEAR = 1e-3  # longest way from a point to a row that is walked [rad]
 FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solution
 STARTS = 400  # random starts of a soundness test
+
+
+def vanishing_on(covector: Sequence[int], values: Sequence[float], *, periodic: bool) -> Equation:
+    """The simplest equation that holds exactly where covector·q takes one of `values`.
+
+    {0, π} gives sin u, {±π/2} cos u, {v} sin((u − v)/2), {v, v + π} sin(u − v), any other set the product of the
+    sin((u − v)/2) written as a sum; a joint that is not periodic gives Π (u − v).
+
+    Args:
+        covector: (n,) whole numbers; u = covector·q. One ±1 entry for a pinned joint.
+        values: [rad], or [m] where not periodic.
+        periodic: whether u is an angle.
+
+    Raises:
+        OptionError: no value.
+    """
+    zero, count = (0,) * len(covector), len(values)
+    if not values:
+        raise OptionError("a condition needs at least one value")
+    if not periodic:
+        j = next(i for i, m in enumerate(covector) if m)
+        coefficients = np.poly(np.asarray(values, dtype=np.float64) * covector[j])
+        powers = [tuple((count - k) * int(i == j) for i in range(len(covector))) for k in range(count + 1)]
+        return Equation(tuple(Term(float(c), "cos", zero, p) for c, p in zip(coefficients, powers, strict=True) if c))
+    half = [int(m) for m in covector]
+    if count == 1 or (count == 2 and abs(np.cos(values[0] - values[1]) + 1) < 1e-15):
+        phase = float(values[0] / 2 if count == 1 else values[0] if -pi / 2 < values[0] < pi / 2 else values[1])
+        harmonics = tuple(count * m for m in half)
+        if abs(np.cos(phase)) < 1e-15:
+            return Equation((Term(1.0, "cos", harmonics, zero),))
+        return Equation((Term(1.0, "sin", harmonics, zero, phase if abs(np.sin(phase)) >= 1e-15 else 0.0),))
+    return _product_of_sines(half, values)
+
+
+def _product_of_sines(half: Sequence[int], values: Sequence[float]) -> Equation:
+    """Π sin((u − v)/2) over N values is z^(−N/2)·Π(z − e^{iv}) up to a constant, z = e^{iu}: read off its harmonics."""
+    zero, count = (0,) * len(half), len(values)
+    waves = np.poly(np.exp(1j * np.asarray(values)))  # of z^count … z^0
+    waves = waves * np.exp(-0.5j * (np.angle(waves[-1])))  # makes it c_k = conj(c_{count−k})
+    terms = []
+    for k in range(count // 2 + 1):
+        order = count - 2 * k  # twice the harmonic
+        c = waves[k] * (1.0 if order == 0 else 2.0)
+        harmonics = tuple(order * m for m in half)
+        terms.append(Term(float(c.real), "cos", harmonics, zero))
+        if order:
+            terms.append(Term(float(-c.imag), "sin", harmonics, zero))
+    return normalised(terms, threshold=1e-13)
+
+
+SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
+Values = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """Covectors m_1 … m_c, of which a family fixes the values m_i·q.
+
+    Attributes:
+        covectors: (c, n) whole numbers, independent.
+        periodic: (c,) whether the value is an angle.
+    """
+
+    covectors: NDArray[np.int64]
+    periodic: Mask
+
+    @classmethod
+    def of(cls, robot: Robot, covectors: Iterable[Covector]) -> Linear:
+        """The linear conditions for an arm; an angle is what only periodic joints enter."""
+        rows = np.array(list(covectors), dtype=np.int64).reshape(-1, robot.n)
+        turning = robot.periodic
+        return cls(rows, np.array([bool(turning[row != 0].all()) for row in rows], dtype=np.bool_))
+
+    def __len__(self) -> int:
+        return len(self.covectors)
+
+    @cached_property
+    def pivots(self) -> tuple[int, ...]:
+        """Joints (from 0) that are solved for: the last ones whose minor is ±1, or as small as it gets."""
+        best: tuple[float, tuple[int, ...]] = (np.inf, ())
+        columns = [j for j in range(self.covectors.shape[1]) if self.covectors[:, j].any()]
+        for choice in combinations(reversed(columns), len(self)):
+            minor = abs(float(np.linalg.det(self.covectors[:, choice])))
+            if 0.5 < minor < best[0] - 0.5:
+                best = (minor, choice)
+            if minor and best[0] < 1.5:
+                break
+        return tuple(best[1])
+
+    @cached_property
+    def along(self) -> Array:
+        """(n, n − c) orthonormal basis of the motions that keep all values."""
+        if not len(self):
+            return np.eye(self.covectors.shape[1])
+        return np.asarray(np.linalg.svd(self.covectors.astype(np.float64))[2][len(self) :].T)
+
+    def values(self, q: Array) -> Array:
+        """(N, c) values at q (N, n), angles in (−π, π]."""
+        return self.away(q, np.zeros(len(self)))
+
+    def away(self, q: Array, values: Array) -> Array:
+        """(N, c) how far the values at q (N, n) are from others (c,) or (N, c), angles the short way round."""
+        off = q @ self.covectors.T - values
+        return np.where(self.periodic, wrap(off), off)
+
+    def place(self, q: Array, values: Array, rng: np.random.Generator) -> Array:
+        """Move the pivot joints of q (N, n) so that the covectors take `values` (N, c), on a branch by chance."""
+        if not len(self):
+            return q
+        pivots = list(self.pivots)
+        square = self.covectors[:, pivots].astype(np.float64)
+        turns = round(abs(float(np.linalg.det(square))))  # how many branches the pivots have
+        branch = rng.integers(0, max(turns, 1), size=values.shape) * 2 * pi * self.periodic
+        rest = q.copy()
+        rest[:, pivots] = 0.0
+        placed = q.copy()
+        placed[:, pivots] = np.linalg.solve(square, (values + branch - rest @ self.covectors.T).T).T
+        return placed
+
+    def equations(self, sets: Iterable[Values]) -> tuple[Equation, ...]:
+        """One equation per covector, for the set of values it takes."""
+        return tuple(
+            vanishing_on([int(m) for m in row], values, periodic=bool(periodic))
+            for row, values, periodic in zip(self.covectors, sets, self.periodic, strict=True)
+        )
+
+    def combinations(self, q: Array, weights: Array, tolerance: float) -> dict[Values, NDArray[np.int64]]:
+        """The value combinations that points take, simple values exact, each with its points.
+
+        Args:
+            q: (N, n) points.
+            weights: (N,) the larger, the better the point is known.
+            tolerance: values closer than this are one.
+        """
+        pairs = zip(self.values(q).T, self.periodic.tolist(), strict=True)
+        columns = [_snapped(column, weights, tolerance, periodic=turns) for column, turns in pairs]
+        found: dict[Values, list[int]] = {}
+        for point, values in enumerate(np.reshape(columns, (len(self), len(q))).T.tolist()):
+            found.setdefault(tuple(values), []).append(point)
+        return {key: np.array(members) for key, members in found.items()}
+
+    def neighbours(self, values: Values) -> list[Values]:
+        """Combinations with one angle exchanged for v + π or −v: where symmetry puts further pieces."""
+        result = []
+        for i in range(len(self)):
+            for other in (values[i] + pi, -values[i], pi - values[i]) if self.periodic[i] else ():
+                v = canonical(other)
+                if v != values[i]:
+                    result.append((*values[:i], v, *values[i + 1 :]))
+        return result
+
+
+def canonical(angle: float) -> float:
+    """The angle in (−π, π], multiples of π/12 exact, other values rounded to 1e-13 so that equal ones compare equal."""
+    angle = float(wrap(np.array(angle)))
+    whole = round(angle / SIMPLE)
+    if abs(angle - whole * SIMPLE) < 1e-12:
+        return pi if whole == -12 else whole * SIMPLE
+    return round(angle, 13)
+
+
+def clusters(values: Array, width: float, *, periodic: bool) -> NDArray[np.int64]:
+    """(N,) numbers of groups of values that lie closer together than `width`, −π and π being one value."""
+    order = np.argsort(values, kind="stable")
+    labels = np.empty(len(values), dtype=np.int64)
+    labels[order] = np.concatenate([[0], np.cumsum(np.diff(values[order]) > width)])
+    if periodic and values[order[0]] + 2 * pi - values[order[-1]] <= width:
+        labels[labels == labels[order[-1]]] = 0
+    return labels
+
+
+def _snapped(values: Array, weights: Array, tolerance: float, *, periodic: bool) -> Array:
+    """Each value replaced by the best-known one of its cluster, or the multiple of π/12 there."""
+    labels, result = clusters(values, tolerance, periodic=periodic), np.empty_like(values)
+    for label in np.unique(labels):
+        members = np.flatnonzero(labels == label)
+        value = float(values[members[np.argmax(weights[members])]])
+        if periodic:
+            whole = round(value / SIMPLE) * SIMPLE
+            value = canonical(whole if abs(value - whole) <= tolerance else value)
+        result[members] = 0.0 if not periodic and abs(value) <= tolerance else value
+    return result
+
+
+def grow(
+    start: Iterable[Values], linear: Linear, holds: Callable[[list[Values]], list[bool]], most: int = 1024
+) -> set[Values]:
+    """All combinations that hold, from those observed outwards by symmetry.
+
+    Args:
+        start: observed combinations.
+        linear: gives the neighbours.
+        holds: tests a batch of combinations directly, by their rank.
+        most: tested combinations at most.
+    """
+    known: dict[tuple[int, float], float] = {}
+
+    def same(values: Values) -> Values:
+        """Values that agree to 1e-9 become one, so that rounding makes no new combinations."""
+        return tuple(known.setdefault((i, round(v, 9) + 0.0), v) for i, v in enumerate(values))
+
+    tested: set[Values] = set()
+    found: set[Values] = set()
+    front = list(dict.fromkeys(same(values) for values in start))
+    while front and len(tested) < most:
+        tested.update(front)
+        good = [values for values, ok in zip(front, holds(front), strict=True) if ok]
+        found.update(good)
+        near = dict.fromkeys(same(n) for values in good for n in linear.neighbours(values))
+        front = [values for values in near if values not in tested][: max(0, most - len(tested))]
+    return found
+
+
+def boxes(found: set[Values]) -> list[tuple[Values, ...]]:
+    """Cover a set of combinations by full products, large ones first: each product is one row of the table."""
+    left = set(found)
+    result = []
+    while left:
+        seed = min(left, key=lambda values: (sum(abs(v) for v in values), values))
+        sets = [[v] for v in seed]
+        for i in sorted(range(len(seed)), key=lambda i: -len({v[i] for v in left})):
+            for v in sorted({values[i] for values in left} - set(sets[i]), key=lambda v: (abs(v), -v)):
+                trial = [[*one, v] if j == i else one for j, one in enumerate(sets)]
+                if all(values in found for values in product(*trial[:i], [v], *trial[i + 1 :])):
+                    sets = trial
+        left -= set(product(*sets))
+        result.append(tuple(tuple(sorted(one, key=lambda v: (abs(v), -v))) for one in sets))
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +274,7 @@ class Row:
     Attributes:
         linear: covectors; empty for a family without pinned joints or relations.
         sets: per covector the values it takes; every combination belongs to the row.
-        residual: equations that bind the coupled joints.
+        residual: equations that bind the coupled joints; there may be more than are independent.
         signature: joints pinned, free and coupled, and the codimension (`signature.rank`).
         evidence: how the conditions were obtained.
         family: the derived family whose conditions these are; None where they were fitted.
@@ -51,7 +284,7 @@ class Row:
     sets: tuple[Values, ...]
     residual: tuple[Equation, ...]
     signature: Signature
-    evidence: str
+    evidence: str = ""
     family: Family | None = None
 
     @cached_property
@@ -64,42 +297,42 @@ class Row:
         """Every combination of values."""
         return list(product(*self.sets))
 
+    def nearest_values(self, q: Array) -> tuple[NDArray[np.int64], Array]:
+        """(N, c) which of its values each covector is nearest to at q (N, n), and how far from it [rad or m]."""
+        labels, far = np.zeros((len(q), len(self.linear)), dtype=np.int64), np.zeros((len(q), len(self.linear)))
+        values = self.linear.values(q)
+        for i, options in enumerate(self.sets):
+            off = values[:, i : i + 1] - np.array(options)
+            off = np.abs(wrap(off) if self.linear.periodic[i] else off)
+            labels[:, i], far[:, i] = off.argmin(axis=1), off.min(axis=1)
+        return labels, far
+
+    def solve(
+        self, problem: Problem, values: list[Values], each: int, rng: np.random.Generator
+    ) -> tuple[Array, Mask]:
+        """Configurations that take combinations of values exactly and solve the residual equations.
+
+        Args:
+            problem: the arm.
+            values: combinations of values, of this row or others.
+            each: random starts for each of them.
+            rng: of the starts.
+
+        Returns:
+            (V, each, n) configurations and (V, each) whether they solve the equations at a well-conditioned place.
+        """
+        targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), each, axis=0)
+        q = self.linear.place(problem.random(len(targets), rng), targets, rng)
+        good = np.ones(len(q), dtype=np.bool_)
+        if self.residual:
+            q, slope, good = _solved(q, self.residual, self.signature.residual, self.linear.along)
+            good &= slope > _least_slope(slope[good])
+        good &= problem.allowed(q)
+        return q.reshape(len(values), each, problem.n), good.reshape(len(values), each)
+
     def sample(self, problem: Problem, each: int, rng: np.random.Generator) -> tuple[Array, Mask]:
-        """(V, each, n) points on up to 64 combinations, and (V, each) whether they are good: `on_combinations`."""
-        need = self.signature.residual
-        return on_combinations(problem, self.linear, self.residual, need, self.combinations[:64], each, rng)
-
-
-def on_combinations(
-    problem: Problem,
-    linear: Linear,
-    residual: tuple[Equation, ...],
-    codimension: int,
-    values: list[Values],
-    each: int,
-    rng: np.random.Generator,
-) -> tuple[Array, Mask]:
-    """Configurations that take the given values exactly and solve the residual equations.
-
-    Args:
-        problem, linear, residual: the arm and the conditions.
-        codimension: number of independent residual equations (there may be more equations than that).
-        values: combinations of values.
-        each: random starts for each of them.
-        rng: of the starts.
-
-    Returns:
-        (V, each, n) configurations and (V, each) whether they solve the equations at a well-conditioned place.
-    """
-    n = problem.n
-    targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), each, axis=0)
-    q = linear.place(problem.random(len(targets), rng), targets, rng)
-    good = np.ones(len(q), dtype=np.bool_)
-    if residual:
-        q, slope, good = _solved(q, residual, codimension, linear.along)
-        good &= slope > _least_slope(slope[good])
-    good &= problem.allowed(q)
-    return q.reshape(len(values), each, n), good.reshape(len(values), each)
+        """(V, each, n) points on up to 64 combinations, and (V, each) whether they are good: `solve`."""
+        return self.solve(problem, self.combinations[:64], each, rng)
 
 
 def _solved(
@@ -133,46 +366,68 @@ def _least_slope(slope: Array) -> float:
     return CONDITIONED * (best if FLAT < best < CONDITIONED else 1.0)
 
 
-def verified(
-    problem: Problem,
-    linear: Linear,
-    residual: tuple[Equation, ...],
-    codimension: int,
-    values: list[Values],
-    rng: np.random.Generator,
-) -> list[bool]:
+def completed(problem: Problem, row: Row, start: Iterable[Values], rng: np.random.Generator) -> list[Row]:
+    """Rows with all combinations of values that hold, from those observed outwards by symmetry."""
+    found = grow(start, row.linear, partial(verified, problem, row, rng=rng))
+    return [replace(row, sets=sets) for sets in boxes(found)]
+
+
+def verified(problem: Problem, row: Row, values: list[Values], rng: np.random.Generator) -> list[bool]:
     """Which combinations of values belong to the family: tested directly, by σ at random values of all other joints.
 
     A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
     table of a higher corank).
     """
-    each = 24 if residual or problem.limits else 8
-    result = _tested(problem, linear, residual, codimension, values, each, rng)
+    each = 24 if row.residual or problem.limits else 8
+    result = _holding(problem, row, values, each, rng)
     unsure = [i for i, one in enumerate(result) if one is None]
     if unsure:  # limits leave little room: look harder
-        again = _tested(problem, linear, residual, codimension, [values[i] for i in unsure], 20 * each, rng)
+        again = _holding(problem, row, [values[i] for i in unsure], 20 * each, rng)
         for i, one in zip(unsure, again, strict=True):
             result[i] = one
     return [one is True for one in result]
 
 
-def _tested(
-    problem: Problem,
-    linear: Linear,
-    residual: tuple[Equation, ...],
-    codimension: int,
-    values: list[Values],
-    each: int,
-    rng: np.random.Generator,
+def _holding(
+    problem: Problem, row: Row, values: list[Values], each: int, rng: np.random.Generator
 ) -> list[bool | None]:
     """`verified` with a number of starts; None where fewer than three of them could be used."""
-    q, good = on_combinations(problem, linear, residual, codimension, values, each, rng)
+    q, good = row.solve(problem, values, each, rng)
     sigma = problem.sigma(q)
     singular = sigma[..., problem.rank] <= problem.tolerances.singular
     exact = sigma[..., problem.rank - 1] > HIGHER if problem.rank else np.ones_like(singular)
     count = good.sum(axis=1)
     holds = (singular | ~good).all(axis=1) & ((exact & good).sum(axis=1) > 0.5 * count)
     return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
+
+
+Membership = Callable[[Row], Mask]
+"""(N,) which points of a cloud lie on a row."""
+
+
+def membership(problem: Problem, q: Array) -> Membership:
+    """Which of the points q (N, n) lie on a row; each row is asked once."""
+    return cache(lambda row: on_row(problem, row, q))
+
+
+def on_any(cover: Membership, rows: Sequence[Row], count: int) -> Mask:
+    """(count,) which points lie on any of the rows."""
+    inside = np.zeros(count, dtype=np.bool_)
+    for row in rows:
+        inside |= cover(row)
+    return inside
+
+
+def on_row(problem: Problem, row: Row, q: Array) -> Mask:
+    """(N,) whether points lie on a row.
+
+    A point lies on a row when it is nearer than `tolerances.explained`, or solves the equations to rounding: where
+    these are flat, as next to a special structure, rounding alone makes a longer way of it. Where several sheets meet,
+    σ is of third or higher order in the distance and a point is known less well than that. So a point also lies on a
+    row when σ stays at rounding level on the whole way to it: then nothing tells the point from its foot on the row.
+    """
+    way = ways_to(problem, row.system, q, NEAR, ROUNDED * problem.tolerances.target)
+    return np.isfinite(way) | row.system.zero(q)
 
 
 def soundness(
@@ -247,23 +502,24 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
         alone = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
         values = alone.combinations(points, slope, SAME_VALUE)
         if len(values) <= min(MOST_VALUES, len(points) // 4):
-            pins[joint] = tuple(
-                sorted(_sharpened(problem, joint, value, points[met[0]]) for (value,), met in values.items())
-            )
+            sharp = (sharp_values(problem, alone, one, points[met[0]], SAME_VALUE) for one, met in values.items())
+            pins[joint] = tuple(sorted(value for (value,) in sharp))
     pinned = _row(problem, family, pins)
     taken = pinned.linear.combinations(points, slope, SAME_VALUE)
     return pinned if len(taken) == len(pinned.combinations) else row
 
 
-def _sharpened(problem: Problem, joint: int, value: float, q: Array) -> float:
-    """The value of a joint at a configuration (n,) of a family, from the arm itself with 50 digits.
+def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, within: float) -> Values:
+    """Values of linear conditions right to 13 digits: from a point (n,) of the family followed with 50 digits.
 
-    Where the conditions are all but flat, 1e-16 in their coefficients moves their solutions by 1e-10.
+    Where conditions are all but flat, 1e-16 in their coefficients moves their solutions by 1e-10; where one is a
+    square, σ is of second order in the error. The values stay where the singular point is farther away than `within`.
     """
     end, sigma = min(descents(problem, q), key=lambda one: one[1])
-    sharp = canonical(end[joint]) if problem.robot.periodic[joint] else round(float(end[joint]), 13) + 0.0
-    off = abs(float(wrap(np.array(sharp - value)))) if problem.robot.periodic[joint] else abs(sharp - value)
-    return sharp if sigma <= ROUNDING and off <= SAME_VALUE else value
+    if sigma > ROUNDING or np.abs(linear.away(end[None], np.array(values))).max() > within:
+        return values
+    pairs = zip(linear.values(end[None])[0].tolist(), linear.periodic.tolist(), strict=True)
+    return tuple(canonical(value) if turns else round(value, 13) + 0.0 for value, turns in pairs)
 
 
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
@@ -271,7 +527,7 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     rest = [one for one in family.equations if not {j - 1 for j in one.joints} <= set(joints)]
     coupled = tuple(sorted({j - 1 for one in rest for j in one.joints} - set(joints)))
     free = tuple(j for j in range(problem.n) if j not in joints and j not in coupled)
-    signature = Signature(problem.n - family.dimension, joints, free, coupled, (), ())
+    signature = Signature(problem.n - family.dimension, joints, free, coupled)
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     residual = tuple(normalised(one.terms) for one in rest)
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, "exact condition", family)
@@ -291,42 +547,36 @@ REGULAR = 1e-2
 
 
 def elsewhere(
-    problem: Problem,
-    linear: Linear,
-    combinations: Sequence[Values],
-    residual: tuple[Equation, ...],
-    marks: Mapping[int, Sequence[float]],
-    rng: np.random.Generator,
+    problem: Problem, row: Row, marks: Mapping[int, Sequence[float]], rng: np.random.Generator
 ) -> tuple[int, Array]:
     """Solve a row's equations with some of their joints held at special values.
 
     Args:
         problem: the arm, and the corank.
-        linear, combinations, residual: the row; each start takes one combination of values by chance.
+        row: its conditions; each start takes one combination of values by chance.
         marks: further values to hold joints (from 0) at, beside right angles: those of other rows [rad or m].
         rng: of joints, values and starts.
 
     Returns:
         How many solutions could be judged, and (S, n) those that are regular.
     """
-    n = problem.n
+    n, linear = problem.n, row.linear
     none = np.zeros((0, n))
-    if not residual:
+    if not row.residual:
         return 0, none
-    system = System(residual)
+    system = System(row.residual)
     fixed = set(linear.pivots)
-    joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
+    joints = [j - 1 for j in sorted({j for f in row.residual for j in f.joints}) if j - 1 not in fixed]
     begun: dict[tuple[int, ...], list[Array]] = {}
-    values = np.array(combinations, dtype=np.float64).reshape(len(combinations), -1)
+    values = np.array(row.combinations, dtype=np.float64).reshape(len(row.combinations), -1)
     for held in _held(problem, joints, marks, rng):
-        numbers = list(held)
-        chosen = rng.integers(len(combinations), size=EACH)
+        chosen = rng.integers(len(values), size=EACH)
         q = problem.random(EACH, rng)
-        q[:, numbers] = list(held.values())
+        q[:, list(held)] = list(held.values())
         begun.setdefault(tuple(sorted(held)), []).append(linear.place(q, values[chosen], rng))
     loose = problem.random(LOOSE, np.random.default_rng(0))  # nothing held: a place that draws all equations at once
-    begun[()] = [linear.place(loose, values[np.arange(LOOSE) % len(combinations)], np.random.default_rng(0))]
-    ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
+    begun[()] = [linear.place(loose, values[np.arange(LOOSE) % len(values)], np.random.default_rng(0))]
+    ends = [none]
     for same, starts in begun.items():  # all starts that hold the same joints at once
         along = _free(linear, list(same), n)
         if not along.shape[1]:
@@ -334,10 +584,9 @@ def elsewhere(
         q, good = system.solve(np.concatenate(starts), along=along, iterations=60)
         if not same:  # counted only where they speak against the row: random starts have spoken for it
             good &= (np.abs(system.values(q)) <= CERTAIN).all(axis=1) & (problem.sigma(q)[:, problem.rank] > REGULAR)
-        ends.append(q)
-        solved.append(good)
+        ends.append(q[good])
     q = np.concatenate(ends)
-    q = q[np.concatenate(solved) & problem.allowed(q)]
+    q = q[problem.allowed(q)]
     sigma = problem.sigma(q)[:, problem.rank]
     regular = sigma > REGULAR
     return int((regular | (sigma <= problem.tolerances.singular)).sum()), q[regular]

@@ -12,14 +12,27 @@ AM do not print their rule for the length of a step, α_k. There are two here: a
 
 With the line search successive gradients are at right angles where σ is smooth, so that the angles of 120° to 180° in
 AM's figures come from steps that go beyond the minimum, as those of the other rule do.
+
+What sampling has not seen is estimated. Every converged start lands on one piece of the singular set (a row with one
+combination of its values). Pieces met exactly once are the sign that others were not met at all: with f1 of them among
+N starts, the chance that the next start lands on a piece never met is about f1/N (I. J. Good, The population
+frequencies of species, 1953).
+
+The bound at 95 % starts from the exact binomial bound on f1 of N (3/N, the rule of three, when f1 = 0). The error of
+Good's estimate has variance (f1(1 − f1/N) + 2·f2)/N², f2 the pieces met twice (W. W. Esty, 1983); the binomial bound
+covers the first part, and the second is added in quadrature. It speaks of the search's own sampling mass: a piece that
+no start is drawn to is beyond any such estimate.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from functools import cached_property
+from math import exp, hypot, lgamma, log, log1p, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,25 +40,29 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
-from rankdrop.families.search_record import (
-    AM_THRESHOLD,
-    LOWEST,
-    MOST,
-    History,
-    Outcome,
-    Search,
-    to_the_ground,
-)
-from rankdrop.kinematics import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
+from rankdrop.family.record import Unseen
+from rankdrop.kinematics import chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
-from rankdrop.local.minimax import stays_up
+from rankdrop.local.minimax import brought_down, stays_up
 from rankdrop.options import takes
-from rankdrop.problem import Problem
+from rankdrop.problem import Problem, into_one_turn
 from rankdrop.questions import SearchOptions
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section, html
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_units, into_units, out_of_units, task_in_units
+
+AM_THRESHOLD = 1e-6
+"""AM's ε: the two descent methods stop a start here [1]."""
+MOST = 200
+"""Iterations of block-LM for each start, unless told otherwise."""
+LOWEST = 32
+"""Near misses that are looked at more closely: those of the smallest σ."""
+_FINISHED = 4  # so many at a time are brought down to the end
+_SAME = 4  # decimals to which all singular values of two near misses agree where they are one minimum
+_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
+
 
 Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
@@ -60,7 +77,6 @@ _KICKS = 2  # starts from beside such a minimum
 _TRIED = 1000  # starts none of which converges before those after them start from nowhere else
 RECIPROCAL = "reciprocal"
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
-MOST_THREADS = 1024
 _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
 """What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
 _ITERATIONS = {"lm": MOST, "gradient": 3000, "almarkhi": 3000}
@@ -70,6 +86,146 @@ from 1,843 and corank 3 from 2,000; an exact line search from 1,679 and 431 (doc
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
 
 
+class Outcome(IntEnum):
+    """How one start ended."""
+
+    CONVERGED = 0
+    """σ beyond the kept rank is zero within the tolerance: a singular configuration."""
+    NEAR_MISS = 1
+    """A local minimum that is not zero: no singularity, however small σ is there."""
+    SLOW = 2
+    """The iterations ran out on the way."""
+    NOT_RUN = 3
+    """Stopped before this start was done."""
+    CREASE = 4
+    """Stuck, and at no local minimum: σ ties with the next one, and another direction leads on down; descent only."""
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What happened on the way, per start and iteration; NaN after the end (AM Figures 1–3).
+
+    Attributes:
+        sigma: (N, iterations + 1, min(m, n)) singular values.
+        turning: (N, iterations + 1) angle between the gradients followed in this iteration and the one before [rad];
+            NaN in the first, and where a start ended; descent only.
+    """
+
+    sigma: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The outcome of every start, in the order of the starts.
+
+    Attributes:
+        robot, task: what was searched.
+        corank: k, task freedoms lost.
+        rank: the kept rank, generic rank − k.
+        method, seed, limits, tolerances: how.
+        step, tie, most: rule of the steps (None: line search), gap that counts as a tie, most iterations.
+        q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
+        sigma: (N, min(m, n)) singular values there.
+        outcome: (N,) `Outcome`.
+        iterations: (N,) iterations used.
+        history: per-iteration values, if asked for.
+        stratum, strata: of method "reciprocal", (N,) which stratum each is from, and their names; else None and none.
+        interrupted: of method "reciprocal", fewer were drawn than were asked for, for Ctrl-C came.
+    """
+
+    robot: Robot
+    task: Task
+    corank: int
+    rank: int
+    method: str
+    seed: int
+    limits: bool
+    tolerances: Tolerances
+    q: Array
+    sigma: Array
+    outcome: NDArray[np.int8]
+    iterations: NDArray[np.int32]
+    history: History | None = None
+    step: float | None = None
+    tie: float = TIE
+    most: int = MOST
+    stratum: NDArray[np.int32] | None = None
+    strata: tuple[str, ...] = ()
+    interrupted: bool = False
+
+    def __post_init__(self) -> None:
+        for array in (self.q, self.sigma, self.outcome, self.iterations, self.stratum):
+            if array is not None:
+                array.flags.writeable = False
+
+    @cached_property
+    def problem(self) -> Problem:
+        """What was asked."""
+        return Problem(self.robot, self.task, self.corank, self.tolerances, self.limits)
+
+    @property
+    def converged(self) -> Array:
+        """(C, n) the singular configurations found."""
+        return np.asarray(self.q[self.outcome == Outcome.CONVERGED])
+
+    @property
+    def complete(self) -> bool:
+        """Whether every start was run to its end."""
+        return not self.interrupted and not bool((self.outcome == Outcome.NOT_RUN).any())
+
+    @cached_property
+    def smallest_near_miss(self) -> float | None:
+        """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
+
+        Block-LM ends near where the sum of squares of all that has to vanish is least, and goes on to there from the
+        lowest of them. Where that is more than one singular value, σ[rank] itself is brought down from there, across
+        its creases; where starts converged, and all of these go down to zero as well, there is none.
+        """
+        missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
+        if not len(missed):
+            return None
+        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
+        if self.method != "lm":
+            return float(self.sigma[lowest[0], self.rank])
+        own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
+        q, sigma = to_the_ground(own, into_units(self.robot, self.q[lowest[:LOWEST]]))
+        order = np.argsort(sigma[:, self.rank], kind="stable")
+        order = order[sigma[order, self.rank] > self.tolerances.singular]  # others were on a saddle on the way to zero
+        q, sigma = q[order], sigma[order]
+        if not len(q):
+            return None
+        if self.rank == sigma.shape[1] - 1:
+            return float(sigma[0, self.rank])
+        _, members = np.unique(np.round(sigma, _SAME), axis=0, return_index=True)
+        q = q[np.sort(members)]  # often all of them are one minimum, met again and again
+        quick = brought_down(own, q, iterations=60, effort=3)
+        best = quick.q[np.argsort(quick.value, kind="stable")]
+        for first in range(0, len(best), _FINISHED):
+            some = best[first : first + _FINISHED]
+            found = brought_down(own, some, effort=6)
+            least = found.value
+            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
+                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+            if len(least):
+                return float(f"{least.min():.{_DIGITS}g}")
+        return None
+
+    def count(self, outcome: Outcome) -> int:
+        """Number of starts that ended so."""
+        return int((self.outcome == outcome).sum())
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what became of the starts."""
+        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
+        smallest = self.smallest_near_miss
+        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
+
+    def residual(self) -> float:
+        """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
+        return float(self.problem.sigma(self.converged)[:, self.rank].max(initial=0.0))
+
+
 @takes(SearchOptions)
 def search(
     robot: Robot,
@@ -77,7 +233,6 @@ def search(
     options: SearchOptions | None = None,
     *,
     task: Task | str | None = None,
-    step: float | None = None,
     history: bool = False,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
@@ -89,8 +244,8 @@ def search(
         robot: the arm.
         corank: k ≥ 1, at most the generic rank.
         task: what the tip has to do; None for the arm's own task.
-        options: method, starts, limits and seed; or its fields as keywords. Same seed, same result, on any threads.
-        step: of descents: share f of the step to linearised zero, up to 2; 0: exact line search; None: `SHARE`.
+        options: method, starts, limits, seed and steps; or its fields as keywords. The result depends on the seed, not
+            on threads.
         history: keep singular values per iteration.
         progress: called now and then with (done, total).
         tolerances: thresholds; σ ≤ `singular` is zero ("gradient" and "almarkhi" stop at AM's 1e-6).
@@ -114,13 +269,15 @@ def search(
     how = SearchOptions.of(options, given)
     resolved = resolve_task(task, robot)
     if how.method == RECIPROCAL:
-        if (how.iterations, step, history) != (None, None, False):
+        if (how.iterations, how.step, history) != (None, None, False):
             raise OptionError("nothing is iterated with reciprocal wrenches", where="method", got=how.method,
                               allowed="no iterations, step or history")  # fmt: skip
-        return _drawn(robot, resolved, corank, how, progress, tolerances)
-    q0 = sample(in_units(robot), task_in_units(resolved, robot), how.starts, how.seed, limits=how.limits)
-    problem = Problem(in_units(robot), task_in_units(resolved, robot), corank, tolerances, how.limits)
-    found = _refined(problem, q0, how, step=step, history=history, progress=progress, first=None)
+        full = generic_rank(robot, resolved)
+        problem = _problem(robot, resolved, whole_number("corank", corank, 1, max(full, 1)), how, tolerances)
+        return _out_of_units(_drawn(problem, how, progress), robot, resolved)
+    problem = _problem(robot, resolved, corank, how, tolerances)
+    q0 = sample(problem.robot, problem.task, how.starts, how.seed, limits=how.limits)
+    found = _refined(problem, q0, how, history=history, progress=progress, first=None)
     return _out_of_units(found, robot, resolved)
 
 
@@ -132,7 +289,6 @@ def refine(
     options: SearchOptions | None = None,
     *,
     task: Task | str | None = None,
-    step: float | None = None,
     first: int = 0,
     history: bool = False,
     progress: Progress | None = None,
@@ -154,14 +310,19 @@ def refine(
     resolved = resolve_task(task, robot)
     rows, _ = configurations(robot, q0)
     here = robot.exponent is not None
-    problem = Problem(in_units(robot), task_in_units(resolved, robot), corank, tolerances, how.limits)
+    problem = _problem(robot, resolved, corank, how, tolerances)
     rows = rows if here else into_units(robot, rows)
-    found = _refined(problem, rows, how, step=step, history=history, progress=progress, first=first)
+    found = _refined(problem, rows, how, history=history, progress=progress, first=first)
     return found if here else _out_of_units(found, robot, resolved)
 
 
+def _problem(robot: Robot, task: Task, corank: int, how: SearchOptions, tolerances: Tolerances) -> Problem:
+    """What is searched for, in the arm's own unit of length."""
+    return Problem(in_units(robot), task_in_units(task, robot), corank, tolerances, how.limits)
+
+
 def _refined(
-    problem: Problem, q0: Array, how: SearchOptions, *, step: float | None, history: bool, progress: Progress | None,
+    problem: Problem, q0: Array, how: SearchOptions, *, history: bool, progress: Progress | None,
     first: int | None,
 ) -> Search:  # fmt: skip
     """`refine` of an arm in its own unit of length; `search`, which is sparing, where no first start has a number.
@@ -169,10 +330,13 @@ def _refined(
     Sparing: where none of the first starts converges, those after them end at the first local minimum they meet; as
     soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
     """
-    method, sparing, robot = how.method, first is None, problem.robot
-    _check(method, problem.corank, problem.generic_rank)
-    most, step = _check_steps(how, step)
-    tolerances = problem.tolerances
+    method, sparing, robot, tolerances = how.method, first is None, problem.robot, problem.tolerances
+    if method not in METHODS:
+        raise OptionError("there is no such method", got=repr(method), allowed=", ".join((*METHODS, RECIPROCAL)))
+    full = problem.generic_rank
+    if not 1 <= problem.corank <= full:
+        raise OptionError("there is no such corank for this arm and task", got=problem.corank, allowed=f"1 … {full}")
+    most, step = _steps(how)
     box = None if problem.walls is None else np.stack(problem.walls)
     rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
@@ -224,16 +388,14 @@ def _followed(problem: Problem, parts: list[_Part]) -> None:
             part[0][row], part[1][row], part[2][row] = at, values, Outcome.CONVERGED
 
 
-def _drawn(
-    robot: Robot, task: Task, corank: int, how: SearchOptions, progress: Progress | None, tolerances: Tolerances
-) -> Search:
+def _drawn(problem: Problem, how: SearchOptions, progress: Progress | None) -> Search:
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
-    there, there_task = in_units(robot), task_in_units(task, robot)
-    corank = whole_number("corank", corank, 1, max(generic_rank(there, there_task), 1))
-    found = drawn(Problem(there, there_task, corank, tolerances, how.limits), how.starts, how.seed, progress)
-    for name in ("sigma", "outcome", "iterations", "stratum"):
-        getattr(found, name).flags.writeable = False
-    return _out_of_units(found, robot, task)
+    q, sigma, stratum, names, complete = drawn(problem, how.starts, how.seed, progress)
+    return Search(
+        problem.robot, problem.task, problem.corank, problem.rank, RECIPROCAL, how.seed, problem.limits,
+        problem.tolerances, q=q, sigma=sigma, outcome=np.full(len(q), Outcome.CONVERGED, dtype=np.int8),
+        iterations=np.zeros(len(q), dtype=np.int32), most=0, stratum=stratum, strata=names, interrupted=not complete,
+    )  # fmt: skip
 
 
 def _creases_told(cloud: Search) -> Search:
@@ -244,12 +406,12 @@ def _creases_told(cloud: Search) -> Search:
     least = stays_up(cloud.problem, cloud.q[stuck])
     outcome = cloud.outcome.copy()
     outcome[stuck[~least]] = Outcome.CREASE
-    return replace(cloud, outcome=_frozen(outcome))
+    return replace(cloud, outcome=outcome)
 
 
 def _out_of_units(cloud: Search, robot: Robot, task: Task) -> Search:
     """A search made in the arm's own unit of length, told in that of `robot`."""
-    return replace(cloud, robot=robot, task=task, q=_frozen(out_of_units(robot, cloud.q)))
+    return replace(cloud, robot=robot, task=task, q=out_of_units(robot, cloud.q))
 
 
 def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> tuple[list[_Part], bool]:
@@ -270,73 +432,119 @@ def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progres
     return parts, not (parts and parts[-1][6])
 
 
-def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
-    """The three as whole numbers of Python.
-
-    Raises:
-        OptionError: one of them is not a whole number, or outside what is allowed.
-    """
-    return (
-        whole_number("starts", starts, 1, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED),
-        whole_number("threads", threads, 0, MOST_THREADS),
-    )  # fmt: skip
-
-
-def _check(method: str, corank: int, full: int) -> None:
-    if method not in METHODS:
-        raise OptionError("there is no such method", got=repr(method), allowed=", ".join((*METHODS, RECIPROCAL)))
-    if not 1 <= corank <= full:
-        raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
-
-
-def _check_steps(how: SearchOptions, step: float | None) -> tuple[int, float | None]:
-    if how.method != "lm":
-        step = SHARE if step is None else _real("step", step, 0.0, MOST_SHARE)
-    elif step is not None:
+def _steps(how: SearchOptions) -> tuple[int, float | None]:
+    """How many iterations at most, and the rule of the steps of a descent."""
+    if how.method == "lm" and how.step is not None:
         raise OptionError(
-            "block Levenberg-Marquardt chooses its own steps", where="step", got=step,
+            "block Levenberg-Marquardt chooses its own steps", where="step", got=how.step,
             allowed="a rule of the steps with the methods gradient and almarkhi",
         )  # fmt: skip
+    step = SHARE if how.step is None and how.method != "lm" else how.step
     return _ITERATIONS[how.method] if how.iterations is None else how.iterations, step
-
-
-def _real(name: str, value: object, least: float, most: float) -> float:
-    number = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else np.nan
-    if not least <= number <= most:
-        raise OptionError(f"{name} is outside the range", got=repr(value), allowed=f"{least:g} … {most:g}")
-    return number
 
 
 def _assemble(
     problem: Problem, method: str, seed: int, starts: Array, parts: list[_Part]
 ) -> Search:
     """What the parts of the core say, and for starts that were not run that they were not."""
-    done = sum(len(part[0]) for part in parts)
-    left = len(starts) - done
-    values = min(problem.task.m, problem.n)
-    q = np.concatenate([*(part[0] for part in parts), starts[done:]])
-    if not problem.limits:
-        turns = problem.robot.periodic
-        wrapped = q[:, turns] - 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
-        q[:, turns] = np.clip(wrapped, -np.pi, np.pi)
+    rest = starts[sum(len(part[0]) for part in parts) :]
+    nothing = np.full((len(rest), min(problem.task.m, problem.n)), np.nan)
+    not_run = np.full(len(rest), Outcome.NOT_RUN, np.int8)
+    q = np.concatenate([*(part[0] for part in parts), rest])
     history = None
-    if parts and parts[0][4] is not None:
-        sigma = [part[4] for part in parts if part[4] is not None]
-        turning = [part[5] for part in parts if part[5] is not None]
-        history = History(_frozen(np.concatenate(sigma)), _frozen(np.concatenate(turning)))
+    if parts and parts[0][4] is not None and parts[0][5] is not None:
+        history = History(*(np.concatenate([part[i] for part in parts]) for i in (4, 5)))
+        history.sigma.flags.writeable = history.turning.flags.writeable = False
     return Search(
         problem.robot, problem.task, problem.corank, problem.rank, method, seed, problem.limits, problem.tolerances,
-        q=_frozen(q),
-        sigma=_frozen(np.concatenate([*(part[1] for part in parts), np.full((left, values), np.nan)])),
-        outcome=_frozen(np.concatenate([*(part[2] for part in parts), np.full(left, Outcome.NOT_RUN, np.int8)])),
-        iterations=_frozen(np.concatenate([*(part[3] for part in parts), np.zeros(left, np.int32)])),
+        q=q if problem.limits else into_one_turn(problem.robot, q),
+        sigma=np.concatenate([*(part[1] for part in parts), nothing]),
+        outcome=np.concatenate([*(part[2] for part in parts), not_run]),
+        iterations=np.concatenate([*(part[3] for part in parts), np.zeros(len(rest), np.int32)]),
         history=history,
     )
 
 
-_Scalar = TypeVar("_Scalar", bound=np.generic)
+def to_the_ground(problem: Problem, q: Array) -> tuple[Array, Array]:
+    """Where the descents from (N, n) configurations end, known as well as `Tolerances.stationary` says, and σ there."""
+    told = problem.tolerances
+    settings = _core.SearchSettings(
+        method=0, rank=problem.rank, iterations=MOST, singular=told.singular, target=told.target,
+        stationary=told.stationary, seed=0, scale=problem.scale,
+        limits=None if problem.walls is None else np.stack(problem.walls), tie=TIE, kicks=0,
+    )  # fmt: skip
+    robot = problem.robot
+    found = _core.search(chain_of(robot), task_view(robot, problem.task), np.ascontiguousarray(q), settings, threads=1)
+    return found[0], found[1]
 
 
-def _frozen(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
-    array.flags.writeable = False
-    return array
+def outcome_word(outcome: Outcome) -> str:
+    """For people: "near miss", "stuck on a crease"."""
+    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
+
+
+def search_overview(
+    robot: Robot, corank: int, counts: Sequence[tuple[str, int]], smallest: float | None, method: str, seed: int
+) -> Section:
+    """What became of the starts of one search.
+
+    Args:
+        robot: the arm.
+        corank: what was searched for.
+        counts: (outcome, how many starts).
+        smallest: smallest σ of a nonzero local minimum; None where there was none.
+        method, seed: how.
+    """
+    near = "" if smallest is None else f"smallest near miss σ = {smallest:.4g}, not singular"
+    return Section(
+        f"{robot.name}: search for corank {corank}",
+        f"method {method}, seed {seed}",
+        columns=("outcome", "starts"),
+        rows=tuple((name, f"{count:,}") for name, count in counts if count),
+        after=(near,) if near else (),
+    )
+
+
+NORMAL = 1.645  # one-sided 95 % point of the normal distribution
+
+
+def unseen(counts: Iterable[int]) -> Unseen:
+    """Estimate the share of the sampling mass on pieces not met.
+
+    Args:
+        counts: how many points met each piece (zeros are ignored).
+
+    Returns:
+        Unseen with the Good–Turing estimate and the 95 % upper bound; 1 and 1 when there is no point at all.
+    """
+    met = [int(count) for count in counts if count > 0]
+    total = sum(met)
+    if not total:
+        return Unseen(1.0, 1.0, "no point was found")
+    once, twice = met.count(1), met.count(2)
+    estimate = once / total
+    upper = min(1.0, estimate + hypot(binomial_upper(once, total) - estimate, NORMAL * sqrt(2 * twice) / total))
+    how = f"Good–Turing: {once} of {len(met)} pieces met once in {total} points"
+    return Unseen(estimate, upper, how if once else f"{how}; rule of three")
+
+
+def none_found(starts: int) -> Unseen:
+    """When no start converged: the share of starts that would is below the rule-of-three bound."""
+    return Unseen(0.0, binomial_upper(0, starts), f"none of {starts} starts converged; rule of three on the starts")
+
+
+def binomial_upper(successes: int, trials: int, confidence: float = 0.95) -> float:
+    """Exact (Clopper–Pearson) one-sided upper bound on a probability; 1 without trials."""
+    if successes >= trials:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(60):  # the chance of so few successes falls with p: bisection to the last bit
+        middle = (low + high) / 2
+        low, high = (middle, high) if _at_most(successes, trials, middle) > 1 - confidence else (low, middle)
+    return high
+
+
+def _at_most(successes: int, trials: int, p: float) -> float:
+    """Chance of at most so many successes, each trial succeeding with probability p in (0, 1)."""
+    choose = [lgamma(trials + 1) - lgamma(k + 1) - lgamma(trials - k + 1) for k in range(successes + 1)]
+    return sum(exp(choose[k] + k * log(p) + (trials - k) * log1p(-p)) for k in range(successes + 1))

@@ -11,30 +11,33 @@ bound.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from functools import partial
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.points import Rows, near_family
+from rankdrop.families.searching import Progress
 from rankdrop.family.equation import REACHED, System
 from rankdrop.family.record import Family, family_in_units
 from rankdrop.local.block import joint_scale, sample
-from rankdrop.problem import Problem
-from rankdrop.robot.model import Array, Robot
+from rankdrop.local.rates import slowest_motions
+from rankdrop.problem import Mask, Problem
+from rankdrop.robot.model import Array
 from rankdrop.solve import iterate, towards
-from rankdrop.units import in_units, task_in_units
+from rankdrop.tolerances import SLOW, SLOW_TURN
+from rankdrop.units import in_units, out_of_units, task_in_units
 
-Mask = NDArray[np.bool_]
-Progress = Callable[[int, int], None]
 SAMPLES = 10_000
 WIDEST = 1.5
 """Distances from here on say nothing: families are everywhere [rad]."""
 _STEPS = 12  # of the walk to the nearest point: distances of some degrees are right to 1e-4 of themselves after that
 _LONGEST = 0.5  # step [rad]
+_BLOCK = 10_000  # configurations whose speeds are computed at one time
 _AROUND = 2  # further starts of the walk, within the distance of each configuration
 _Z = 1.959963984540054  # two-sided 95 %
 
@@ -83,6 +86,8 @@ class Near:
         samples, seed, limits: of the random configurations.
         families: one record for each family that has conditions, in their order.
         any: within δ of at least one of them.
+        slow: inside the joint limits, where some straight motion of the tool is slower than 25 mm/s or 5°/s
+            (`slow_share`); None without rate limits.
     """
 
     within: float
@@ -91,6 +96,7 @@ class Near:
     limits: bool
     families: tuple[NearShare, ...]
     any: NearShare
+    slow: NearShare | None = None
     _hits: Mask | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -133,14 +139,54 @@ def near_shares(
     for done, family in enumerate(named):
         if progress is not None:
             progress(done, len(named))
-        here = _near(family_in_units(family, robot), own, q, scale, within, rng)
+        moved = family_in_units(family, robot)
+        here = near_family(moved, q, within, scale, robot.periodic, partial(_walked, moved, scale, rng))
         every |= here
         met.append(NearShare(family.id, int(here.sum()), samples, bool(family.coupled)))
     if progress is not None:
         progress(len(named), len(named))
     unsure = len(named) < len(families) or any(one.bound for one in met)
     shared = NearShare("", int(every.sum()), samples, unsure)
-    return Near(within, samples, seed, limits, tuple(met), shared, every)
+    slow, _ = slow_share(problem, samples=samples, seed=seed)
+    return Near(within, samples, seed, limits, tuple(met), shared, slow, every)
+
+
+def slow_share(
+    problem: Problem, *, speed: float = SLOW, turn_speed: float = SLOW_TURN, samples: int = SAMPLES, seed: int = 0
+) -> tuple[NearShare | None, Mask]:
+    """Share of the configurations inside the joint limits at which some straight motion of the tool is slow.
+
+    Args:
+        problem: the arm with its rate limits, and its task.
+        speed: a straight translation slower than this is slow [m/s].
+        turn_speed: the same of rotations about the tool point [rad/s].
+        samples: how many configurations.
+        seed: of them.
+
+    Returns:
+        The share, and (samples,) which configurations are slow; None and an empty mask without rate limits. The share
+        is a lower bound where the arm has too many joints to list all directions.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("ur5e")
+        >>> share, _ = slow_share(Problem(arm, resolve_task(None, arm)), samples=2000)
+        >>> f"{100 * share.share:.1f} %"
+        '7.4 %'
+    """
+    robot, task = problem.robot, problem.task
+    own, inside = in_units(robot), task_in_units(task, robot)
+    q = out_of_units(robot, sample(own, inside, samples, seed, limits=True))
+    slow, bound = np.zeros(samples, dtype=np.bool_), False
+    for first in range(0, samples, _BLOCK):
+        kinds = slowest_motions(robot, q[first : first + _BLOCK], task)
+        if not kinds:
+            return None, np.zeros(0, dtype=np.bool_)
+        for one in kinds:
+            slow[first : first + _BLOCK] |= one.speed < (speed if one.unit == "m/s" else turn_speed)
+            bound |= not one.exact
+    return NearShare("", int(slow.sum()), samples, bound), slow
 
 
 def check_within(within: float) -> None:
@@ -153,28 +199,7 @@ def check_within(within: float) -> None:
                           allowed=f"above 0, up to {WIDEST} rad (86°)")  # fmt: skip
 
 
-def _near(
-    family: Family, robot: Robot, q: Array, scale: Array, within: float, rng: np.random.Generator
-) -> Mask:
-    """(N,) which configurations are within the distance of the family."""
-    numbers = [one.number - 1 for one in family.pinned]
-    near = np.zeros(len(q), dtype=np.bool_)
-    for values in product(*(one.values for one in family.pinned)):
-        gap = q[:, numbers] - np.array(values)
-        turn = 2 * np.pi * robot.periodic[numbers]
-        gap -= turn * np.round(gap / np.where(turn > 0.0, turn, 1.0))
-        left = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)
-        open_rows = np.flatnonzero((left >= 0.0) & ~near)
-        if not family.coupled:
-            near[open_rows] = True
-        elif len(open_rows):
-            at = q[open_rows]
-            at[:, numbers] -= gap[open_rows]
-            near[open_rows] = _walked(family, at, scale, np.sqrt(left[open_rows]), rng)
-    return near
-
-
-def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.random.Generator) -> Mask:
+def _walked(family: Family, scale: Array, rng: np.random.Generator, _rows: Rows, q: Array, within: Array) -> Mask:
     """(N,) whether a zero of the equations was found so near, pinned joints held."""
     system = family.system
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])

@@ -2,7 +2,10 @@
 surfaces of a cube.
 
 Zero sets of functions given on a grid: curves in a plane (marching squares), surfaces in space (tetrahedra). Curves in
-space are walked step by step along their tangent (`rankdrop.solve.trace`), in the coordinates of the slice.
+space are walked step by step along their tangent (`rankdrop.solve.trace`), in the coordinates of the slice. Where so
+many joints are held that nothing larger than curves is left, these are traced whatever family they are of: at a
+singular configuration of corank k the block F = U₂ᵀJV₂ vanishes, and a joint motion Δ keeps it zero to first order
+where D(Δ) = 0. Along a line of joint space, one joint swept, singular values are given.
 """
 
 from __future__ import annotations
@@ -13,16 +16,20 @@ from itertools import permutations
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.families.points import general_member
+from rankdrop.errors import OptionError
+from rankdrop.families.points import general_member, lifted
+from rankdrop.families.searching import search
 from rankdrop.family.equation import SOLVED, System
 from rankdrop.family.record import Family, family_in_metres
-from rankdrop.problem import Problem, wrap, wrapped
-from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import trace
-from rankdrop.task import Task
-from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+from rankdrop.kinematics import one_configuration
+from rankdrop.local.block import generic_rank, sampling_box, singular_values
+from rankdrop.problem import Mask, Problem, wrapped
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.solve import curves_through, newton
+from rankdrop.task import Task, resolve_task
+from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 Ints = NDArray[np.int64]
 
@@ -201,36 +208,23 @@ def slice_through(
         family: id of the family that q is on, for the record.
         nodes: along each side.
     """
-    if metre_exponent(robot):
-        there = [family_in_metres(one, robot) for one in families]
-        found = slice_through(
-            in_metres(robot), task_in_metres(task, robot), there, into_metres(robot, q), joints, family=family,
-            nodes=nodes,
-        )
-        return _out_of_metres(found, robot)
-    problem = Problem(robot, task)
-    x, y = (_values(problem, number - 1, q[number - 1], nodes) for number in joints)
-    plane = _Plane(problem, np.array(q), (joints[0] - 1, joints[1] - 1), x, y)
+    problem = Problem(in_metres(robot), task_in_metres(task, robot))
+    here, moving = into_metres(robot, q), (joints[0] - 1, joints[1] - 1)
+    x, y = (_values(problem, j, here[j], nodes) for j in moving)
+    plane = _Plane(problem, here, moving, x, y)
+    units = out_of_metres(robot, np.ones(robot.n))[list(moving)]
     traces, filled = [], []
     for one in families:
-        if not one.named or not one.equations:
-            continue
-        trace = plane.trace(one)
-        if trace is None:
-            filled.append(one.id)
-        elif trace.curves or len(trace.points):
-            traces.append(trace)
-    return Slice(joints, np.array(q), family, x, y, plane.sigma(), tuple(traces), tuple(filled))
-
-
-def _out_of_metres(slice_: Slice, robot: Robot) -> Slice:
-    units = out_of_metres(robot, np.ones(robot.n))[[number - 1 for number in slice_.joints]]
-    traces = tuple(
-        replace(one, curves=tuple(curve * units for curve in one.curves), points=one.points * units)
-        for one in slice_.traces
+        if one.named and one.equations:
+            trace = plane.trace(family_in_metres(one, robot))
+            if trace is None:
+                filled.append(one.id)
+            elif trace.curves or len(trace.points):
+                lines = tuple(curve * units for curve in trace.curves)
+                traces.append(replace(trace, curves=lines, points=trace.points * units))
+    return Slice(
+        joints, np.array(q), family, x * units[0], y * units[1], plane.sigma(), tuple(traces), tuple(filled)
     )
-    q = out_of_metres(robot, slice_.q)
-    return replace(slice_, q=q, x=slice_.x * units[0], y=slice_.y * units[1], traces=traces)
 
 
 def _values(problem: Problem, j: int, at: float, nodes: int) -> Array:
@@ -252,7 +246,7 @@ class _Plane:
     def nodes(self) -> Array:
         """(a·b, n)."""
         grid = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1)
-        return _lifted(self.q, list(self.moving), grid.reshape(-1, 2))
+        return lifted(self.q, self.moving, grid.reshape(-1, 2))
 
     def sigma(self) -> Array:
         smallest = self.problem.sigma(self.nodes())[:, self.problem.generic_rank - 1]
@@ -278,7 +272,7 @@ class _Plane:
 
     def _polished(self, line: Array, system: System, family: Family) -> list[Array]:
         """The line brought onto the zero set, and cut where a vertex is not singular."""
-        ends, _ = system.solve(_lifted(self.q, list(self.moving), line), along=self._basis(), iterations=8)
+        ends, _ = system.solve(lifted(self.q, self.moving, line), along=self._basis(), iterations=8)
         points = ends[:, list(self.moving)]
         cell = 1.5 * np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
         good = (np.abs(points - line) <= cell).all(axis=1)
@@ -291,7 +285,7 @@ class _Plane:
     def _solved(self, system: System, family: Family) -> Array:
         """Isolated points, from a grid of starts."""
         starts = np.stack(np.meshgrid(*(np.linspace(v[0], v[-1], _SEEDS) for v in (self.x, self.y))), axis=-1)
-        ends, solved = system.solve(_lifted(self.q, list(self.moving), starts.reshape(-1, 2)), along=self._basis())
+        ends, solved = system.solve(lifted(self.q, self.moving, starts.reshape(-1, 2)), along=self._basis())
         ends = wrapped(self.problem.robot, ends[solved])
         ends = ends[self.problem.at(family.corank).singular(ends)]
         points = ends[:, list(self.moving)]
@@ -317,54 +311,6 @@ class _Plane:
 STEP = 0.07
 """Between neighbours on a curve [rad]."""
 _MOST = 600  # steps of one curve: seven turns; one that is longer does not come to an end
-
-
-def walk(system: System, base: Array, joints: Sequence[int], seeds: Array, step: float = STEP) -> list[Array] | None:
-    """Every curve of the zero set that a seed lies on; all joints of the slice turn, and curves run on past ±π.
-
-    Args:
-        system: the equations.
-        base: (n,) the other joints [rad, m].
-        joints: d joints from 0 that span the slice.
-        seeds: (N, d) points that solve the equations.
-        step: between neighbours [rad].
-
-    Returns:
-        (k, d) polylines, not wrapped; a closed one ends where it begins, up to whole turns. None where a curve does
-        not come to an end: equations that nearly hold on more than a curve (Sawyer) are not to be walked.
-    """
-    found: list[Array] = []
-    left = np.array(seeds)
-    while len(left):
-        line = _line(system, base, list(joints), left[0], step)
-        if len(line) > _MOST:
-            return None
-        if len(line) > 2:
-            found.append(line)
-        left = left[1:]
-        for start in range(0, len(line), 256):
-            gap = np.abs(wrap(left[:, None] - line[None, start : start + 256])).max(axis=2).min(axis=1, initial=np.inf)
-            left = left[gap > step]
-    return found
-
-
-def closed(line: Array, step: float = STEP) -> bool:
-    """Whether a curve comes back to where it began, up to whole turns."""
-    return bool(np.abs(wrap(line[-1] - line[0])).max() < step / 2)
-
-
-def _line(system: System, base: Array, joints: list[int], seed: Array, step: float) -> Array:
-    def linear(x: Array) -> tuple[Array, Array]:
-        q = np.repeat(base[None], len(x), axis=0)
-        q[:, joints] = x
-        f, slope = system.linear(q)
-        return f, slope[..., joints]
-
-    ahead, back_again = trace(linear, seed, step, zero=SOLVED, most=_MOST)
-    if back_again:
-        return ahead
-    behind, _ = trace(linear, seed, step, zero=SOLVED, most=_MOST, sign=-1.0)
-    return np.concatenate([behind[:0:-1], ahead])
 
 
 CUBE_NODES = 23
@@ -442,12 +388,11 @@ def solid(
     problem = Problem(robot, task, family.corank)
     moving = [number - 1 for number in joints]
     q = general_member(robot, task, family, moving, seed)
-    starts = np.repeat(q[None], SEEDS, axis=0)
-    starts[:, moving] = problem.sample(SEEDS, seed)[:, moving]
+    starts = lifted(q, moving, problem.sample(SEEDS, seed)[:, moving])
     held = _held(family, starts, moving)
     basis = np.eye(robot.n)[:, moving]
-    three = (joints[0], joints[1], joints[2])
-    nothing = Solid(family.id, three, q, (), 0, np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    nowhere = np.empty((0, 3))
+    nothing = Solid(family.id, (joints[0], joints[1], joints[2]), q, (), 0, nowhere, nowhere.astype(np.int64))
     if held is None:
         return nothing
     seeds, solved = held.solve(starts, along=basis)
@@ -457,12 +402,18 @@ def solid(
         return nothing
     rank = int(np.median(np.linalg.matrix_rank(held.jacobian(seeds)[..., moving], tol=1e-5)))
     if rank == 2:
-        lines = walk(held, q, moving, seeds[:, moving]) or []
-        lines = [line for line in lines if problem.singular(_lifted(q, moving, line)).all()]
-        return Solid(family.id, three, q, tuple(lines), sum(map(closed, lines)), nothing.vertices, nothing.triangles)
+        def linear(x: Array) -> tuple[Array, Array]:
+            f, slope = held.linear(lifted(q, moving, x))
+            return f, slope[..., moving]
+
+        lines = curves_through(linear, seeds[:, moving], STEP, zero=SOLVED, most=_MOST)
+        if any(len(line) > _MOST for line, _ in lines):  # nearly solved on more than a curve (Sawyer)
+            return nothing
+        kept = [one for one in lines if len(one[0]) > 2 and problem.singular(lifted(q, moving, one[0])).all()]
+        return replace(nothing, curves=tuple(line for line, _ in kept), closed=sum(closed for _, closed in kept))
     if rank == 1 and len(held.equations) == 1:
         vertices, triangles = _sheet(problem, held, q, moving, nodes)
-        return Solid(family.id, three, q, (), 0, vertices, triangles)
+        return replace(nothing, vertices=vertices, triangles=triangles)
     return nothing
 
 
@@ -477,25 +428,151 @@ def _held(family: Family, q: Array, moving: list[int]) -> System | None:
     return System(tuple(kept))
 
 
-def _lifted(q: Array, moving: list[int], points: Array) -> Array:
-    full = np.repeat(q[None], len(points), axis=0)
-    full[:, moving] = points
-    return full
-
-
 def _sheet(
     problem: Problem, held: System, q: Array, moving: list[int], nodes: int
 ) -> tuple[Array, NDArray[np.int64]]:
     """The surface, its vertices polished; triangles with a vertex that is not singular are left out."""
     axis = np.linspace(-_SIDE, _SIDE, nodes)
     grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
-    values = held.equations[0](_lifted(q, moving, grid)).reshape(nodes, nodes, nodes)
+    values = held.equations[0](lifted(q, moving, grid)).reshape(nodes, nodes, nodes)
     vertices, triangles = surface(values, (axis, axis, axis))
     if not len(triangles):
         return vertices, triangles
-    ends, _ = held.solve(_lifted(q, moving, vertices), along=np.eye(problem.n)[:, moving], iterations=8)
+    ends, _ = held.solve(lifted(q, moving, vertices), along=np.eye(problem.n)[:, moving], iterations=8)
     good = problem.singular(ends)
     good &= np.linalg.norm(ends[:, moving] - vertices, axis=1) < 2 * (axis[1] - axis[0])
     triangles = triangles[good[triangles].all(axis=1)]
     used, triangles = np.unique(triangles, return_inverse=True)
     return ends[used][:, moving], triangles.reshape(-1, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """One joint swept through a configuration.
+
+    Attributes:
+        number: the joint, from 1.
+        unit: "rad" or "m".
+        at: its value in the configuration.
+        values: (N,) its values, increasing; `at` is one of them.
+        sigma: (N, r) singular values σ_1 … σ_r there, descending, r the generic rank.
+    """
+
+    number: int
+    unit: str
+    at: float
+    values: Array
+    sigma: Array
+
+
+def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sweep, ...]:
+    """Singular values with each joint swept in turn: a whole turn about q, or the travel of a slide.
+
+    Args:
+        robot, task: the arm.
+        q: (n,) [rad, m].
+        count: values of each joint, one more where the configuration's own is not among them.
+
+    Returns:
+        One `Sweep` per joint.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+    """
+    centre = one_configuration(robot, q)
+    low, high = sampling_box(robot, task, limits=False)
+    rank = generic_rank(robot, task)
+    found = []
+    for j, joint in enumerate(robot.variables):
+        begin, end = (-np.pi, np.pi) if robot.periodic[j] else (min(low[j], centre[j]), max(high[j], centre[j]))
+        values = np.union1d(np.linspace(begin, end, count), [centre[j]])
+        line = np.repeat(centre[None], len(values), axis=0)
+        line[:, j] = values
+        sigma = singular_values(robot, line, task)[:, :rank]
+        found.append(Sweep(j + 1, joint.unit, float(centre[j]), values, sigma))
+    return tuple(found)
+
+
+_ON = 1e-11  # |F| at a point of the set [1]
+_LONGEST = 200.0  # of a curve that does not come to an end [rad]
+_CORRECTIONS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One traced piece of the singular set.
+
+    Attributes:
+        q: (N, n) configurations in order; angles run on, they are not wrapped [rad].
+        closed: it came back to its start (angles modulo 2π).
+        length: in joint space [rad].
+        windings: (n,) turns that each joint makes on the way round; zero where not closed.
+    """
+
+    q: Array
+    closed: bool
+    length: float
+    windings: tuple[int, ...]
+
+
+def singular_curves(
+    robot: Robot, joints: Sequence[int], *, held: ArrayLike | None = None, corank: int = 1,
+    task: Task | str | None = None, starts: int = 200, step: float = 0.05,
+) -> tuple[Curve, ...]:  # fmt: skip
+    """Every curve of singular configurations that random starts meet, longest first.
+
+    Args:
+        robot: an arm of revolute joints.
+        joints: numbers (from 1) of those that move; the others stay where `held` has them.
+        held: (n,) configuration [rad]; zeros if None.
+        corank: task freedoms lost.
+        task: name, `Task`, or None for the task the arm is made for.
+        starts: of the search that gives the first points.
+        step: between two points of a curve [rad].
+
+    Raises:
+        OptionError: a joint that does not turn, or that there is not.
+        ConfigurationError: `held` is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> [(curve.closed, curve.windings) for curve in singular_curves(open_robot("almarkhi4"), (2, 3, 4))][0]
+        (True, (0, 1, 0, 0))
+    """
+    moving = [number - 1 for number in joints]
+    if not moving or not set(moving) <= set(range(robot.n)):
+        raise OptionError("there is no such joint", got=list(joints), allowed=f"1 … {robot.n}")
+    if any(robot.variables[j].kind is not JointKind.REVOLUTE for j in range(robot.n)):
+        raise OptionError("curves are traced of revolute joints only", where=f"robot {robot.name!r}")
+    resolved = resolve_task(task, robot)
+    base = one_configuration(robot, np.zeros(robot.n) if held is None else held)
+    problem = Problem(robot, resolved, corank)
+
+    def linear(x: Array) -> tuple[Array, Array]:
+        """F as a vector, and its derivative by the joints that move."""
+        at = problem.block(lifted(base, moving, x))
+        return at.f.reshape(len(x), -1), at.d[..., moving].reshape(len(x), -1, len(moving))
+
+    def unsolved(x: Array) -> tuple[Mask, Array, Array]:
+        f, slope = linear(x)
+        return np.abs(f).max(axis=1) > _ON, f, slope
+
+    if len(moving) == 1:
+        return ()
+    seeds = search(robot, corank, task=resolved, starts=starts).converged[:, moving]
+    seeds = newton(unsolved, seeds, iterations=_CORRECTIONS)
+    seeds = seeds[np.abs(linear(seeds)[0]).max(axis=1) <= _ON]
+    most = int(_LONGEST / step)
+    lines = curves_through(linear, seeds, step, zero=_ON, most=most)
+    found = [_curve(lifted(base, moving, line), closed) for line, closed in lines if closed or len(line) > most]
+    return tuple(sorted(found, key=lambda curve: -curve.length))
+
+
+def _curve(q: Array, closed: bool) -> Curve:
+    """A curve with its turns, the first of them forwards."""
+    turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) * closed
+    if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
+        q, turns = q[::-1].copy(), -turns
+    q.flags.writeable = False
+    length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
+    return Curve(q, closed, length, tuple(int(turn) for turn in turns))

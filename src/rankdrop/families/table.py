@@ -5,8 +5,8 @@ on a family are singular, of its corank and dimension (`Tested`), and singular p
 derivation finished, conditions are fitted to the cloud:
 
 1. Every point gets a signature from D (`signature`): joints pinned, free, coupled; whole-number relations.
-2. Groups of one signature become rows (`rows`): values are snapped, completed by symmetry and verified directly by σ;
-   equations of coupled joints are fitted (`fit`, `residual`).
+2. Groups of one signature become rows (`fit`): values are snapped, completed by symmetry and verified directly by σ;
+   equations of coupled joints are fitted.
 
 Both kinds of rows are tested in the same way. Soundness: the equations are solved from random starts and the rank is
 taken; a fitted row that fails there is dropped. Then they are solved at special places (`elsewhere`); solutions there
@@ -18,19 +18,28 @@ Last the posture in which a family is shown: one of its members that people woul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.genuine import not_singular, polished
-from rankdrop.families.row import Row, elsewhere, row_of, soundness, stated_row, witness
-from rankdrop.families.rows import Membership, find_rows, leftovers, membership, on_any
-from rankdrop.families.search_record import Outcome, Search, none_found, unseen
-from rankdrop.families.searching import search
-from rankdrop.families.signature import HIGHER, Inspection, inspect
+from rankdrop.families.fit import find_rows
+from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, polished
+from rankdrop.families.row import (
+    Linear,
+    Membership,
+    Row,
+    elsewhere,
+    membership,
+    on_any,
+    row_of,
+    soundness,
+    stated_row,
+    witness,
+)
+from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
 from rankdrop.family.equation import SOLVED, Mask, System, pretty_angle
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import (
@@ -39,28 +48,17 @@ from rankdrop.family.record import (
     CorankSummary,
     Family,
     Pin,
-    Sampled,
-    family_from_metres,
     family_in_metres,
     family_in_units,
     family_out_of_units,
     numbered,
 )
 from rankdrop.local.posture import candidates, fault
-from rankdrop.problem import Problem, into_limits, wrap, wrapped
+from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
-from rankdrop.units import (
-    in_metres,
-    in_units,
-    into_units,
-    metre_exponent,
-    task_in_metres,
-    task_in_units,
-)
-
-Progress = Callable[[int, int], None]
+from rankdrop.units import in_metres, in_units, into_metres, into_units, out_of_metres, task_in_metres, task_in_units
 
 FRESH = 1000  # independent points wanted for completeness
 MOST_FRESH = 20_000  # starts spent on them at most
@@ -188,7 +186,7 @@ def _tested(
         fitted_badly = row.family is None and not sound.holds
         if fitted_badly or (not len(points) and (row.family is None or problem.limits)):
             continue
-        count, regular = elsewhere(problem, stated.linear, stated.combinations, stated.residual, marks, rng)
+        count, regular = elsewhere(problem, stated, marks, rng)
         whole = Check(sound.tested + count, sound.agree + count - len(regular))
         found[row] = (whole, points, room)
     return found
@@ -277,7 +275,9 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        evidence=Sampled(row.evidence, sound, explains),
+        evidence=row.evidence,
+        soundness=sound,
+        explained=explains,
     )
 
 
@@ -304,18 +304,9 @@ def _pieces(cover: Membership, rows: list[Row], inspection: Inspection) -> list[
     for row in rows:
         members = np.flatnonzero(left & cover(row))
         left[members] = False
-        counts += [int(c) for c in np.unique(_labels(row, inspection.q[members]), axis=0, return_counts=True)[1]]
+        labels, _ = row.nearest_values(inspection.q[members])
+        counts += [int(c) for c in np.unique(labels, axis=0, return_counts=True)[1]]
     return counts
-
-
-def _labels(row: Row, q: Array) -> NDArray[np.int64]:
-    """(N, c) which value of each covector a point is nearest to."""
-    values = row.linear.values(q)
-    labels = np.zeros(values.shape, dtype=np.int64)
-    for i, options in enumerate(row.sets):
-        off = values[:, i : i + 1] - np.array(options)
-        labels[:, i] = np.abs(wrap(off) if row.linear.periodic[i] else off).argmin(axis=1)
-    return labels
 
 
 def _summary(cloud: Search, share: Check, higher: int, pieces: list[int], near_misses: bool) -> CorankSummary:
@@ -331,6 +322,110 @@ def _summary(cloud: Search, share: Check, higher: int, pieces: list[int], near_m
         higher=higher,
         unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),
     )
+
+
+VALUES = 12  # values of a pinned joint that are listed at most
+SMALL = 0.5  # a group with less than this share of another's points is small beside it
+Joints = tuple[int, ...]
+Shape = tuple[bool, int, Joints, Joints, Joints]
+"""Regular or not; rank of D; joints pinned, free, coupled."""
+
+
+def leftovers(
+    problem: Problem, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
+) -> list[tuple[Family, int]]:
+    """Families without a name: the points of exactly this corank that are left, grouped by the shape of their tangent.
+
+    Args:
+        problem: the arm, and the corank.
+        cloud, fresh: the two clouds.
+        left_cloud, left_fresh: (N,) points that no row explains.
+
+    Returns:
+        The families, that of most points first, and how many points of the cloud each has. The dimension is n − rank D,
+        an upper bound where the points are irregular; the witness is the point farthest from a higher corank.
+    """
+    q = np.concatenate([cloud.q[left_cloud & cloud.exact], fresh.q[left_fresh & fresh.exact]])
+    from_cloud = int((left_cloud & cloud.exact).sum())
+    if not len(q):
+        return []
+    inspection = inspect(problem, q)
+    groups: dict[Shape, list[int]] = {}
+    for i in range(len(q)):
+        groups.setdefault(_shape(inspection, i, problem), []).append(i)
+    ordered = sorted(_gathered(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
+    tested = int(fresh.exact.sum())
+    return [_unnamed(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered]
+
+
+def _gathered(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
+    """Put groups with the same pinned joints together where one is small beside the other.
+
+    Near a degenerate geometry (offsets of a fraction of a millimetre) tangents of one set come in many shapes. What is
+    coupled in one of them is coupled; the larger dimension is the bound.
+    """
+    joined: dict[Shape, list[int]] = {}
+    for shape, members in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
+        home = next((s for s in joined if s[2] == shape[2] and len(members) < SMALL * len(joined[s])), None)
+        if home is None:
+            joined[shape] = list(members)
+            continue
+        everyone = sorted(joined.pop(home) + members)
+        coupled = tuple(sorted({*home[4], *shape[4]}))
+        free = tuple(j for j in home[3] if j not in coupled)
+        joined[(home[0] and shape[0], min(home[1], shape[1]), home[2], free, coupled)] = everyone
+    return joined
+
+
+def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
+    """Irregular points are told apart by the dimension of ker D alone; joints that never matter are free."""
+    one = inspection.signatures[i]
+    if one is not None:
+        return (True, one.rank, one.pinned, one.free, one.coupled)
+    idle = problem.idle.tolist()
+    free, coupled = (tuple(j for j in range(problem.n) if idle[j] is still) for still in (True, False))
+    return (False, problem.n - round(float(np.trace(inspection.tangent[i]))), (), free, coupled)
+
+
+def _unnamed(
+    problem: Problem,
+    inspection: Inspection,
+    key: Shape,
+    members: NDArray[np.int64],
+    from_cloud: int,
+    tested: int,
+) -> tuple[Family, int]:
+    regular, rank, pinned, free, coupled = key
+    q, cloud = inspection.q[members], int((members < from_cloud).sum())
+    gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
+    at = q[int(np.argmax(gap))]
+    directions, sentences = lost_motions(problem, at, q)
+    kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
+    names = problem.robot.variables
+    family = Family(
+        id="",
+        name="unnamed family",
+        corank=problem.corank,
+        dimension=problem.n - rank,
+        pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
+        free=tuple(j + 1 for j in free),
+        coupled=tuple(j + 1 for j in coupled),
+        equations=(),
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        evidence=f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
+        explained=Check(tested, len(members) - cloud),
+        named=False,
+    )
+    return family, cloud
+
+
+def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
+    """Different values of a joint over points, at most twelve."""
+    linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
+    found = linear.combinations(q, np.ones(len(q)), 1e-5)
+    return tuple(sorted(values[0] for values in found)[:VALUES])
 
 
 _CANDIDATES = 256
@@ -362,30 +457,24 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
         >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
         True
     """
-    own = np.array(family.witness)
-    if metre_exponent(robot):
-        there = posed(
-            in_metres(robot), task_in_metres(task, robot), family_in_metres(family, robot),
-            [family_in_metres(one, robot) for one in others],
-        )  # fmt: skip
-        moved = family_from_metres(there, robot, metre_exponent(robot))
-        return replace(moved, lost_words=there.lost_words)  # which are told in the arm's own unit already
-    beside = [one.system for one in others if one.id != family.id and one.corank == family.corank and one.equations]
-    least = fault(robot, own[None])[0] + _SHARED * _shared(beside, own[None])[0] - _WORTH
-    found = _members(robot, task, family) if least >= 0.0 else np.empty((0, robot.n))
-    if not len(found):
-        return family
-    problem = Problem(robot, task, family.corank)
-    gap = problem.sigma(found)[:, problem.rank - 1] if problem.rank else np.ones(len(found))
+    own = into_metres(robot, family.witness)
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
+    here = problem.robot
+    rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
+    beside = [family_in_metres(one, robot).system for one in rest]
+    least = fault(here, own[None])[0] + _SHARED * _shared(beside, own[None])[0] - _WORTH
+    found = _members(problem, family_in_metres(family, robot)) if least >= 0.0 else np.empty((0, robot.n))
+    gap = problem.sigma(found)[:, problem.rank - 1] if problem.rank and len(found) else np.ones(len(found))
     found, gap = found[gap > _ROOM], gap[gap > _ROOM]
     if not len(found):
         return family
-    faults = fault(robot, found) + _SHARED * _shared(beside, found)
-    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
+    faults = fault(here, found) + _SHARED * _shared(beside, found)
+    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(here, found)).argmin())
     if faults[best] > least:
         return family
     directions, words = lost_motions(problem, found[best], found[:_POINTS])
-    return replace(family, witness=tuple(float(x) for x in found[best]), lost_directions=directions, lost_words=words)
+    witness = tuple(float(x) for x in out_of_metres(robot, found[best]))
+    return replace(family, witness=witness, lost_directions=directions, lost_words=words)
 
 
 def _shared(systems: Sequence[System], q: Array) -> Array:
@@ -396,15 +485,15 @@ def _shared(systems: Sequence[System], q: Array) -> Array:
     return on
 
 
-def _members(robot: Robot, task: Task, family: Family) -> Array:
+def _members(problem: Problem, family: Family) -> Array:
     """(≤ 256, n) members near round configurations, free joints exactly at these, turned into the limits."""
     if not family.named or not family.equations:
-        return np.empty((0, robot.n))
+        return np.empty((0, problem.n))
     bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
-    starts = candidates(robot, task, _CANDIDATES, 0)
-    points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
-    points = wrapped(robot, points[solved])
-    return into_limits(robot, points[Problem(robot, task, family.corank).singular(points)])
+    starts = candidates(problem.robot, problem.task, _CANDIDATES, 0)
+    points, solved = family.system.solve(starts, along=np.eye(problem.n)[:, sorted(set(bound))])
+    points = wrapped(problem.robot, points[solved])
+    return into_limits(problem.robot, points[problem.singular(points)])
 
 
 def _turned(robot: Robot, q: Array) -> Array:

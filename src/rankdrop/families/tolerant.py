@@ -14,25 +14,25 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop.families.searching import Progress
 from rankdrop.kinematics import check_robot, task_jacobian
-from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box, structural_sample
+from rankdrop.local.block import structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
-from rankdrop.local.minimax import descend
+from rankdrop.local.minimax import Evaluate, Lowest, descend
 from rankdrop.options import takes
+from rankdrop.problem import Mask, Problem, whole_turns
 from rankdrop.questions import TolerantOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, out_of_units, task_in_units
 
-Mask = NDArray[np.bool_]
 _PART = 50  # starts climbed from at once: progress moves, Ctrl-C is heard
 _FIRST, _QUICK = 30, 2  # steps from every start, and the effort spent on each
 _LAST = 400  # steps from the best of them
+_APART = 0.05  # two places closer than this are climbed from once [rad]
 _CHOSEN = 3  # times as many as are asked for are climbed to the end
 _SAME = 1e-6  # two maxima closer than this in value and in joints are one [1, rad]
 _REACHED = 1e-6  # of the bound
@@ -137,44 +137,41 @@ def most_tolerant(
     """
     check_robot(robot)
     how = TolerantOptions.of(options, given)
-    relative, limits, starts, seed = how.relative, how.limits, how.starts, how.seed
-    resolved = resolve_task(task, robot)
-    own, inside, full = in_units(robot), task_in_units(resolved, robot), generic_rank(robot, resolved)
-    crucial, free = _crucial(own, inside, full, tolerances), _free(own, inside)
-    done = 0
+    resolved, done = resolve_task(task, robot), 0
+    problem = Problem(in_units(robot), task_in_units(resolved, robot), 0, tolerances, how.limits)
+    crucial, free = _crucial(problem), _free(problem)
     places: tuple[Place, ...] = ()
     if not crucial:
-        q0 = sample(own, inside, starts, seed, limits=limits)
-        scale, box = joint_scale(own, inside), _box(own, inside, limits)
-        done, climbed = _climbed(own, inside, q0 / scale, box, relative, progress)
-        q = _polished(own, inside, climbed, box, relative, how.show, free)
+        model, box = failure_model(problem.robot, problem.task, relative=how.relative), _box(problem)
+        starts = problem.sample(how.starts, how.seed) / problem.scale
+        done, climbed = _climbed(model, starts, box, progress)
+        best = _polished(problem, model, climbed, box, how.show, free)
+        at = [(out_of_units(robot, q), value, slope) for q, value, slope in best if value > tolerances.singular]
         places = tuple(
-            Place(out_of_units(robot, at), value, slope, failures_at(robot, out_of_units(robot, at), resolved,
-                  tolerances=tolerances))
-            for at, value, slope in q if value > tolerances.singular
-        )  # fmt: skip
+            Place(q, value, slope, failures_at(robot, q, resolved, tolerances=tolerances)) for q, value, slope in at
+        )
     numbers = tuple(int(j) + 1 for j in np.flatnonzero(free))
     return Tolerant(
-        robot, resolved, full, relative, limits, seed, starts, tolerances, done, places, numbers, crucial
-    )
+        robot, resolved, problem.generic_rank, how.relative, how.limits, how.seed, how.starts, tolerances, done, places,
+        numbers, crucial,
+    )  # fmt: skip
 
 
-def _crucial(robot: Robot, task: Task, full: int, tolerances: Tolerances) -> tuple[int, ...]:
+def _crucial(problem: Problem) -> tuple[int, ...]:
     """Joints without which the rank is below r at random configurations, and so at all of them."""
+    robot, task, full = problem.robot, problem.task, problem.generic_rank
     if robot.n <= full:
         return tuple(range(1, robot.n + 1))
-    jacobian = task_jacobian(robot, structural_sample(robot, task, 16), task) * joint_scale(robot, task)
-    found = []
-    for j in range(robot.n):
-        sigma = _core.svd(np.ascontiguousarray(np.delete(jacobian, j, axis=2)), False)
-        if float(sigma[:, full - 1].max()) <= tolerances.singular:
-            found.append(j + 1)
-    return tuple(found)
+    jacobian = task_jacobian(robot, structural_sample(robot, task, 16), task) * problem.scale
+    without = [np.ascontiguousarray(np.delete(jacobian, j, axis=2)) for j in range(robot.n)]
+    least = [float(_core.svd(one, False)[:, full - 1].max()) for one in without]
+    return tuple(j for j, sigma in enumerate(least, start=1) if sigma <= problem.tolerances.singular)
 
 
-def _free(robot: Robot, task: Task) -> Mask:
+def _free(problem: Problem) -> Mask:
     """(n,) joints on which no worst case depends, absolute or relative."""
-    base, other = structural_sample(robot, task, 32)[:16], structural_sample(robot, task, 32)[16:]
+    robot, task = problem.robot, problem.task
+    base, other = np.split(structural_sample(robot, task, 32), 2)
     free = np.zeros(robot.n, dtype=np.bool_)
     for j in range(robot.n):
         moved = base.copy()
@@ -185,71 +182,60 @@ def _free(robot: Robot, task: Task) -> Mask:
     return free
 
 
-def _box(robot: Robot, task: Task, limits: bool) -> tuple[Array, Array]:
+def _box(problem: Problem) -> tuple[Array, Array]:
     """Corners in scaled joints: the limits; else turning joints go round, and slides keep their ends."""
-    scale, turns = joint_scale(robot, task), robot.periodic
-    low, high = limit_box(robot, task) if limits else sampling_box(robot, task, limits=False)
-    if not limits:
+    turns = problem.robot.periodic
+    low, high = problem.walls or problem.box
+    if problem.walls is None:
         low, high = np.where(turns, -np.inf, low), np.where(turns, np.inf, high)
-    return low / scale, high / scale
+    return low / problem.scale, high / problem.scale
 
 
 def _climbed(
-    robot: Robot, task: Task, starts: Array, box: tuple[Array, Array], relative: bool, progress: Progress | None
+    model: Evaluate, starts: Array, box: tuple[Array, Array], progress: Progress | None
 ) -> tuple[int, Array]:
     """How many starts were climbed from, and (done, n) where they came to, best first."""
-    model = failure_model(robot, task, relative=relative)
-    q, values, done = [], [], 0
+    found: list[Lowest] = []
+    done = 0
     try:
         while done < len(starts):
-            found = descend(model, starts[done : done + _PART], box, iterations=_FIRST, effort=_QUICK)
-            q.append(found.q)
-            values.append(found.value)
-            done += len(found.q)
+            found.append(descend(model, starts[done : done + _PART], box, iterations=_FIRST, effort=_QUICK))
+            done += len(found[-1].q)
             if progress is not None:
                 progress(done, len(starts))
     except KeyboardInterrupt:
         pass
-    if not q:
-        return 0, np.zeros((0, robot.n))
-    return done, np.concatenate(q)[np.argsort(np.concatenate(values), kind="stable")]
+    if not found:
+        return 0, starts[:0]
+    order = np.argsort(np.concatenate([one.value for one in found]), kind="stable")
+    return done, np.concatenate([one.q for one in found])[order]
 
 
 def _polished(
-    robot: Robot, task: Task, q: Array, box: tuple[Array, Array], relative: bool, show: int,
-    free: Mask,
-) -> list[tuple[Array, float, float]]:  # fmt: skip
+    problem: Problem, model: Evaluate, q: Array, box: tuple[Array, Array], show: int, free: Mask
+) -> list[tuple[Array, float, float]]:
     """(configuration, value, slope) of the best maxima that differ, climbed to the end."""
-    scale = joint_scale(robot, task)
-    chosen = _different(robot, q * scale, free, 0.05)[: _CHOSEN * show]
-    if not len(chosen):
+    robot, scale = problem.robot, problem.scale
+    chosen: list[Array] = []
+    for row in q * scale:  # in order, those that are not near one before in the joints that matter
+        if all(np.where(free, 0.0, _difference(robot, row, other)).max() > _APART for other in chosen):
+            chosen.append(row)
+    if not chosen:
         return []
-    found = descend(failure_model(robot, task, relative=relative), chosen / scale, box, iterations=_LAST)
+    found = descend(model, np.array(chosen[: _CHOSEN * show]) / scale, box, iterations=_LAST)
     order = np.argsort(found.value, kind="stable")
     turned = _settled(robot, found.q[order] * scale, box, scale, free)
     kept: list[tuple[Array, float, float]] = []
     for at, value, slope in zip(turned, -found.value[order], found.slope[order], strict=True):
-        near = (_angle_difference(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
+        near = (_difference(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
         if not any(near):
             kept.append((at, float(value), float(slope)))
     return kept[:show]
 
 
-def _different(robot: Robot, q: Array, free: Mask, near: float) -> Array:
-    """Rows of q, in order, that are not within `near` of one before in the joints that matter."""
-    kept: list[Array] = []
-    for row in q:
-        apart = (np.where(free, 0.0, _angle_difference(robot, row, other)).max() > near for other in kept)
-        if all(apart):
-            kept.append(row)
-    return np.array(kept).reshape(-1, q.shape[1])
-
-
-def _angle_difference(robot: Robot, q: Array, other: Array) -> Array:
+def _difference(robot: Robot, q: Array, other: Array) -> Array:
     """|q − other|, angles modulo whole turns."""
-    gap = np.abs(q - other)
-    turn = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi)))
-    return np.where(robot.periodic, turn, gap)
+    return np.abs(q - other - whole_turns(robot, q - other))
 
 
 def _settled(robot: Robot, q: Array, box: tuple[Array, Array], scale: Array, free: Mask) -> Array:

@@ -11,7 +11,7 @@ set.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -157,36 +157,23 @@ class Equation:
 
     @cached_property
     def _text(self) -> str:
-        text = ""
-        for i, term in enumerate(self.terms):
-            sign = "-" if term.coefficient < 0 else "+"
-            body = "*".join(_factors(term))
-            text += f" {sign} {body}" if i else ("-" if sign == "-" else "") + body
-        return text
+        return _written(self.terms, _PYTHON, repr)
 
     def pretty(self, digits: int = 4) -> str:
         """f for people: "0.9087 cos θ2 + cos(θ2+θ3)"; prismatic joints are written q_j. No "= 0".
 
         Terms smaller than `_UNSEEN` of the largest are left out; they stay in `terms`, where a double zero needs them.
         """
-        return self._written(_PLAIN, digits)
+        return _written(self._seen, _PLAIN, lambda x: f"{x:.{digits}g}")
 
     def latex(self, digits: int = 4) -> str:
         r"""The same as mathematics of LaTeX: "0.9087 \cos \theta_{2} + \cos(\theta_{2}+\theta_{3})"."""
-        return self._written(_LATEX, digits)
+        return _written(self._seen, _LATEX, lambda x: f"{x:.{digits}g}")
 
-    def _written(self, signs: _Signs, digits: int) -> str:
+    @property
+    def _seen(self) -> list[Term]:
         least = _UNSEEN * max(abs(term.coefficient) for term in self.terms)
-        parts = []
-        for term in self.terms:
-            if abs(term.coefficient) <= least:
-                continue
-            number = f"{abs(term.coefficient):.{digits}g}"
-            factors = _pretty_factors(term, digits, signs)
-            body = factors if number == "1" and factors else f"{number} {factors}".strip()
-            parts.append((signs["minus"] if term.coefficient < 0 else "+", body))
-        first = (signs["minus"] if parts[0][0] == signs["minus"] else "") + parts[0][1]
-        return first + "".join(f" {sign} {body}" for sign, body in parts[1:])
+        return [term for term in self.terms if abs(term.coefficient) > least]
 
     def __str__(self) -> str:
         return self._pretty
@@ -272,89 +259,84 @@ def normalised(terms: Iterable[Term], threshold: float = 1e-15) -> Equation:
     return Equation(tuple(Term(t.coefficient / scale, t.kind, t.harmonics, t.powers, t.shift) for t in kept))
 
 
-def _factors(term: Term) -> list[str]:
-    factors = []
-    if any(term.harmonics) or term.shift:
-        factors.append(f"{term.kind}({_angle(term)})")
-    elif term.kind == "sin":
+_Style = dict[str, str]
+"""How formulas are written: joint and slide, function, minus, π and 1; powers as superscripts, or raised."""
+_PLAIN = {
+    "angle": "θ{}", "slide": "q{}", "function": "{} ", "minus": "−", "pi": "π", "digits": "⁰¹²³⁴⁵⁶⁷⁸⁹", "power": "{}",
+    "one": "1", "times": " ", "multiple": "",
+}  # fmt: skip
+_LATEX = _PLAIN | {
+    "angle": r"\theta_{{{}}}", "slide": "q_{{{}}}", "function": "\\{} ", "minus": "-", "pi": r"\pi",
+    "digits": "0123456789", "power": "^{{{}}}",
+}  # fmt: skip
+_PYTHON = {
+    "angle": "q{}", "slide": "q{}", "function": "{}", "minus": "-", "pi": "pi", "digits": "0123456789",
+    "power": "**{}", "one": "1.0", "times": "*", "multiple": "*",
+}  # fmt: skip
+
+
+def _written(terms: Iterable[Term], style: _Style, number: Callable[[float], str]) -> str:
+    """A sum in one of the styles; `number` writes what is not negative."""
+    text = ""
+    for term in terms:
+        factors = _factors(term, style, number)
+        size = number(abs(float(term.coefficient)))
+        sign = style["minus"] if term.coefficient < 0 else "+"
+        text += f" {sign} " if text else sign.strip("+")
+        text += style["times"].join(factors if factors and size == style["one"] else [size, *factors])
+    return text
+
+
+def _factors(term: Term, style: _Style, number: Callable[[float], str]) -> list[str]:
+    """What a coefficient is multiplied by: the wave, and powers of slides."""
+    factors = [_wave(term, style, number)] if any(term.harmonics) or term.shift else []
+    if not factors and term.kind == "sin":
         factors.append("0.0")
     for j, power in enumerate(term.powers, start=1):
         if power:
-            factors.append(f"q{j}" if power == 1 else f"q{j}**{power}")
-    number = repr(abs(float(term.coefficient)))
-    return factors if factors and number == "1.0" else [number, *factors]
+            raised = style["power"].format(str(power).translate(str.maketrans("0123456789", style["digits"])))
+            factors.append(style["slide"].format(j) + (raised if power > 1 else ""))
+    return factors
 
 
-def _angle(term: Term) -> str:
+def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
+    """"cos θ2", "sin(θ2+2θ3 − π/2)", "cos((θ3−θ5)/2)"."""
     halved = any(h % 2 for h in term.harmonics)
-    scale = 1 if halved else 2
     text = ""
     for j, h in enumerate(term.harmonics, start=1):
+        multiple = abs(h) if halved else abs(h) // 2
         if h:
-            multiple = abs(h) // scale
-            body = f"q{j}" if multiple == 1 else f"{multiple}*q{j}"
-            text += ("-" if h < 0 else "+" if text else "") + body
+            text += style["minus"] if h < 0 else "+" if text else ""
+            text += (f"{multiple}{style['multiple']}" if multiple > 1 else "") + style["angle"].format(j)
+    alone = sum(map(bool, term.harmonics)) == 1 and not term.shift
+    python = style is _PYTHON
+    simple = alone and (python or text.startswith(style["angle"][0]))  # no minus, no multiple
     if term.shift:
         shift = term.shift * (2 if halved else 1)
-        text += f"{'-' if shift > 0 else '+'}{abs(shift)!r}"
-    if not halved:
-        return text
-    return f"({text})/2" if len([h for h in term.harmonics if h]) > 1 or term.shift else f"{text}/2"
-
-
-_Signs = dict[str, str]
-"""How formulas are written: angle and slide of a joint, function, minus and π; powers as superscripts, or raised."""
-_PLAIN = {
-    "angle": "θ{}", "slide": "q{}", "function": "{}", "minus": "−", "pi": "π", "digits": "⁰¹²³⁴⁵⁶⁷⁸⁹", "power": "{}",
-}  # fmt: skip
-_LATEX = {
-    "angle": r"\theta_{{{}}}", "slide": "q_{{{}}}", "function": "\\{}", "minus": "-", "pi": r"\pi",
-    "digits": "0123456789", "power": "^{{{}}}",
-}  # fmt: skip
-
-
-def _pretty_factors(term: Term, digits: int, signs: _Signs) -> str:
-    factors = []
-    if any(term.harmonics) or term.shift:
-        halved = any(h % 2 for h in term.harmonics)
-        text = ""
-        for j, h in enumerate(term.harmonics, start=1):
-            if h:
-                multiple = abs(h) if halved else abs(h) // 2
-                text += signs["minus"] if h < 0 else "+" if text else ""
-                text += (f"{multiple}" if multiple > 1 else "") + signs["angle"].format(j)
-        single = sum(map(bool, term.harmonics)) == 1 and not term.shift
-        simple = single and text.startswith(signs["angle"][0])  # no minus, no multiple
-        if term.shift:
-            shift = term.shift * (2 if halved else 1)
-            text += (f" {signs['minus']} " if shift > 0 else " + ") + _written_angle(abs(shift), digits, signs)
-        if halved:
-            text = f"{text}/2" if simple else f"({text})/2"
-        name = signs["function"].format(term.kind)
-        factors.append(f"{name} {text}" if simple and not halved else f"{name}({text})")
-    for j, power in enumerate(term.powers, start=1):
-        if power:
-            raised = signs["power"].format(str(power).translate(str.maketrans("0123456789", signs["digits"])))
-            factors.append(signs["slide"].format(j) + (raised if power > 1 else ""))
-    return " ".join(factors)
+        sign = style["minus"] if shift > 0 else "+"
+        text += f"{sign}{abs(shift)!r}" if python else f" {sign} {_written_angle(abs(shift), number, style)}"
+    if halved:
+        text = f"{text}/2" if simple else f"({text})/2"
+    name = style["function"].format(term.kind)
+    return f"{name}{text}" if simple and not halved and not python else f"{name.strip()}({text})"
 
 
 def pretty_angle(value: float, digits: int = 4) -> str:
     """An angle for people: multiples of π/12 as fractions of π ("−π/2", "2π/3"), anything else as a number [rad]."""
-    return _written_angle(value, digits, _PLAIN)
+    return _written_angle(value, lambda x: f"{x:.{digits}g}", _PLAIN)
 
 
-def _written_angle(value: float, digits: int, signs: _Signs) -> str:
+def _written_angle(value: float, number: Callable[[float], str], style: _Style) -> str:
     twelfths = value * 12 / pi
     whole = round(twelfths)
     if abs(twelfths - whole) > 1e-9:
-        return f"{value:.{digits}g}".replace("-", signs["minus"])
+        return number(value).replace("-", style["minus"])
     if whole == 0:
         return "0"
     common = int(np.gcd(abs(whole), 12))
     top, bottom = abs(whole) // common, 12 // common
-    text = (signs["pi"] if top == 1 else f"{top}{signs['pi']}") + (f"/{bottom}" if bottom > 1 else "")
-    return (signs["minus"] if whole < 0 else "") + text
+    text = (style["pi"] if top == 1 else f"{top}{style['pi']}") + (f"/{bottom}" if bottom > 1 else "")
+    return (style["minus"] if whole < 0 else "") + text
 
 
 Mask = NDArray[np.bool_]
@@ -405,10 +387,6 @@ class System:
     def linear(self, q: Array) -> tuple[Array, Array]:
         """(N, e) values and (N, e, n) derivatives at once."""
         return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64))
-
-    def residuals(self, q: Array) -> tuple[Mask, Array, Array]:
-        """As `linear`, for `solve.newton`: no start is ever done before its steps are."""
-        return np.ones(len(q), dtype=np.bool_), *self.linear(q)
 
     def zero(self, q: Array) -> Mask:
         """(N,) whether every equation is zero at q (N, n), to rounding or to first order.

@@ -98,12 +98,12 @@ def structure_of(robot: Robot, task: Task, generic_rank: int) -> Structure:
     return Structure(n == generic_rank, shoulder, wrist, pair if offset else (), tip_is_centre, bundles, scene)
 
 
-def groups(axes: Sequence[int], related: Callable[[int, int], Verdicts]) -> Iterator[tuple[int, ...]]:
+def groups(axes: Sequence[int], related: Verdicts) -> Iterator[tuple[int, ...]]:
     """Classes of two or more axes that are related at every configuration of a scene."""
     left = list(axes)
     while left:
         first = left.pop(0)
-        group = [first, *(other for other in left if related(first, other).all())]
+        group = [first, *(other for other in left if related[first, other].all())]
         left = [other for other in left if other not in group]
         if len(group) > 1:
             yield tuple(group)
@@ -142,12 +142,12 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
             yield _with_centre(structure, bundle)
         elif len(bundle) >= 3:
             # parallel lines of one plane span a screw system of rank 2, those of space 3
-            text = f"axes {_list(bundle)} coplanar"
+            text = f"axes {listed(bundle)} coplanar"
             yield Fact(_coplanar(bundle), "own", bundle, text, ("elbow",), 1 if len(bundle) == 3 else 0)
 
 
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
-    text = f"axes {_list(axes)} and {structure.centre_name} coplanar"
+    text = f"axes {listed(axes)} and {structure.centre_name} coplanar"
     return Fact(lambda s: s.coplanar(axes, structure.centre(s)), "own", axes, text, ("elbow",))
 
 
@@ -175,7 +175,7 @@ def _spherical(structure: Structure) -> Iterator[Fact]:
     """Three axes through one point and in one plane: rank 2. Two of them on one line is another fact."""
     for role, joints in (("shoulder", structure.shoulder), ("wrist", structure.wrist)):
         if joints:
-            yield Fact(_fan(joints), "own", joints, f"axes {_list(joints)} coplanar", (role,))
+            yield Fact(_fan(joints), "own", joints, f"axes {listed(joints)} coplanar", (role,))
 
 
 def _centre(structure: Structure) -> Iterator[Fact]:
@@ -205,7 +205,7 @@ def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:
         # four parallel axes are four screws of a system of rank 3
         yield Fact(_all_pairs("parallel", group), "parallel", group, losses=max(0, len(group) - 3))
         if len(group) > 2 and group not in structure.bundles:
-            yield Fact(_coplanar(group), "own", group, f"axes {_list(group)} parallel and coplanar", losses=0)
+            yield Fact(_coplanar(group), "own", group, f"axes {listed(group)} parallel and coplanar", losses=0)
 
 
 def _perpendicular(scene: Scene) -> Iterator[Fact]:
@@ -225,7 +225,7 @@ def _is_ur_type(structure: Structure) -> bool:
 
 def _shoulder_plane(structure: Structure) -> str:
     """The plane through axis 1 along axis 2, where it decides: axes 1, 2 meet, or axes 2, 3 are parallel."""
-    if not {0, 1} <= set(structure.scene.axes) or structure.always(lambda s: s.parallel(0, 1)):
+    if not {0, 1} <= set(structure.scene.axes) or structure.always(lambda s: s.parallel[0, 1]):
         return ""
     if structure.always(lambda s: s.meeting(0, 1)):
         return "plane of axes 1, 2"
@@ -243,13 +243,7 @@ def _reach_stationary(structure: Structure, scene: Scene, at: tuple[int, ...] = 
 
 
 def _all_pairs(question: str, group: Sequence[int]) -> Callable[[Scene], Verdicts]:
-    first = group[0]
-
-    def holds(scene: Scene) -> Verdicts:
-        ask = {"aligned": scene.aligned, "parallel": scene.parallel, "perpendicular": scene.perpendicular}[question]
-        return np.asarray(np.stack([ask(first, other) for other in group[1:]]).all(axis=0))
-
-    return holds
+    return lambda scene: np.asarray(getattr(scene, question)[group[0], list(group[1:])].all(axis=0))
 
 
 def _coplanar(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
@@ -258,7 +252,7 @@ def _coplanar(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
 
 def _fan(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
     def holds(scene: Scene) -> Verdicts:
-        aligned = np.stack([scene.aligned(i, j) for i, j in combinations(axes, 2)]).any(axis=0)
+        aligned = np.stack([scene.aligned[i, j] for i, j in combinations(axes, 2)]).any(axis=0)
         return scene.coplanar(axes) & ~aligned
 
     return holds
@@ -282,5 +276,6 @@ def _in_shoulder_plane(point: Callable[[Scene], Array | None]) -> Callable[[Scen
     return holds
 
 
-def _list(joints: Sequence[int]) -> str:
+def listed(joints: Sequence[int]) -> str:
+    """Numbers from 1 of joints from 0: "1, 3"."""
     return ", ".join(str(i + 1) for i in joints)

@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, structure_of
+from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, listed, structure_of
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.axes import Scene, describe, line_meets_all
+from rankdrop.local.axes import Scene, describe, line_meets_all, to_blame
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.local.circuits import to_blame
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
@@ -306,22 +305,27 @@ def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) 
     """
     true = [f for f in candidate_facts(structure, scene) if f.holds(scene).all() and not structure.always(f.holds)]
     breaking = [{j for j in matter if not f.holds(scene.moved(j, _AWAY)).all()} for f in true]
-    chosen: list[int] = []
-    covered: set[int] = set()
-    if structure.tight:
-        for i, fact in enumerate(true):
-            new = breaking[i] - covered
-            short = sum(true[j].losses for j in chosen) < corank
-            if fact.losses and short and (new or (fact.roles and breaking[i])):
-                chosen.append(i)
-                covered |= breaking[i]
-        if sum(true[j].losses for j in chosen) < corank:
-            return [], set()
+    chosen = _losing(true, breaking, corank) if structure.tight else []
+    if structure.tight and sum(true[i].losses for i in chosen) < corank:
+        return [], set()
+    covered = {j for i in chosen for j in breaking[i]}
     for i in range(len(true)):
         if i not in chosen and breaking[i] - covered:
             chosen.append(i)
             covered |= breaking[i]
     return [true[i] for i in chosen], covered
+
+
+def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) -> list[int]:
+    """Numbers of facts that cost rank by themselves, until as much is lost as the corank says."""
+    chosen: list[int] = []
+    covered: set[int] = set()
+    for i, fact in enumerate(facts):
+        short = sum(facts[j].losses for j in chosen) < corank
+        if fact.losses and short and (breaking[i] - covered or (fact.roles and breaking[i])):
+            chosen.append(i)
+            covered |= breaking[i]
+    return chosen
 
 
 def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
@@ -338,39 +342,50 @@ def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
 
 def _details(facts: Sequence[Fact]) -> str:
     """The facts in words; the first in full, later ones with ∥ and ⟂."""
-    aligned = [fact.joints for fact in facts if fact.kind == "aligned"]
     own = [fact for fact in facts if fact.kind == "own"]
-    against = [
-        fact.joints
-        for fact in facts
-        if fact.kind == "against" and not any(set(fact.joints) <= set(other.joints) for other in own)
-    ]
-    if len(own) < len(facts):
-        own = [one for one in own if one.roles != ("elbow",) or one.text == NEARLY]  # else the word "elbow" says it
+    parallel = _parallel_to_bundles(facts, own)
+    if len(own) < len(facts):  # the word "elbow" says it
+        own = [fact for fact in own if fact.roles != ("elbow",) or fact.text == NEARLY]
     details = [fact.text for fact in own if fact.roles]
-    if aligned:
-        details.append(f"axes {_join_groups(aligned)} aligned")
-    for bundle in dict.fromkeys(joints[1:] for joints in against):
-        first = [joints[0] for joints in against if joints[1:] == bundle]
-        details.append(f"{'axis' if len(first) == 1 else 'axes'} {_numbers(first)} parallel to {_numbers(bundle)}")
-    details += [fact.text for fact in own if not fact.roles]
-    for kind, sign in (("parallel", " ∥ "), ("perpendicular", " ⟂ ")):
-        for fact in facts:
-            if fact.kind == kind and not any(fact.joints == other.joints for other in own):
-                relation = sign.join(str(i + 1) for i in fact.joints)
-                details.append(relation if details else f"axes {_join_groups([fact.joints])} {kind}")
+    details += [*_aligned(facts), *parallel, *(fact.text for fact in own if not fact.roles)]
+    relations = _relations(facts, {fact.joints for fact in own})
+    if relations and not details:
+        first = relations.pop(0)
+        details.append(f"axes {_join_groups([first.joints])} {first.kind}")
+    details += [_SIGNS[fact.kind].join(str(i + 1) for i in fact.joints) for fact in relations]
     return ", ".join(details)
+
+
+def _aligned(facts: Sequence[Fact]) -> list[str]:
+    groups = [fact.joints for fact in facts if fact.kind == "aligned"]
+    return [f"axes {_join_groups(groups)} aligned"] if groups else []
+
+
+def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
+    """What is parallel, then what is perpendicular, but for joints of which more is told."""
+    return [fact for kind in _SIGNS for fact in facts if fact.kind == kind and fact.joints not in told]
+
+
+_SIGNS = {"parallel": " ∥ ", "perpendicular": " ⟂ "}
+
+
+def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[str]:
+    """Axes parallel to a bundle, bundle by bundle, but for what other facts tell."""
+    firsts: dict[tuple[int, ...], list[int]] = {}
+    for first, *bundle in (fact.joints for fact in facts if fact.kind == "against"):
+        if not any({first, *bundle} <= set(other.joints) for other in own):
+            firsts.setdefault(tuple(bundle), []).append(first)
+    return [
+        f"{'axis' if len(first) == 1 else 'axes'} {listed(first)} parallel to {listed(bundle)}"
+        for bundle, first in firsts.items()
+    ]
 
 
 def _join_groups(groups: Sequence[Sequence[int]]) -> str:
     """ "1 and 3" for one pair, "1, 3, 5" for one group, "1, 3 and 5, 7" for two."""
     if len(groups) == 1 and len(groups[0]) == 2:
-        return " and ".join(str(i + 1) for i in groups[0])
-    return " and ".join(_numbers(group) for group in groups)
-
-
-def _numbers(joints: Sequence[int]) -> str:
-    return ", ".join(str(i + 1) for i in joints)
+        groups = [[joint] for joint in groups[0]]
+    return " and ".join(map(listed, groups))
 
 
 def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> str:

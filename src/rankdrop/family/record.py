@@ -4,9 +4,9 @@ Between an arm's own unit of length and the one it was given in angles stay as t
 do the coefficients of equations in which slides stand. Lost directions are told in `counted` lengths and stay, and
 sentences speak of the given unit from the start.
 
-The conditions of a family are `Pin`s, `Relation`s and `Equation`s; its evidence says how it was found: from a sample
-of the whole joint space, or from the neighbourhood of one configuration. `Derivation` is the exact derivation that an
-analysis rests on; what is printed of it stands in `text/families.py`.
+The conditions of a family are `Pin`s and `Equation`s; its evidence says how it was found: from a sample of the whole
+joint space, or from the neighbourhood of one configuration. `Derivation` is the exact derivation that an analysis rests
+on; what is printed of it stands in `text/families.py`. `families_at` says on which families a configuration lies.
 """
 
 from __future__ import annotations
@@ -18,11 +18,16 @@ from functools import cached_property
 from math import degrees, inf
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rankdrop.family.equation import Equation, System, pretty_angle
+from rankdrop.family.equation import Equation, System
+from rankdrop.kinematics import one_configuration
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
-from rankdrop.units import exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,35 +44,6 @@ class Pin:
     joint: str
     number: int
     values: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """Angles of joints that are bound by whole numbers: m·q = value.
-
-    Attributes:
-        multiples: (n,) m.
-        value: in (−π, π] [rad].
-
-    Example:
-        >>> print(Relation((0, 0, 1, 0, 1), 0.0), Relation((0, 2, 0, -1), np.pi), sep="; ")
-        θ3 + θ5 = 0; 2 θ2 − θ4 = π
-    """
-
-    multiples: tuple[int, ...]
-    value: float
-
-    def __str__(self) -> str:
-        text = ""
-        for number, m in enumerate(self.multiples, start=1):
-            if m:
-                sign = ("−" if m < 0 else "") if not text else (" − " if m < 0 else " + ")
-                text += sign + (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
-        return f"{text} = {pretty_angle(self.value)}"
-
-
-Condition = Pin | Relation | Equation
-"""What has to hold on a family: a joint at one of some values, whole-number relations of angles, an equation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,42 +74,6 @@ class Unseen:
     how: str
 
 
-@dataclass(frozen=True, slots=True)
-class Sampled:
-    """What speaks for a family of the whole joint space.
-
-    Attributes:
-        how: the conditions were obtained.
-        soundness: the equations solved from random starts, and how many solutions have the corank or more.
-        explained: the fresh points of this corank, and how many lie on this family.
-    """
-
-    how: str
-    soundness: Check
-    explained: Check
-
-
-@dataclass(frozen=True, slots=True)
-class Local:
-    """What speaks for a family that one configuration lies on, as its neighbourhood shows it.
-
-    Only the values of pinned joints that are met there are known, while a row of a table holds all of them.
-
-    Attributes:
-        how: it was found.
-        conditions: those that are known.
-        words: the same as sentences, and joints that are coupled by an equation that is not known.
-        points: how many neighbours speak for it.
-        parts: the families that meet at the configuration; empty where it lies on one only.
-    """
-
-    how: str
-    conditions: tuple[Condition, ...]
-    words: tuple[str, ...]
-    points: int
-    parts: tuple[Family, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
 class Family:
     """One family of singular configurations: a piece of the singular set with conditions of one form.
@@ -150,9 +90,17 @@ class Family:
         equations: every condition, those of the pinned joints included; the family is their common zero set.
             Empty where not all of them are known.
         witness: a configuration on the family, of exactly this corank.
-        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; of a `Local` one none are worked out.
+        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood.
         lost_words: one sentence per lost direction.
-        evidence: how it was found, and what speaks for it.
+        evidence: how the conditions were obtained: from a sample of the whole joint space, exactly, or from the
+            neighbourhood of one configuration.
+        soundness: the equations solved from random starts, and how many solutions have the corank or more; none were
+            from a neighbourhood.
+        explained: the fresh points of this corank, and how many lie on this family; none were tried from a
+            neighbourhood.
+        words: of a neighbourhood: the conditions as sentences, and joints coupled by an equation that is not known. Of
+            pinned joints only the values that are met there are known, while a row of a table holds all.
+        parts: of a neighbourhood: the families that meet at the configuration; empty where it lies on one only.
     """
 
     id: str
@@ -167,10 +115,14 @@ class Family:
     witness: tuple[float, ...]
     lost_directions: Array  # (k, 6)
     lost_words: tuple[str, ...]
-    evidence: Sampled | Local
+    evidence: str
+    soundness: Check = Check(0, 0)
+    explained: Check = Check(0, 0)
+    words: tuple[str, ...] = ()
+    parts: tuple[Family, ...] = ()
 
     def __post_init__(self) -> None:
-        directions = np.array(self.lost_directions, dtype=np.float64)
+        directions = np.round(np.array(self.lost_directions, dtype=np.float64), 12) + 0.0  # the same on every BLAS
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
 
@@ -179,29 +131,14 @@ class Family:
         """The equations, as they are solved: made once."""
         return System(self.equations)
 
-    @property
-    def soundness(self) -> Check:
-        """Its equations solved from random starts, and the rank there; none were for a `Local` one."""
-        return self.evidence.soundness if isinstance(self.evidence, Sampled) else Check(0, 0)
-
-    @property
-    def explained(self) -> Check:
-        """The share of fresh points of its corank that lie on it; none were tried for a `Local` one."""
-        return self.evidence.explained if isinstance(self.evidence, Sampled) else Check(0, 0)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """Conditions as sentences where they are known in words only; those of the others are `equations`."""
-        return () if isinstance(self.evidence, Sampled) else self.evidence.words
-
-    @property
-    def parts(self) -> tuple[Family, ...]:
-        """The families that meet where this one was found; empty for one that stands for itself."""
-        return () if isinstance(self.evidence, Sampled) else self.evidence.parts
-
     def _repr_html_(self) -> str:
         """For notebooks: what the family asks, what is lost, how it was tested."""
         return html([_section(self)])
+
+
+def short_name(name: str) -> str:
+    """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
+    return re.split(r":| \(|, (?:axes|with) ", name)[0]
 
 
 def _section(family: Family) -> Section:
@@ -319,24 +256,28 @@ def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Famil
     return tuple(replace(row, id=f"k{corank}.f{number}") for number, row in enumerate(ordered, after + 1))
 
 
-_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
-
-
 def family_out_of_units(family: Family, robot: Robot) -> Family:
     """A family of `in_units(robot)` as one of the arm itself."""
-    return _moved(family, robot, exponent(robot), out_of_units(robot, family.witness).tolist())
+    return _with_slides(family, robot, exponent(robot))
 
 
 def family_in_units(family: Family, robot: Robot) -> Family:
     """A family of an arm as one of `in_units(robot)`."""
-    return _moved(family, robot, -exponent(robot), into_units(robot, family.witness).tolist())
+    return _with_slides(family, robot, -exponent(robot))
+
+
+def family_in_metres(family: Family, robot: Robot) -> Family:
+    """A family of an arm as one of `in_metres(robot)`."""
+    return _with_slides(family, robot, -metre_exponent(robot))
 
 
 def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
     """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
-    witness = [shifted(x, power) if i in slides_of(robot) else x for i, x in enumerate(family.witness)]
     words = tuple(_retold(one, power) for one in family.lost_words)
-    return replace(_moved(family, robot, power, witness), lost_words=words)
+    return replace(_with_slides(family, robot, power), lost_words=words)
+
+
+_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
 
 
 def _retold(sentence: str, power: int) -> str:
@@ -349,39 +290,17 @@ def _retold(sentence: str, power: int) -> str:
     return _RATE.sub(moved, sentence)
 
 
-def family_in_metres(family: Family, robot: Robot) -> Family:
-    """A family of an arm as one of `in_metres(robot)`: always another object."""
-    moved = _moved(family, robot, -metre_exponent(robot), into_metres(robot, family.witness).tolist())
-    return replace(moved) if moved is family else moved
-
-
-def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Family:
-    if robot.exponent is not None or not power or not slides_of(robot):
+def _with_slides(family: Family, robot: Robot, power: int) -> Family:
+    """The family where the numbers of slides are 10 to a power times as large."""
+    slides = slides_of(robot)
+    if robot.exponent is not None or not power or not slides:
         return family
     return replace(
         family,
-        pinned=tuple(_pinned(one, robot, power) for one in family.pinned),
-        equations=tuple(rescaled(one, slides_of(robot), power) for one in family.equations),
-        witness=tuple(witness),
-        evidence=_moved_evidence(family, robot, power),
+        pinned=tuple(rescaled_pin(one, slides, power) for one in family.pinned),
+        equations=tuple(rescaled(one, slides, power) for one in family.equations),
+        witness=tuple(shifted(x, power) if i in slides else x for i, x in enumerate(family.witness)),
     )
-
-
-def _moved_evidence(family: Family, robot: Robot, power: int) -> Sampled | Local:
-    """Of a `Local` family conditions and parts, too, are of the arm."""
-    evidence, slides = family.evidence, slides_of(robot)
-    if isinstance(evidence, Sampled):
-        return evidence
-    parts = tuple(family_from_metres(one, robot, power) for one in evidence.parts)
-    conditions = tuple(
-        _pinned(one, robot, power) if isinstance(one, Pin)
-        else rescaled(one, slides, power) if isinstance(one, Equation) else one
-        for one in evidence.conditions
-    )  # fmt: skip
-    known = len(conditions)
-    words = tuple(" and ".join(one.words) for one in parts)
-    words = words or (*condition_words(robot, conditions), *evidence.words[known:])
-    return replace(evidence, conditions=conditions, parts=parts, words=words)
 
 
 def slides_of(robot: Robot) -> tuple[int, ...]:
@@ -389,10 +308,9 @@ def slides_of(robot: Robot) -> tuple[int, ...]:
     return tuple(i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC)
 
 
-def _pinned(pin: Pin, robot: Robot, power: int) -> Pin:
-    if robot.variables[pin.number - 1].kind is not JointKind.PRISMATIC:
-        return pin
-    return replace(pin, values=tuple(shifted(value, power) for value in pin.values))
+def rescaled_pin(pin: Pin, slides: Sequence[int], power: int) -> Pin:
+    """The pin where the numbers of slides are 10 to a power times as large."""
+    return replace(pin, values=tuple(shifted(x, power) for x in pin.values)) if pin.number - 1 in slides else pin
 
 
 def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
@@ -417,33 +335,6 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
     return Equation(
         tuple(replace(term, coefficient=value / largest) for value, term in zip(values, equation.terms, strict=True))
     )
-
-
-def condition_words(robot: Robot, conditions: Sequence[Condition], coupled: Sequence[int] = ()) -> tuple[str, ...]:
-    """Conditions for people: "θ4 = 0", "θ3 + θ5 = π", "0.9087 cos θ2 + cos(θ2+θ3) = 0".
-
-    Args:
-        robot: the arm.
-        conditions: pins with one value each.
-        coupled: numbers of the joints that further, unknown equations bind.
-    """
-    said = [
-        _pin_words(robot, one) if isinstance(one, Pin)
-        else f"{one.pretty()} = 0" if isinstance(one, Equation) else str(one)
-        for one in conditions
-    ]  # fmt: skip
-    return (*said, f"coupled: joints {_listed(coupled)}") if coupled else tuple(said)
-
-
-def _pin_words(robot: Robot, pin: Pin) -> str:
-    if robot.variables[pin.number - 1].kind is JointKind.PRISMATIC:
-        return f"q{pin.number} = " + f"{pin.values[0]:.4g} m".replace("-", "−")
-    return f"θ{pin.number} = {pretty_angle(pin.values[0])}"
-
-
-def _listed(numbers: Sequence[int]) -> str:
-    words = [str(number) for number in numbers]
-    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else words[0]
 
 
 AGREES, DIFFERS, NOT_DERIVED = "agrees", "differs", "not derived"
@@ -523,3 +414,107 @@ class Derivation:
     def of_row(self, row: str) -> ExactRow | None:
         """The exact conditions of a family by its id; None for points that no family explains."""
         return next((family for family in self.families if family.id == row), None)
+
+
+_ON = 1e-9  # |f|/|∇f| and √|f| of every equation below this: on the family, no way to walk [rad]
+_WITHIN = 1e-2  # longest way to a family that is walked [rad]
+_LOOKS = 6  # points looked at on such a way
+
+
+@dataclass(frozen=True, slots=True)
+class Incidence:
+    """A family and how near a configuration is to it.
+
+    Attributes:
+        family: from an atlas, or found on the spot.
+        residual: distance to it [rad; metres divided by the length scale]: the way walked to it by Gauss–Newton.
+        source: where the family is from: "catalogue", "analysis" or "on the spot".
+    """
+
+    family: Family
+    residual: float
+    source: str
+
+
+def families_at(
+    families: Sequence[Family],
+    robot: Robot,
+    q: ArrayLike,
+    task: Task,
+    tolerances: Tolerances = DEFAULT,
+    source: str = "analysis",
+) -> tuple[Incidence, ...]:
+    """The families that a singular configuration lies on, the one that says most about it first.
+
+    A family holds at q when the way from q to its zero set, walked by Gauss–Newton, is at most `explained`. Where
+    sheets cross, σ is of higher order in the distance and q is known less well: then a family holds, too, when σ stays
+    zero within the tolerance on the whole way, because nothing tells q from its foot on the family.
+
+    Order: corank, high first; then dimension, small first (a family inside another says more); then distance. A family
+    whose corank is higher than that of q does not hold there. Where the first corank is below that of q, larger
+    families meet at q and none of those given is of its corank.
+
+    Args:
+        families: of this arm and task; those without equations never hold.
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: from `resolve_task`.
+        tolerances: `singular` and `explained`.
+        source: what `Incidence.source` says.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.families.table import families
+        >>> from rankdrop.families.searching import search
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("scara")
+        >>> known = families(search(arm, 1, starts=100)).families
+        >>> [met.family.dimension for met in families_at(known, arm, [0.3, 0.0, 0.1, 0.2], resolve_task(None, arm))]
+        [3]
+    """
+    configuration = one_configuration(robot, q)
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), tolerances=tolerances)
+    at = into_metres(robot, configuration)
+    sigma, generic = problem.sigma(at), problem.generic_rank
+    corank = generic - int((sigma[:generic] > tolerances.singular).sum())
+    met = []
+    for family in families:
+        if family.equations and 1 <= family.corank <= corank:
+            length = float(ways_to(problem.at(family.corank), family_in_metres(family, robot).system, at[None])[0])
+            if length < inf:
+                met.append(Incidence(family, length, source))
+    return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
+
+
+def ways_to(
+    problem: Problem, system: System, q: Array, within: float = _WITHIN, zero: float | None = None
+) -> Array:
+    """Distances from configurations to a zero set that is of the problem's corank.
+
+    Args:
+        problem: the arm, and the corank.
+        system: the equations of the set; without any it is everything.
+        q: (N, n).
+        within: longest way that is walked [rad].
+        zero: σ at or below this is zero where sheets cross; None for `singular`.
+
+    Returns:
+        (N,) [rad]: at most `explained`, or longer where σ is zero on the whole way; else inf.
+    """
+    if not system.equations or not len(q):
+        return np.zeros(len(q))
+    f, a = system.linear(q)
+    size, slope = np.abs(f), np.linalg.norm(a * problem.scale, axis=-1)
+    first = np.minimum(size / np.maximum(slope, 1e-300), np.sqrt(size)).max(axis=1)
+    result = np.where(first <= _ON, first, inf)
+    rows = np.flatnonzero((first > _ON) & (first <= 4 * within))
+    lengths, feet = system.nearest(q[rows], within)
+    crossing = np.flatnonzero((lengths > problem.tolerances.explained) & np.isfinite(lengths))
+    part = np.linspace(0.0, 1.0, _LOOKS)[:, None, None]
+    sigma = problem.sigma((1 - part) * q[rows[crossing]] + part * feet[crossing])[..., problem.rank]
+    lengths[crossing[(sigma > (problem.tolerances.singular if zero is None else zero)).any(axis=0)]] = inf
+    result[rows] = lengths
+    return np.asarray(result)

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from rankdrop.errors import RankdropError, RobotError
-from rankdrop.jobs.folder import error_to_dict
+from rankdrop.jobs.running import error_to_dict
 
 MEMORY = 2**30
 """Bytes of data that a child may hold."""

@@ -1,3 +1,8 @@
+from .axes import LARGEST_CHAIN as LARGEST_CHAIN
+from .axes import Circuit as Circuit
+from .axes import blame as blame
+from .axes import circuits_at as circuits_at
+from .axes import make_all as make_all
 from .axes import relations_at as relations_at
 from .axes import systems_at as systems_at
 from .block import decompose as decompose
@@ -6,11 +11,6 @@ from .block import joint_scale as joint_scale
 from .block import sample as sample
 from .block import sampling_box as sampling_box
 from .block import singular_values as singular_values
-from .circuits import LARGEST_CHAIN as LARGEST_CHAIN
-from .circuits import Circuit as Circuit
-from .circuits import blame as blame
-from .circuits import circuits_at as circuits_at
-from .circuits import make_all as make_all
 from .directions import arrow_of as arrow_of
 from .directions import constraint as constraint
 from .directions import in_short as in_short
@@ -33,7 +33,6 @@ from .ordered import OrderedScrewSet as OrderedScrewSet
 from .ordered import hunt as hunt
 from .ordered import lie_product as lie_product
 from .ordered import motion as motion
-from .ordered import render as render
 from .ordered import report as report
 from .ordered import session as session
 from .orientation import representation_at as representation_at

@@ -1,10 +1,13 @@
 """What the axes of an arm have in common: relations, dependent sets in words, screw systems.
 
-`Lines` holds every axis at one configuration, mimic joints included; `Scene` the axes of the variables at many.
+`Scene` holds the axes of an arm's joints at some configurations, and which of them are parallel, aligned, or meet.
 
-Dependent sets of joints follow Paden and Sastry (two collinear axes, three parallel coplanar ones, four that meet in a
-point, four in a plane, a slide normal to the plane of two parallel axes, six that meet a line), and what these leave
-out.
+Circuits are inclusion-minimal dependent sets of joints, the smallest culprits of a loss of rank. With columns J_i of
+the task Jacobian a set C is a circuit when Σ_{i∈C} c_i J_i = 0 for some c without a zero entry, and no smaller set
+inside C is dependent. Every dependency of the columns is a combination of such c. KG suppress dependent screws one by
+one, GR look at runs of neighbours only; the circuits are all of them. Their words follow Paden and Sastry (two
+collinear axes, three parallel coplanar ones, four that meet in a point, four in a plane, a slide normal to the plane
+of two parallel axes, six that meet a line), and what these leave out.
 
 A screw system is a set of joints inside one proper subgroup of the rigid motions. The screws span no more than the
 dimension of the subgroup, and no motion of these joints leaves the subgroup: these are Hunt's systems of full-cycle
@@ -30,63 +33,15 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, one_configuration, pose, task_jacobian
-from rankdrop.local.block import generic_rank, structural_sample
-from rankdrop.local.bracket import bracket, cross
+from rankdrop.local.block import generic_rank, sigma_of, singular_values, structural_sample, svd
 from rankdrop.local.departure import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
+from rankdrop.robot.transform import bracket, cross, unit
 from rankdrop.task import SPACE, Task, resolve_task, six_rows
 from rankdrop.tolerances import ALIGNED, DEPENDENT
-
-
-class Lines:
-    """Axes and slides of every joint, mimic joints too, at one configuration.
-
-    Attributes:
-        z, p, h: directions (N, 3), points (N, 3), pitches (N,) [m/rad] in the base frame.
-        parallel, normal: |z_i × z_j| = 0, and z_i · z_j = 0, of every two joints.
-        one_line, one_pitch: parallel, and p_j on axis i; h_i = h_j.
-    """
-
-    def __init__(self, robot: Robot, q: Array, tolerance: float = ALIGNED) -> None:
-        free, values, _ = unlocked(robot, q)
-        screws = jacobian(free, values, SPACE).T
-        self.tolerance, self.length = tolerance, reach(robot)
-        self.slides = [i for i, joint in enumerate(free.joints) if joint.kind is JointKind.PRISMATIC]
-        self.turns = [i for i in range(free.n) if i not in self.slides]
-        self.z = np.where(np.isin(np.arange(free.n), self.slides)[:, None], screws[:, :3], screws[:, 3:])
-        self.p = cross(screws[:, 3:], screws[:, :3])
-        self.h = np.einsum("ni,ni->n", screws[:, :3], screws[:, 3:])
-        self.cross = np.linalg.norm(cross(self.z[:, None], self.z[None, :]), axis=-1)
-        offset = cross(self.p[None, :] - self.p[:, None], self.z[:, None]) / self.length
-        parallel = self.cross < tolerance
-        self.one_line: list[list[bool]] = ((np.linalg.norm(offset, axis=-1) < tolerance) & parallel).tolist()
-        self.one_pitch: list[list[bool]] = (np.abs(self.h[:, None] - self.h) < tolerance * self.length).tolist()
-        self.parallel: list[list[bool]] = parallel.tolist()
-        self.normal: list[list[bool]] = (np.abs(self.z @ self.z.T) < tolerance).tolist()
-
-    def through_meeting(self, i: int, j: int) -> list[bool] | None:
-        """Of every joint: its axis goes through the point where axes i and j meet; None where they do not meet in one.
-
-        They meet at p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j.
-        """
-        meet, on = self._meetings
-        return on[i][j] if meet[i][j] else None
-
-    @cached_property
-    def _meetings(self) -> tuple[list[list[bool]], list[list[list[bool]]]]:
-        """Of every two joints whether they meet in one point (N, N), and which axes go through it (N, N, N)."""
-        skew, apart = cross(self.z[:, None], self.z[None]), self.p[None] - self.p[:, None]
-        meet = self.cross >= self.tolerance
-        meet &= np.abs((apart * skew).sum(axis=-1)) <= self.tolerance * self.length  # at least distance · |z_i × z_j|
-        s = (cross(apart, self.z[None]) * skew).sum(axis=-1) / np.where(meet, (skew * skew).sum(axis=-1), 1.0)
-        points = self.p[:, None] + s[..., None] * self.z[:, None]
-        on = np.linalg.norm(cross(points[:, :, None] - self.p, self.z) / self.length, axis=-1) < self.tolerance
-        number = np.arange(len(self.p))
-        meet &= on[number[:, None], number, number]
-        return meet.tolist(), on.tolist()
-
 
 Verdicts = NDArray[np.bool_]  # one per configuration
 
@@ -95,12 +50,18 @@ Verdicts = NDArray[np.bool_]  # one per configuration
 class Scene:
     """Joint axes at N configurations, in the base frame. Joints are numbered from 0 here.
 
-    An axis (revolute joint) is the line p_i + s z_i with z = ω, p = ω × v. The questions below take axes only.
+    An axis (revolute joint) is the line p_i + s z_i with z = ω, p = ω × v.
     """
 
     robot: Robot
     q: Array  # (N, n)
     tolerance: float = ALIGNED
+
+    @classmethod
+    def of_joints(cls, robot: Robot, q: Array, tolerance: float = ALIGNED) -> Scene:
+        """The scene at configurations (N, n) in which every mimic joint is a joint of its own."""
+        free, values, _ = unlocked(robot, q)
+        return cls(free, values, tolerance)
 
     @cached_property
     def screws(self) -> Array:
@@ -119,15 +80,21 @@ class Scene:
         return tuple(i for i, kind in enumerate(self.kinds) if kind is JointKind.REVOLUTE)
 
     @cached_property
+    def slides(self) -> Verdicts:
+        """(n,) which joints are prismatic."""
+        return np.array([kind is JointKind.PRISMATIC for kind in self.kinds])
+
+    @cached_property
     def z(self) -> Array:
         """(n, N, 3) unit directions of the axes; those of the slides for prismatic joints."""
-        first = [0 if kind is JointKind.PRISMATIC else 3 for kind in self.kinds]
-        return np.stack([self.screws[:, row : row + 3, i] for i, row in enumerate(first)])
+        columns = np.moveaxis(self.screws, -1, 0)
+        return np.where(self.slides[:, None, None], columns[..., :3], columns[..., 3:])
 
     @cached_property
     def p(self) -> Array:
         """(n, N, 3) the points of the axes nearest to the base origin [m]."""
-        return np.stack([np.cross(self.screws[:, 3:, i], self.screws[:, :3, i]) for i in range(self.robot.n)])
+        columns = np.moveaxis(self.screws, -1, 0)
+        return cross(columns[..., 3:], columns[..., :3])
 
     @cached_property
     def tip(self) -> Array:
@@ -139,56 +106,72 @@ class Scene:
         """Reach of the arm [m]; distances are judged against it."""
         return reach(self.robot)
 
+    @cached_property
+    def parallel(self) -> Verdicts:
+        """(n, n, N) |z_i × z_j| = 0."""
+        return self._small(cross(self.z[:, None], self.z[None]))
+
+    @cached_property
+    def perpendicular(self) -> Verdicts:
+        """(n, n, N) z_i · z_j = 0."""
+        return np.asarray(np.abs(_dot(self.z[:, None], self.z[None])) < self.tolerance)
+
+    @cached_property
+    def aligned(self) -> Verdicts:
+        """(n, n, N) whether axes i and j are one line, parallel and with (p_j − p_i) × z_i = 0."""
+        return self.parallel & self.on_axis(self.p[None], np.arange(len(self.p))[:, None])
+
+    @cached_property
+    def crossings(self) -> tuple[Verdicts, Verdicts]:
+        """(n, n, N) whether axes i and j meet in one point, and (n, n, n, N) which axes go through it.
+
+        They meet at p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j.
+        """
+        skew, apart = cross(self.z[:, None], self.z[None]), self.p[None] - self.p[:, None]
+        meet = ~self.parallel & (np.abs(_dot(apart, skew)) <= self.tolerance * self.length)
+        s = _dot(cross(apart, self.z[None]), skew) / np.where(meet, _dot(skew, skew), 1.0)
+        points = self.p[:, None] + s[..., None] * self.z[:, None]
+        number = np.arange(len(self.p))
+        on = self.on_axis(points[:, :, None], number)
+        return meet & on[number[:, None], number, number], on
+
     def moved(self, joint: int, by: float) -> Scene:
         """The scene after one joint has moved by `by` [rad, m]."""
         q = self.q.copy()
         q[:, joint] += by
         return Scene(self.robot, q, self.tolerance)
 
-    def parallel(self, i: int, j: int) -> Verdicts:
-        """|z_i × z_j| = 0."""
-        return self._small(np.cross(self.z[i], self.z[j]))
-
-    def perpendicular(self, i: int, j: int) -> Verdicts:
-        """z_i · z_j = 0."""
-        return np.abs(_dot(self.z[i], self.z[j])) < self.tolerance
-
-    def aligned(self, i: int, j: int) -> Verdicts:
-        """One line: parallel, and (p_j − p_i) × z_i = 0."""
-        return self.parallel(i, j) & self.on_axis(self.p[j], i)
-
-    def on_axis(self, point: Array, i: int) -> Verdicts:
-        """(point − p_i) × z_i = 0 for a point (N, 3)."""
-        return self._small(np.cross(point - self.p[i], self.z[i]) / self.length)
+    def on_axis(self, point: Array, i: int | NDArray[np.intp]) -> Verdicts:
+        """(point − p_i) × z_i = 0 for points (..., N, 3)."""
+        return self._small(cross(point - self.p[i], self.z[i]) / self.length)
 
     def meeting(self, i: int, j: int) -> Verdicts:
         """Not parallel and in one plane: (p_j − p_i) · (z_i × z_j) = 0."""
-        volume = _dot(self.p[j] - self.p[i], np.cross(self.z[i], self.z[j]))
-        return ~self.parallel(i, j) & (np.abs(volume) < self.tolerance * self.length)
+        volume = _dot(self.p[j] - self.p[i], cross(self.z[i], self.z[j]))
+        return np.asarray(~self.parallel[i, j] & (np.abs(volume) < self.tolerance * self.length))
 
     def common_point(self, axes: Sequence[int]) -> tuple[Array, Verdicts]:
         """(N, 3) the point nearest to some axes, Σ (1 − z zᵀ)(x − p) = 0, and whether it is on all of them."""
-        normal = np.eye(3) - self.z[list(axes)][..., :, None] * self.z[list(axes)][..., None, :]  # (a, N, 3, 3)
+        members = np.array(axes)
+        normal = np.eye(3) - self.z[members][..., :, None] * self.z[members][..., None, :]  # (a, N, 3, 3)
         total = normal.sum(axis=0)
-        right = (normal @ self.p[list(axes)][..., None]).sum(axis=0)
+        right = (normal @ self.p[members][..., None]).sum(axis=0)
         regular = np.linalg.eigvalsh(total)[:, 0] > self.tolerance  # 0 where all are parallel
         point = np.linalg.solve(np.where(regular[:, None, None], total, np.eye(3)), right)[..., 0]
-        on = np.stack([self.on_axis(point, i) for i in axes]).all(axis=0)
-        return point, on & regular
+        return point, self.on_axis(point, members).all(axis=0) & regular
 
     def in_plane(self, point: Array, i: int, direction: Array) -> Verdicts:
         """In the plane through axis i along `direction` (N, 3): (point − p_i) · (z_i × direction) = 0."""
-        return np.abs(_dot(point - self.p[i], np.cross(self.z[i], direction))) < self.tolerance * self.length
+        return np.abs(_dot(point - self.p[i], cross(self.z[i], direction))) < self.tolerance * self.length
 
     def coplanar(self, axes: Sequence[int], point: Array | None = None) -> Verdicts:
         """All axes (and the point) in one plane."""
-        first = axes[0]
-        spans = [self.z[i] for i in axes] + [(self.p[i] - self.p[first]) / self.length for i in axes[1:]]
-        if point is not None:
-            spans.append((point - self.p[first]) / self.length)
+        first, members = axes[0], np.array(axes)
+        points = self.p[members[1:]] if point is None else np.concatenate([self.p[members[1:]], point[None]])
+        spans = np.concatenate([self.z[members], (points - self.p[first]) / self.length])  # (s, N, 3)
         # remove the freedom along the first axis from the points: only their offset from it counts
-        stacked = np.stack([s - self.z[first] * _dot(s, self.z[first])[:, None] for s in spans], axis=1)  # (N, s, 3)
-        return np.linalg.svd(stacked, compute_uv=False)[:, 1] < self.tolerance
+        spans = spans - self.z[first] * _dot(spans, self.z[first])[..., None]
+        return np.linalg.svd(spans.swapaxes(0, 1), compute_uv=False)[:, 1] < self.tolerance
 
     def _small(self, vector: Array) -> Verdicts:
         return np.asarray(np.linalg.norm(vector, axis=-1) < self.tolerance)
@@ -214,7 +197,7 @@ def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
     if len(circuit) == 1:
         return f"joint {names} moves nothing"
     axes = [i for i in circuit if i in scene.axes]
-    slides = [i for i in circuit if scene.kinds[i] is JointKind.PRISMATIC]
+    slides = [i for i in circuit if scene.slides[i]]
     words = _pattern(scene, axes, slides, task) if len(axes) + len(slides) == len(circuit) else None
     return words or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
 
@@ -278,7 +261,7 @@ def _translations_twice(scene: Scene, axes: Sequence[int], slides: Sequence[int]
     """Axes and slides: turning forth and back about parallel axes is a translation, and the slides make it too."""
     if not _parallel(scene, axes):
         return None
-    normal = all(scene.perpendicular(axes[0], i).all() for i in slides)
+    normal = all(scene.perpendicular[axes[0], i].all() for i in slides)
     how = "normal to them" if normal else "along what they translate"
     if len(axes) == 2 and len(slides) == 1:
         how = "normal to their plane"
@@ -303,7 +286,7 @@ def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> st
 
 
 def _parallel(scene: Scene, axes: Sequence[int]) -> bool:
-    return all(bool(scene.parallel(axes[0], i).all()) for i in axes[1:])
+    return bool(scene.parallel[axes[0], list(axes[1:])].all())
 
 
 def _pure_force(wrench: Array) -> bool:
@@ -359,51 +342,54 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tupl
         True axes 1, 2 intersect
         True axes 2, 3 parallel
     """
-    here = Lines(robot, one_configuration(robot, q), tolerance)
+    here = Scene.of_joints(robot, one_configuration(robot, q)[None], tolerance)
     elsewhere, always = _structure(robot, tolerance)
     groups = _groups(here)
-    special = [group for group in groups if not all(_holds(lines, group) for lines in elsewhere)]
-    structural = [group for group in groups if group not in special]
+    structural = [group for group in groups if _holds(elsewhere, group)]
     structural += [group for group in always if group not in groups and len(group[1]) > 2 and _holds(here, group)]
+    special = [group for group in groups if group not in structural]
     found = [_relation(here, *group, group in structural) for group in special + structural]
     return tuple(sorted(found, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
 
 
 @lru_cache(maxsize=16)
-def _structure(robot: Robot, tolerance: float) -> tuple[list[Lines], list[Group]]:
+def _structure(robot: Robot, tolerance: float) -> tuple[Scene, list[Group]]:
     """The arm at random configurations, and the groups that it has at all of them: a robot never changes."""
-    elsewhere = [Lines(robot, q, tolerance) for q in structural_sample(robot, resolve_task(None, robot), _PLACES)]
-    return elsewhere, [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere)]
+    elsewhere = Scene.of_joints(robot, structural_sample(robot, resolve_task(None, robot), _PLACES), tolerance)
+    return elsewhere, _groups(elsewhere)
 
 
-def _groups(lines: Lines) -> list[Group]:
-    """Maximal groups of every kind, indices from 0."""
-    turns, every = lines.turns, range(len(lines.z))
-    aligned = {tuple(j for j in turns if lines.one_line[i][j]) for i in turns}
-    through = [on for i, j in combinations(turns, 2) if (on := lines.through_meeting(i, j)) is not None]
-    points = {tuple(k for k in turns if on[k]) for on in through}
-    kinds: dict[str, set[tuple[int, ...]]] = {
-        "aligned": aligned,
-        "parallel": {tuple(j for j in every if lines.parallel[i][j]) for i in every} - aligned,
-        "concurrent": {group for group in points if len(group) > 2},
-        "intersecting": {group for group in points if len(group) == 2},
-    }
-    return [(kind, group) for kind, groups in kinds.items() for group in groups if len(group) > 1]
+def _members(mask: Verdicts) -> tuple[int, ...]:
+    return tuple(np.flatnonzero(mask).tolist())
 
 
-def _holds(lines: Lines, group: Group) -> bool:
+def _groups(scene: Scene) -> list[Group]:
+    """Maximal groups of every kind that hold at all configurations of a scene, indices from 0."""
+    turns = np.flatnonzero(~scene.slides)
+    verdicts = (scene.aligned, scene.parallel, *scene.crossings)
+    line, together, meet, on = (np.asarray(every.all(axis=-1)) for every in verdicts)
+    aligned = {_members(row & ~scene.slides) for row in line[turns]}
+    parallel = {_members(row) for row in together} - aligned
+    points = {_members(on[i, j] & ~scene.slides) for i, j in combinations(turns, 2) if meet[i, j]}
+    found = [("aligned", group) for group in aligned] + [("parallel", group) for group in parallel]
+    found += [("concurrent" if len(group) > 2 else "intersecting", group) for group in points]
+    return [(kind, group) for kind, group in found if len(group) > 1]
+
+
+def _holds(scene: Scene, group: Group) -> bool:
+    """Whether some axes have this in common at every configuration of a scene."""
     kind, joints = group
-    pairs = list(combinations(joints, 2))
+    pairs = np.ix_(joints, joints)
     if kind in ("aligned", "parallel"):
-        related = lines.one_line if kind == "aligned" else lines.parallel
-        return all(related[i][j] for i, j in pairs)
-    crossing = next((pair for pair in pairs if not lines.parallel[pair[0]][pair[1]]), None)
-    on = lines.through_meeting(*crossing) if crossing else None
-    return on is not None and all(on[i] for i in joints)
+        return bool((scene.aligned if kind == "aligned" else scene.parallel)[pairs].all())
+    meet, on = scene.crossings
+    through = meet[pairs] & on[pairs][:, :, list(joints)].all(axis=2)
+    return bool(through.any(axis=(0, 1)).all())
 
 
-def _relation(lines: Lines, kind: str, joints: tuple[int, ...], structural: bool) -> Relation:
-    axes, slides = ([i for i in joints if i in some] for some in (lines.turns, lines.slides))
+def _relation(scene: Scene, kind: str, joints: tuple[int, ...], structural: bool) -> Relation:
+    slides = [i for i in joints if scene.slides[i]]
+    axes = [i for i in joints if i not in slides]
     parts = [f"{'axes' if len(axes) > 1 else 'axis'} {numbers(axes)}"] * bool(axes)
     parts += [_slides(slides)] * bool(slides)
     verb = {"aligned": "aligned", "parallel": "parallel", "concurrent": "meet in one point"}.get(kind, "intersect")
@@ -415,13 +401,16 @@ Subgroup = tuple[str, int, tuple[int, ...], frozenset[int]]
 all joints, of the set or not, whose motion maps the subgroup onto itself."""
 
 
-def subgroups(lines: Lines) -> list[Subgroup]:
-    """The largest set of joints for every subgroup that two joints at least lie in; a set once, in the smallest."""
+def subgroups(scene: Scene) -> list[Subgroup]:
+    """The largest set of joints for every subgroup that two joints at least lie in; a set once, in the smallest.
+
+    The scene has one configuration, and mimic joints as joints of their own.
+    """
     smallest: dict[tuple[int, ...], Subgroup] = {}
-    for kind, dimension, members, keepers in _every_subgroup(lines):
-        joints = tuple(sorted(members))
+    for kind, dimension, members, keepers in _every_subgroup(scene):
+        joints = _members(members)
         if len(joints) > 1 and (joints not in smallest or dimension < smallest[joints][1]):
-            smallest[joints] = kind, dimension, joints, frozenset(keepers)
+            smallest[joints] = kind, dimension, joints, frozenset(_members(keepers))
     return list(smallest.values())
 
 
@@ -442,34 +431,33 @@ def closure(screws: Array, tolerance: float = 1e-7, most: int = 6) -> Array:
         basis = grown
 
 
-def _every_subgroup(lines: Lines) -> Iterator[tuple[str, int, list[int], list[int]]]:
-    turns, slides = lines.turns, lines.slides
-    straight = [i for i in turns if abs(lines.h[i]) < lines.tolerance * lines.length]
-    for i in turns:
-        axis = [j for j in turns if lines.one_line[i][j]]
-        along_line = axis + [j for j in slides if lines.parallel[i][j]]
-        bundle = [j for j in turns if lines.parallel[i][j]]
-        across = [j for j in slides if lines.normal[i][j]]
-        yield "coaxial", 1, [j for j in axis if lines.one_pitch[i][j]], along_line
-        yield "cylindrical", 2, along_line, along_line
-        planar = [j for j in bundle if lines.one_pitch[i][j]] + across
-        yield "planar" if i in straight else "planar with a screw", 3, planar, bundle + slides
-        yield "Schönflies", 4, bundle + slides, bundle + slides
-    for i, j in combinations(straight, 2):
-        on = lines.through_meeting(i, j)
-        if on is not None:
-            ball = [k for k in straight if on[k]]
-            yield "spherical", 3, ball, ball
-    for i in slides:
-        keepers = slides + [j for j in turns if lines.parallel[i][j]]
-        yield "translational", 1, [j for j in slides if lines.parallel[i][j]], keepers
-    for i, j in combinations(slides, 2):
-        if not lines.parallel[i][j]:
-            normal = cross(lines.z[i], lines.z[j]) / lines.cross[i, j]
-            plane = [k for k in slides if abs(normal @ lines.z[k]) < lines.tolerance]
-            keepers = slides + [k for k in turns if np.linalg.norm(cross(normal, lines.z[k])) < lines.tolerance]
-            yield "translational", 2, plane, keepers
-    yield "translational", 3, slides, turns + slides
+def _every_subgroup(scene: Scene) -> Iterator[tuple[str, int, Verdicts, Verdicts]]:
+    """Kind, dimension, members and keepers (n,) of every subgroup that an axis, a slide, or two of them choose."""
+    slides, turns = scene.slides, ~scene.slides
+    parallel, line, square = (pairs[..., 0] for pairs in (scene.parallel, scene.aligned, scene.perpendicular))
+    z, zero = scene.z[:, 0], scene.tolerance * scene.length
+    pitches = _dot(scene.screws[0, :3].T, scene.screws[0, 3:].T)  # [m/rad]
+    straight = turns & (np.abs(pitches) < zero)
+    meet, on = (verdicts[..., 0] for verdicts in scene.crossings)
+    for i in _members(turns):
+        axis, bundle, pitch = turns & line[i], turns & parallel[i], np.abs(pitches - pitches[i]) < zero
+        along = axis | (slides & parallel[i])
+        yield "coaxial", 1, axis & pitch, along
+        yield "cylindrical", 2, along, along
+        kind = "planar" if straight[i] else "planar with a screw"
+        yield kind, 3, (bundle & pitch) | (slides & square[i]), bundle | slides
+        yield "Schönflies", 4, bundle | slides, bundle | slides
+    for i, j in combinations(_members(straight), 2):
+        if meet[i, j]:
+            yield "spherical", 3, on[i, j] & straight, on[i, j] & straight
+    for i in _members(slides):
+        yield "translational", 1, slides & parallel[i], slides | (turns & parallel[i])
+    for i, j in combinations(_members(slides), 2):
+        if not parallel[i, j]:
+            normal = unit(cross(z[i], z[j]))
+            keepers = slides | (turns & scene._small(cross(normal, z)))
+            yield "translational", 2, slides & (np.abs(z @ normal) < scene.tolerance), keepers
+    yield "translational", 3, slides, turns | slides
 
 
 def _span(rows: Array, tolerance: float) -> Array:
@@ -531,12 +519,12 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[
         >>> [(s.numbers, s.kind) for s in systems_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])]
         [((4, 5, 6), 'spherical')]
     """
-    lines = Lines(robot, one_configuration(robot, q), tolerance)
+    scene = Scene.of_joints(robot, one_configuration(robot, q)[None], tolerance)
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
-    for kind, dimension, members, keepers in subgroups(lines):
+    for kind, dimension, members, keepers in subgroups(scene):
         for joints, structural in _pieces(members, keepers):
             always = structural or (len(joints) > dimension and _stay_inside(robot, joints, dimension))
-            system = _system(robot, lines, kind, dimension, joints, always)
+            system = _system(robot, scene, kind, dimension, joints, always)
             count = len(system.numbers)
             telling = count > dimension or (structural and count == dimension >= 2)
             if telling and (system.numbers not in pieces or dimension < pieces[system.numbers].dimension):
@@ -600,9 +588,9 @@ def _twists(robot: Robot, q: Array, length: float) -> Array:
 
 def _whole(robot: Robot, q: Array, dimension: int, rank: int) -> str:
     """All joints in one subgroup, and what the task sees of it."""
-    lines = Lines(robot, q)
+    scene = Scene.of_joints(robot, q[None])
     every = tuple(range(len(robot.joints)))
-    kinds = [kind for kind, size, joints, _ in subgroups(lines) if joints == every and size == dimension]
+    kinds = [kind for kind, size, joints, _ in subgroups(scene) if joints == every and size == dimension]
     system = f"a {kinds[0]} system ({_MEANING[kinds[0]]})" if kinds else "a system"
     words = f"joints {numbers(range(robot.n))} lie in {system} of dimension {dimension}"
     return words if dimension == rank else f"{words}, of which this task sees {rank}"
@@ -669,34 +657,254 @@ _MEANING = {
 
 
 def _system(
-    robot: Robot, lines: Lines, kind: str, dimension: int, joints: tuple[int, ...], structural: bool
+    robot: Robot, scene: Scene, kind: str, dimension: int, joints: tuple[int, ...], structural: bool
 ) -> ScrewSystem:
     """A set of joints in a subgroup as a record, its joints turned into variables."""
     inside = {robot.joints[i].name for i in joints}
     outside = {j.mimic.leader for j in robot.joints if j.mimic is not None and j.name not in inside}
     chosen = [i for i, joint in enumerate(robot.variables) if joint.name in inside - outside]
-    slides = sum(i in lines.slides for i in joints)
+    slides = int(scene.slides[list(joints)].sum())
     permanent = structural and len(chosen) > dimension
     what = "slides" if slides == len(joints) else "joints" if slides else "axes"
-    when = "dependent here: no motion of these joints alone breaks it"
-    if structural:
-        when = "dependent at every configuration" if permanent else "at every configuration"
+    shared = _SHARED[f"{kind} {dimension}" if kind == "translational" else kind][bool(slides)]
     return ScrewSystem(
         numbers=tuple(i + 1 for i in chosen), kind=kind, dimension=dimension,
         consecutive=bool(chosen) and chosen[-1] - chosen[0] == len(chosen) - 1, structural=structural,
         permanent=permanent,
-        words=f"{what} {numbers(chosen)} {_shared(kind, dimension, bool(slides))} ({kind} system of dimension "
-        f"{dimension}), {when}",
+        words=f"{what} {numbers(chosen)} {shared} ({kind} system of dimension {dimension}), "
+        f"{_WHEN[structural, permanent]}",
     )  # fmt: skip
 
 
-def _shared(kind: str, dimension: int, slides: bool) -> str:
-    return {
-        "coaxial": "lie on one line",
-        "translational": ("are parallel", "are parallel to one plane", "only translate")[min(dimension, 3) - 1],
-        "cylindrical": "lie along one line" if slides else "lie on one line",
-        "spherical": "meet in one point",
-        "planar": "move in parallel planes" if slides else "are parallel",
-        "planar with a screw": "move in parallel planes that rise by one pitch",
-        "Schönflies": "turn about parallel axes and slide" if slides else "are parallel",
-    }[kind]
+_WHEN = {
+    (False, False): "dependent here: no motion of these joints alone breaks it",
+    (True, False): "at every configuration",
+    (True, True): "dependent at every configuration",
+}
+"""Whether a system is structural, and permanent."""
+_SHARED = {
+    "coaxial": ("lie on one line", "lie on one line"),
+    "translational 1": ("are parallel", "are parallel"),
+    "translational 2": ("are parallel to one plane", "are parallel to one plane"),
+    "translational 3": ("only translate", "only translate"),
+    "cylindrical": ("lie on one line", "lie along one line"),
+    "spherical": ("meet in one point", "meet in one point"),
+    "planar": ("are parallel", "move in parallel planes"),
+    "planar with a screw": ("move in parallel planes that rise by one pitch",) * 2,
+    "Schönflies": ("are parallel", "turn about parallel axes and slide"),
+}
+"""What axes alone have in common in each kind of system, and joints with slides among them."""
+
+
+LARGEST_CHAIN = 20
+"""Joints; with more of them the number of sets to look at is beyond a fraction of a second."""
+
+_REGULAR = 8  # regular configurations that tell what is dependent everywhere
+_TIE = 1e-9  # coefficients closer than this share tie for the largest
+
+Sets = tuple[NDArray[np.intp], NDArray[np.intp]]
+
+
+@dataclass(frozen=True, slots=True)
+class Circuit:
+    """A set of joints whose columns are dependent while those of no smaller set inside it are.
+
+    Attributes:
+        numbers: joints from 1, increasing.
+        coefficients: c of Σ c_i J_i = 0: joint rates that leave the task still. The largest is 1.
+        units: of each coefficient, "rad" (per second) or "m" (per second).
+        generic: dependent at almost every configuration too, as any m + 1 joints of a redundant arm are.
+        sigma: smallest singular value of the columns scaled to unit length (0 where there are more columns than rows).
+        words: what the axes have in common.
+    """
+
+    numbers: tuple[int, ...]
+    coefficients: tuple[float, ...]
+    units: tuple[str, ...]
+    generic: bool
+    sigma: float
+    words: str
+
+
+def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) -> tuple[Circuit, ...]:
+    """Every circuit at one configuration, small ones first, then by their numbers.
+
+    Args:
+        robot: the arm; at most `LARGEST_CHAIN` variables.
+        q: (n,) configuration [rad, m].
+        task: rows that count; the circuits do not depend on its frame's axes or its length scale.
+        tolerance: columns scaled to unit length are dependent where their smallest σ is at or below it [1].
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        OptionError: more joints than `LARGEST_CHAIN`.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("rcrrrr")
+        >>> [circuit.numbers for circuit in circuits_at(arm, [0.0] * 7, resolve_task("pose", arm))]
+        [(1, 3, 4, 5), (3, 4, 6, 7), (1, 3, 5, 6, 7), (1, 4, 5, 6, 7)]
+    """
+    configuration = one_configuration(robot, q)
+    if robot.n > LARGEST_CHAIN:
+        raise OptionError(
+            "there are too many joints to list every circuit", where=f"robot {robot.name!r}", got=robot.n,
+            allowed=f"at most {LARGEST_CHAIN}",
+        )  # fmt: skip
+    columns = task_jacobian(robot, configuration[None, :], task)
+    sets = shared_circuits(columns, tolerance)
+    usual = _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
+    scene = Scene(robot, configuration[None, :])
+    units = robot.units
+    return tuple(
+        Circuit(
+            numbers=tuple(i + 1 for i in members),
+            coefficients=tuple(_dependency(columns[0], members)[list(members)].tolist()),
+            units=tuple(units[i] for i in members),
+            generic=_dependent(usual, members, tolerance),
+            sigma=0.0 if len(members) > task.m else float(sigma_of(_unit_columns(columns[0])[:, members])[-1]),
+            words=describe(scene, members, task),
+        )
+        for members in sets
+    )
+
+
+def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) -> tuple[Circuit, ...]:
+    """The smallest circuits, special to this configuration, that bring as many new dependencies as rank is lost.
+
+    Dependencies count as new when they do not follow from those taken before and from the ones that hold everywhere.
+    None at a regular configuration; fewer than the corank where only the whole arm tells (then `circuits_at` has none
+    left either).
+
+    Args, Raises: as `circuits_at`.
+    """
+    found = circuits_at(robot, q, task, tolerance)
+    corank = generic_rank(robot, task) - int((singular_values(robot, q, task) > tolerance).sum())
+    return make_all(found, robot.n, corank)
+
+
+def make_all(circuits: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
+    """The smallest circuits, special to this configuration, from which all its dependencies follow.
+
+    For an arm without redundancy these are the ones of `blame`. A redundant one has n − r dependencies everywhere, and
+    a single further set of dependent joints need not cost it any rank: only all of them together tell of the loss.
+
+    Args:
+        circuits: all circuits, from `circuits_at`.
+        n: number of joints.
+        nullity: independent dependencies, n − rank.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> found = circuits_at(arm, [0.0] * 7, resolve_task("pose", arm))
+        >>> [circuit.numbers for circuit in make_all(found, 7, 4)]  # rank 3
+        [(1, 3), (1, 5), (1, 7), (2, 4, 6)]
+    """
+    known = [_vector(circuit, n) for circuit in circuits if circuit.generic]
+    special = [circuit for circuit in circuits if not circuit.generic]
+    return tuple(special[i] for i in _independent(known, [_vector(circuit, n) for circuit in special], nullity))
+
+
+def _vector(circuit: Circuit, n: int) -> Array:
+    result = np.zeros(n)
+    result[[number - 1 for number in circuit.numbers]] = circuit.coefficients
+    return result
+
+
+def to_blame(columns: Array, generic: Array, corank: int) -> list[tuple[int, ...]]:
+    """The smallest circuits that bring as many independent dependencies as rank is lost; fewer if there are no more.
+
+    Args:
+        columns: (N, m, n) task Jacobians at the points of a family: the circuits hold at all of them.
+        generic: (M, m, n) task Jacobians at random configurations, where they do not.
+        corank: how many are wanted.
+
+    Returns:
+        Tuples of indices from 0.
+    """
+    usual = _unit_columns(generic)
+    sets = [members for members in shared_circuits(columns) if not _dependent(usual, members, DEPENDENT)]
+    chosen = _independent([], [_dependency(columns[0], members) for members in sets], corank)
+    return [sets[i] for i in chosen]
+
+
+def shared_circuits(columns: Array, tolerance: float = DEPENDENT) -> list[tuple[int, ...]]:
+    """Circuits that hold at every one of some points: smallest σ of the unit columns at or below the tolerance.
+
+    A set is looked at when none of the sets with one member less is dependent.
+
+    Args:
+        columns: (N, m, n) task Jacobians.
+        tolerance: [1].
+
+    Returns:
+        Tuples of indices from 0, small ones first.
+    """
+    rows, n = columns.shape[1:]
+    unit = _unit_columns(columns)
+    dependent = np.zeros(1 << n, dtype=bool)
+    found: list[tuple[int, ...]] = []
+    for size in range(1, min(rows + 1, n) + 1):
+        members, masks = _sets(n, size)
+        inside = dependent[masks[:, None] ^ (1 << members)].any(axis=1)
+        new = ~inside
+        new[new] = _all_dependent(unit, members[new], tolerance)
+        dependent[masks[inside | new]] = True
+        found += [tuple(chosen) for chosen in members[new].tolist()]
+    return found
+
+
+@lru_cache(maxsize=256)
+def _sets(n: int, size: int) -> Sets:
+    """(B, size) all sets of `size` out of n, and (B,) their bit masks."""
+    members = np.array(list(combinations(range(n), size)), dtype=np.intp).reshape(-1, size)
+    return members, (1 << members).sum(axis=1)
+
+
+def _all_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -> NDArray[np.bool_]:
+    """(B,) whether each set (B, s) is dependent at every point; more columns than rows always are."""
+    points, rows, _ = unit.shape
+    count, size = members.shape
+    if size > rows or count == 0:
+        return np.ones(count, dtype=bool)
+    parts = unit[:, :, members].transpose(0, 2, 1, 3).reshape(-1, rows, size)
+    sigma = sigma_of(parts)[:, -1]
+    return np.asarray((sigma.reshape(points, count) <= tolerance).all(axis=0))
+
+
+def _dependent(unit: Array, members: tuple[int, ...], tolerance: float) -> bool:
+    return bool(_all_dependent(unit, np.array([members], dtype=np.intp), tolerance)[0])
+
+
+def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
+    """(n,) c with Σ c_i J_i = 0 over a circuit, the largest entry 1 (the first of equals)."""
+    own = columns[:, list(members)]
+    rates = svd(_unit_columns(own))[2][:, -1] / _lengths(own)[0]
+    size, result = np.abs(rates), np.zeros(columns.shape[1])
+    result[list(members)] = rates / rates[int(np.argmax(size >= size.max() * (1 - _TIE)))]
+    return result
+
+
+def _independent(known: list[Array], vectors: list[Array], count: int) -> list[int]:
+    """Indices of the first vectors, at most `count`, that are independent of each other and of the known ones."""
+    taken, chosen = list(known), list[int]()
+    rank = int(np.linalg.matrix_rank(np.array(taken), tol=1e-6)) if taken else 0
+    for i, vector in enumerate(vectors):
+        if len(chosen) < count and np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6) > rank:
+            chosen.append(i)
+            taken.append(vector)
+            rank += 1
+    return chosen
+
+
+def _lengths(columns: Array) -> Array:
+    """Lengths of the columns; 1 for those that are rounding."""
+    length = np.linalg.norm(columns, axis=-2, keepdims=True)
+    return np.asarray(np.where(length > DEPENDENT, length, 1.0))
+
+
+def _unit_columns(columns: Array) -> Array:
+    return np.asarray(columns / _lengths(columns))

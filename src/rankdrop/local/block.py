@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._core import decompose_one, sigma_one
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, task_view
+from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, task_view, view_of
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach, travel_limits
 from rankdrop.task import Task, resolve_task
@@ -98,10 +99,13 @@ def singular_values(robot: Robot, q: ArrayLike, task: Task | str | None = None, 
         TaskError: the task does not exist.
         OptionError: out has another shape or type, or shares memory with q.
     """
-    resolved = resolve_task(task, robot)
+    view = view_of(robot, task)
+    single = sigma_one(robot, q, out, view)
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
-    into = rows_of(out, rows, batch, (min(resolved.m, robot.n),))
-    sigma = _core.singular_values(chain_of(robot), task_view(robot, resolved), rows, into)
+    into = rows_of(out, rows, batch, (min(view.m, robot.n),))
+    sigma = _core.singular_values(chain_of(robot), view, rows, into)
     return sigma.reshape(*batch, sigma.shape[1]) if out is None else out
 
 
@@ -112,8 +116,12 @@ def decompose(robot: Robot, q: ArrayLike, task: Task | str | None = None) -> Dec
         ConfigurationError: q has the wrong shape or is not finite.
         TaskError: the task does not exist.
     """
+    view = view_of(robot, task)
+    parts = decompose_one(robot, q, view)
+    if parts is not None:
+        return Decomposition(*parts)
     rows, batch = configurations(robot, q)
-    u, sigma, v = _core.decompose(chain_of(robot), task_view(robot, resolve_task(task, robot)), rows)
+    u, sigma, v = _core.decompose(chain_of(robot), view, rows)
     return Decomposition(*(part.reshape(batch + part.shape[1:]) for part in (u, sigma, v)))
 
 

@@ -30,7 +30,7 @@ Then the series is summed up at a finite t instead, and the gain is what exceeds
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -40,8 +40,8 @@ from rankdrop import _core
 from rankdrop.configuration import Configuration
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import row_scale
-from rankdrop.local.bracket import unit
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.transform import unit
 from rankdrop.task import Task, link_index
 
 
@@ -50,10 +50,10 @@ def unlocked(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
 
     Args:
         robot: the arm.
-        q: (n,) configuration [rad, m].
+        q: (..., n) configurations [rad, m].
 
     Returns:
-        The chain with N variables; its configuration (N,); and the share (N, n) each variable of `robot` has in it.
+        The chain with N variables; its configurations (..., N); the share (N, n) each variable of `robot` has in it.
     """
     if robot.n == len(robot.joints):
         return robot, q, np.eye(robot.n)
@@ -65,7 +65,7 @@ def unlocked(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
         else:
             share[row, index[joint.mimic.leader]], offset[row] = joint.mimic.multiplier, joint.mimic.offset
     free = replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
-    return free, share @ q + offset, share
+    return free, q @ share.T + offset, share
 
 
 def taylor(robot: Robot, q: ArrayLike, task: Task, directions: ArrayLike, order: int) -> Array:
@@ -109,21 +109,10 @@ _DOUBT = 100.0  # a singular value of T_p nearer to the cut than this factor, ei
 _NEAR = 0.02  # finite motion that measures a rate of order 3 and more: t⁴ is still far above rounding [rad]
 
 
-@dataclass(frozen=True, slots=True)
-class Departure:
-    """What one straight motion does to the rank.
-
-    Attributes:
-        gain: rank regained for small t ≠ 0.
-        order: power of t at which the slowest of all lost singular values leaves zero; None where one never does.
-        rate: σ_r ≈ rate · t^order; 0.0 where order is None.
-        first: (corank,) singular values of D(Δ), descending.
-    """
-
-    gain: int
-    order: int | None
-    rate: float
-    first: tuple[float, ...]
+Departure = tuple[int, int | None, float, tuple[float, ...]]
+"""What one straight motion does to the rank: rank regained for small t ≠ 0; power of t at which the slowest of all lost
+singular values leaves zero, None where one never does; its rate, σ_r ≈ rate · t^order, 0.0 where it has no order; the
+singular values of D(Δ), descending."""
 
 
 def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]:
@@ -142,7 +131,7 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
     """
     if not place.corank:
         r, first = place.generic - 1, taylor(place.robot, place.q, place.task, directions * place.scale, 1)[1]
-        return tuple(Departure(0, 1, float(slope), ()) for slope in place.u[:, r] @ first @ place.v[:, r])
+        return tuple((0, 1, float(slope), ()) for slope in place.u[:, r] @ first @ place.v[:, r])
     highest = np.array([_highest(place, direction) for direction in directions])
     series = taylor(place.robot, place.q, place.task, directions * place.scale, int(highest.max(initial=2)))
     series[0] = place.kept()
@@ -158,7 +147,9 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
         order = None
         if gained[d] >= place.corank:
             order = next((p for p, gain in enumerate(gains) if gain >= place.corank), None)
-            order = _slope(place, direction) if order is None else order
+            if order is None:  # the series cannot tell: as a finite motion shows it
+                near, far = _near_and_far(place, direction)
+                order = int(np.clip(round(np.log2(max(far, 1e-300) / max(near, 1e-300))), 1, HIGHEST))
         sigma = np.linalg.svd(first[d], compute_uv=False)[: place.corank]
         rate = 0.0
         if order == 1:
@@ -166,8 +157,9 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
         elif order == 2:
             rate = _second(first[d], schur[d], int(gains[1]), place.corank)
         elif order is not None:
-            rate = _finite(place, direction, order)
-        out.append(Departure(int(gained[d]), order, rate, tuple(float(s) for s in sigma)))
+            near, far = _near_and_far(place, direction) / np.array([_NEAR, 2 * _NEAR]) ** order
+            rate = float((4 * near - far) / 3)  # the mean is even in t, so one step of Richardson takes t² off
+        out.append((int(gained[d]), order, rate, tuple(sigma.tolist())))
     return tuple(out)
 
 
@@ -187,7 +179,7 @@ def _highest(place: Configuration, direction: Array) -> int:
 def _counts(series: Array, highest: Array, place: Configuration) -> tuple[Array, NDArray[np.bool_]]:
     """(d, P + 1) number of singular values whose order is at most p, from the ranks of T_p; and (d,) whether one of
     those ranks hangs on where exactly the cut is."""
-    powers, count = len(series), series.shape[1]
+    powers, count = series.shape[:2]
     numbers = np.full((count, powers), place.rank)
     before = np.full(count, place.rank)
     doubtful = np.full(count, bool(_close(place.sigma[: place.rank], place.floor).any()))
@@ -218,12 +210,6 @@ def _summed(place: Configuration, directions: Array) -> NDArray[np.intp]:
     return np.asarray(np.clip(ranks, place.rank, place.generic) - place.rank)
 
 
-def _slope(place: Configuration, direction: Array) -> int:
-    """The order as a finite motion shows it, where the series cannot tell."""
-    near, far = _near_and_far(place, direction)
-    return int(np.clip(round(np.log2(max(far, 1e-300) / max(near, 1e-300))), 1, HIGHEST))
-
-
 def _toeplitz(series: Array, p: int) -> Array:
     """(d, (p + 1) m, (p + 1) n) T_p of each direction."""
     _, count, m, n = series.shape
@@ -237,12 +223,6 @@ def _second(first: Array, schur: Array, rank: int, corank: int) -> float:
     u, _, vt = np.linalg.svd(first)
     left, right = u[:, rank:], vt[rank:].T
     return float(np.linalg.svd(left.T @ schur @ right, compute_uv=False)[corank - rank - 1])
-
-
-def _finite(place: Configuration, direction: Array, order: int) -> float:
-    """σ_r/|t|^order as t → 0, from ±h and ±2h: the mean is even in t, so one step of Richardson takes t² off."""
-    near, far = _near_and_far(place, direction) / np.array([_NEAR, 2 * _NEAR]) ** order
-    return float((4 * near - far) / 3)
 
 
 def _near_and_far(place: Configuration, direction: Array) -> Array:

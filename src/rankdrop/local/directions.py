@@ -53,12 +53,6 @@ class Screw:
         linear = np.cross(self.point, direction) + self.pitch * direction
         return self.magnitude * np.concatenate([linear, direction])
 
-    def in_lengths(self, length: float) -> Screw:
-        """The same screw where `length` [m] was its unit of length: point and pitch in metres."""
-        x, y, z = self.point
-        return replace(self, point=(x * length, y * length, z * length), pitch=self.pitch * length,
-                       magnitude=self.magnitude * (length if isinf(self.pitch) else 1.0))  # fmt: skip
-
 
 def screw_of(twist: ArrayLike) -> Screw:
     """The axis and the pitch of a twist (v; ω), v taken at the reference point of its frame.
@@ -77,11 +71,7 @@ def screw_of(twist: ArrayLike) -> Screw:
         >>> screw_of([0, -2, 0, 0, 0, 1]).point  # a turn about Z through x = 2
         (2.0, 0.0, 0.0)
     """
-    values = np.asarray(twist, dtype=np.float64)
-    if values.shape != (6,) or not np.isfinite(values).all() or not values.any():
-        raise OptionError("a twist is six finite numbers, not all zero", got=np.asarray(twist).tolist())
-    v, w = values[:3], values[3:]
-    turn, slide = float(np.linalg.norm(w)), float(np.linalg.norm(v))
+    v, w, slide, turn = _parts(twist)
     if turn <= _NO_TURN * slide:
         return Screw((0.0, 0.0, 0.0), _three(v / slide), inf, slide)
     return Screw(_three(np.cross(w, v) / turn**2), _three(w / turn), float(w @ v) / turn**2, turn)
@@ -132,23 +122,20 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
         '−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz = 0'
     """
     v, w, slide, turn = _parts(direction)
-    moves = slide >= turn
-    first, second = (v / slide, w / slide) if moves else (w / turn, v / turn)
-    names, others, unit = ("v", "ω", "m") if moves else ("ω", "v", "rad/m")
-    per = length if moves else 1.0 / length
-    sign = 1.0 if first[int(np.argmax(np.abs(first) >= np.abs(first).max() - _AXIS))] > 0.0 else -1.0
-    kept = 1.0 if float(np.linalg.norm(second)) > _ZERO else 0.0
-    terms = [(sign * float(x), f"{names}{axis}") for x, axis in zip(first, "xyz", strict=True) if abs(x) > _AXIS]
-    terms += [
-        (sign * float(x) * per, f"{unit}·{others}{axis}")
-        for x, axis in zip(kept * second, "xyz", strict=True) if abs(x) > _AXIS
-    ]  # fmt: skip
+    larger, smaller, names, per = v / max(slide, turn), w / max(slide, turn), ("v", "m·ω"), length
+    if turn > slide:
+        larger, smaller, names, per = smaller, larger, ("ω", "rad/m·v"), 1.0 / length
+    if np.linalg.norm(smaller) <= _ZERO:
+        smaller = np.zeros(3)
+    values = np.concatenate([larger, smaller])
+    values *= np.sign(larger[int(np.argmax(np.abs(larger) >= np.abs(larger).max() - _AXIS))])
+    labels = [f"{name}{axis}" for name in names for axis in "xyz"]
     text = ""
-    for value, name in terms:
-        number = _number(abs(value))
-        joint = ("−" if value < 0 else "") if not text else (" − " if value < 0 else " + ")
-        text += joint + (name if number == "1" and "·" not in name else f"{number} {name}")
-    return f"{text} = 0"
+    for i in np.flatnonzero(np.abs(values) > _AXIS).tolist():
+        value = float(values[i]) * (1.0 if i < 3 else per)
+        number = "" if i < 3 and _number(abs(value)) == "1" else f"{_number(abs(value))} "
+        text += f" {'−' if value < 0 else '+'} {number}{labels[i]}"
+    return f"{'−' * text.startswith(' −')}{text[3:]} = 0"
 
 
 def in_short(direction: ArrayLike) -> str:
@@ -164,7 +151,7 @@ def in_short(direction: ArrayLike) -> str:
     share = min(slide, turn) / np.hypot(slide, turn)
     if share > _NEARLY:
         return ""
-    text = f"no motion along {_axis(v)[0]}" if slide >= turn else f"no turning about {_axis(w)[0]}"
+    text = f"no motion along {_axis(v)}" if slide >= turn else f"no turning about {_axis(w)}"
     return text if share <= _ZERO else f"nearly {text}"
 
 
@@ -191,9 +178,9 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
     """
     v, w, slide, turn = _parts(direction)
     if turn <= _ZERO * slide:
-        return f"cannot translate along {_axis(v)[0]} of {frame_name}"
+        return f"cannot translate along {_axis(v)} of {frame_name}"
     if slide <= _ZERO * turn:
-        return f"cannot rotate about {_axis(w)[0]} of {frame_name}"
+        return f"cannot rotate about {_axis(w)} of {frame_name}"
     short = in_short(direction)
     return f"can only move so that {constraint(direction, length)} in axes of {frame_name}{f': {short}' * bool(short)}"
 
@@ -213,12 +200,12 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
     """
     f, m, force, moment = _parts(direction)
     if force <= _ZERO * moment:
-        return f"cannot rotate about {_axis(m)[0]} of {frame_name}"
+        return f"cannot rotate about {_axis(m)} of {frame_name}"
     line = screw_of(np.concatenate([m, f]))
     point = np.array(line.point)
     near = float(np.linalg.norm(point)) <= _ZERO
     where = "the reference point" if near else f"the point {_triple(point, length)} m from the reference point"
-    along = _axis(f)[0]
+    along = _axis(f)
     if abs(line.pitch) <= _ZERO:
         return f"{where} cannot move along {along} of {frame_name}"
     rate = _number(abs(line.pitch) * length)
@@ -284,15 +271,14 @@ def _parts(direction: ArrayLike) -> tuple[Array, Array, float, float]:
     return values[:3], values[3:], float(np.linalg.norm(values[:3])), float(np.linalg.norm(values[3:]))
 
 
-def _axis(vector: Array) -> tuple[str, bool]:
-    """Name of the axis with its largest component positive, and whether the vector points that way."""
+def _axis(vector: Array) -> str:
+    """Name of the axis with its largest component positive."""
     unit = vector / np.linalg.norm(vector)
     size = np.abs(unit)
     largest = int(np.argmax(size >= size.max() - _AXIS))
-    forward = bool(unit[largest] > 0.0)
     if np.delete(size, largest).max() <= _AXIS:
-        return "XYZ"[largest], forward
-    return _triple(unit if forward else -unit), forward
+        return "XYZ"[largest]
+    return _triple(unit * np.sign(unit[largest]))
 
 
 def _triple(vector: Array, length: float = 1.0) -> str:

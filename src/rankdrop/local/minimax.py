@@ -22,15 +22,16 @@ mixture of gradients leads down, at a minimum none does.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.local.block import block, decompose
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import unit
 from rankdrop.task import Task
 
 Model = tuple[Array, Array]
@@ -53,30 +54,16 @@ class Lowest:
         q: (B, n) configurations, in the unit of `joints` times rad.
         value: (B,) F there.
         slope: (B,) length of the shortest mixture of gradients: 0 where F cannot fall to first order.
-        iterations: (B,) steps tried.
     """
 
     q: Array
     value: Array
     slope: Array
-    iterations: NDArray[np.intp]
 
 
-@dataclass(frozen=True, eq=False)
-class Promise:
-    """A step of the model.
-
-    Attributes:
-        step: (B, n) Δ.
-        fall: (B,) of the model's F along it.
-        most: (B,) what no step's fall less ‖Δ‖²/2τ can exceed: near 0 where F cannot fall, however well Δ was found.
-        mixed: (B, N, k, k) Λ.
-    """
-
-    step: Array
-    fall: Array
-    most: Array
-    mixed: Array
+Promise = tuple[Array, Array, Array, Array]
+"""A step of the model: (B, n) Δ; (B,) fall of the model's F along it; (B,) what no step's fall less ‖Δ‖²/2τ can exceed,
+near 0 where F cannot fall, however well Δ was found; (B, N, k, k) Λ."""
 
 
 def largest(values: Array) -> Array:
@@ -101,7 +88,7 @@ def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = Non
     if mixed is None:
         mixed = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k))
     arrays = [np.ascontiguousarray(array, dtype=np.float64) for array in (values, tensor, tau, mixed)]
-    return Promise(*_core.promised(*arrays, rounds=_ROUNDS, effort=effort, exact=_EXACT))
+    return _core.promised(*arrays, rounds=_ROUNDS, effort=effort, exact=_EXACT)
 
 
 def descend(
@@ -120,25 +107,23 @@ def descend(
     """
     q = np.array(q, dtype=np.float64)
     values, tensor = evaluate(q)
-    tau, tried = np.ones(len(q)), np.zeros(len(q), dtype=np.intp)
-    slope, live = np.full(len(q), np.inf), np.ones(len(q), dtype=np.bool_)
+    tau, slope, live = np.ones(len(q)), np.full(len(q), np.inf), np.ones(len(q), dtype=np.bool_)
     mixed = np.broadcast_to(np.eye(values.shape[2]) / values[0].size, tensor.shape[:4]).copy()
     for _ in range(iterations):
         rows = np.flatnonzero(live)
         if not len(rows):
             break
-        found = _inside(q[rows], values[rows], tensor[rows], tau[rows], mixed[rows], box, effort)
-        slope[rows] = np.linalg.norm(found.step, axis=1) / tau[rows]
-        mixed[rows] = found.mixed
-        tried[rows] += 1
-        ahead = q[rows] + found.step if box is None else np.clip(q[rows] + found.step, *box)
+        model = (values[rows], tensor[rows], tau[rows], mixed[rows])
+        step, fall, most, mixed[rows] = _inside(q[rows], *model, box, effort)
+        slope[rows] = np.linalg.norm(step, axis=1) / tau[rows]
+        ahead = q[rows] + step if box is None else np.clip(q[rows] + step, *box)
         there, turned = evaluate(ahead)
         before = largest(values[rows])
-        better = before - largest(there) > np.maximum(_ENOUGH * found.fall, 0.0)
+        better = before - largest(there) > np.maximum(_ENOUGH * fall, 0.0)
         q[rows[better]], values[rows[better]], tensor[rows[better]] = ahead[better], there[better], turned[better]
         tau[rows] = np.where(better, np.minimum(2.0 * tau[rows], _LONGEST), tau[rows] / 4.0)
-        live[rows] = (tau[rows] > _SHORTEST) & (found.most > enough)
-    return Lowest(q, largest(values), slope, tried)
+        live[rows] = (tau[rows] > _SHORTEST) & (most > enough)
+    return Lowest(q, largest(values), slope)
 
 
 def _inside(
@@ -150,12 +135,12 @@ def _inside(
         return found
     held = np.zeros(q.shape, dtype=np.bool_)
     for _ in range(q.shape[1]):
-        out = ((q <= box[0]) & (found.step < 0.0)) | ((q >= box[1]) & (found.step > 0.0))
+        out = ((q <= box[0]) & (found[0] < 0.0)) | ((q >= box[1]) & (found[0] > 0.0))
         if not (out & ~held).any():
             break
         held |= out
         free = np.where(held[:, None, None, None, :], 0.0, tensor)
-        found = promised(values, free, tau, found.mixed, effort)
+        found = promised(values, free, tau, found[3], effort)
     return found
 
 
@@ -200,13 +185,9 @@ def plane_rotation(count: int, a: int, b: int, phi: float) -> Array:
 
 def spread(gradients: Array) -> float:
     """H, the sum of the angles between all pairs of gradients [rad] (AM eq. 14)."""
-    count = len(gradients)
-    return sum(_angle(gradients[i], gradients[j]) for i in range(count) for j in range(i + 1, count))
-
-
-def _angle(one: Array, other: Array) -> float:
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(np.arccos(np.clip(one @ other / size, -1.0, 1.0))) if size > 0.0 else 0.0
+    directions = unit(gradients)
+    angles = np.arccos(np.clip(directions @ directions.T, -1.0, 1.0))
+    return float(np.triu(np.where(directions.any(axis=1), angles, 0.0), 1).sum())
 
 
 FLAT = 1e-8
@@ -236,14 +217,14 @@ def stays_up(problem: Problem, q: Array) -> Mask:
         gradient = np.einsum("baan->bn", tensor[:, 0][:, :1, :1])
         at = ((q / scale <= box[0]) & (gradient > 0.0)) | ((q / scale >= box[1]) & (gradient < 0.0))
         tensor = np.where(at[:, None, None, None, :], 0.0, tensor)
-    return np.asarray(promised(values, tensor, np.ones(len(q))).most <= FLAT)
+    return np.asarray(promised(values, tensor, np.ones(len(q)))[2] <= FLAT)
 
 
 def brought_down(problem: Problem, q: Array, *, iterations: int = 200, effort: int = EFFORT) -> Lowest:
     """σ[rank] descended from (B, n) configurations to where it is least nearby; `q` of the result in rad and m."""
     scale = problem.scale
     found = descend(tied_model(problem), q / scale, _box(problem), iterations=iterations, effort=effort)
-    return Lowest(found.q * scale, found.value, found.slope, found.iterations)
+    return replace(found, q=found.q * scale)
 
 
 def _box(problem: Problem) -> tuple[Array, Array] | None:

@@ -33,10 +33,10 @@ from rankdrop import _core
 from rankdrop.configuration import Configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import LARGEST_SEED, one_configuration, whole_number
-from rankdrop.local.notebook import nearest_html
 from rankdrop.options import Options, option, takes
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section, html
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
@@ -87,7 +87,20 @@ class Nearest:
     within_limits: bool
 
     def _repr_html_(self) -> str:
-        return nearest_html(self)
+        """For notebooks: the configuration, how far it is, and how it was checked."""
+        rows = tuple(
+            (str(number), f"{there:.6g}", f"{way:+.6g}")
+            for number, (there, way) in enumerate(zip(self.q, self.delta, strict=True), 1)
+        )
+        notes = (
+            f"largest σ that has to vanish there: {self.sigma:.2g}; {self.agreeing} of {self.starts} starts ended at "
+            f"this distance; stationarity {self.stationarity:.2g}",
+            "found by search: that nothing is nearer is not proven",
+        )
+        summary = f"{self.distance:.6g} rad away (slides per length scale), corank {self.corank}"
+        columns = ("joint", "q* [rad, m]", "q* − q [rad, m]")
+        title = "Nearest singular configuration"
+        return html([Section(title, summary, columns=columns, rows=rows, texts=(), notes=notes)])
 
 
 @dataclass(frozen=True)

@@ -17,14 +17,14 @@ decides: with U₂ a basis of the lost directions and V₂ of the λ, the rank o
 product outside is not enough, because the weighted sum may vanish. Third the judge: the rank after a finite motion of
 the joint.
 
-`session` runs GR's instructions and prints what theirs print; `render` writes a report as text.
+`session` runs GR's instructions and prints what theirs print; `rankdrop.text.procedure_text` writes a report as text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
 
@@ -35,10 +35,10 @@ from rankdrop.configuration import Configuration, at
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian, one_configuration, task_jacobian_derivative
 from rankdrop.local.block import STRUCTURE_SEED, sigma_of, structural_sample
-from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, read_screw_list
+from rankdrop.robot.transform import bracket, cross, hat, unit
 from rankdrop.task import SPACE, Task
 from rankdrop.tolerances import DEFAULT, DEPENDENT, Tolerances
 
@@ -48,8 +48,7 @@ NO_TURN = 1e-12
 
 def lie_product(first: Array, second: Array) -> Array:
     """(6,) GR equation 2, direction first."""
-    turn = np.cross(first[:3], second[:3])
-    return np.concatenate([turn, np.cross(first[:3], second[3:]) - np.cross(second[:3], first[3:])])
+    return np.roll(bracket(np.roll(first, 3), np.roll(second, 3)), 3)
 
 
 def motion(screw: Array, amount: float) -> Array:
@@ -188,10 +187,19 @@ class OrderedScrewSet:
         self._check(min(first, second), max(first, second))
         return lie_product(self.screws[first - 1], self.screws[second - 1])
 
+    @cached_property
+    def _dimensions(self) -> dict[tuple[int, int], int]:
+        """Dimension of the span of every run (first, last), short runs first."""
+        rows, n, found = self._rows(self.screws), len(self), dict[tuple[int, int], int]()
+        for size in range(1, n + 1):
+            ranks = _ranks(np.stack([rows[i : i + size] for i in range(n - size + 1)]), self.tolerance)
+            found |= {(i, i + size - 1): int(rank) for i, rank in enumerate(ranks, 1)}
+        return found
+
     def dimension(self, first: int, last: int) -> int:
         """Dimension of the span of a run."""
         self._check(first, last)
-        return int(_ranks(self._rows(self.screws[None, first - 1 : last]), self.tolerance)[0])
+        return self._dimensions[first, last]
 
     def msos(self, first: int, last: int) -> OrderedSubset:
         """GR's test of a run: its dimension and loss. `minimal` is about runs inside, `generic` is not known here."""
@@ -202,7 +210,7 @@ class OrderedScrewSet:
 
     def subsets(self) -> tuple[OrderedSubset, ...]:
         """Every run with a loss, short ones first: the search that GR leave to the user's intuition."""
-        return _runs(self)
+        return tuple(run for run in (self.msos(*both) for both in self._dimensions) if run.loss)
 
     def subspace(self, first: int, last: int) -> Products:
         """Which Lie products of a run stay in its span, and the actuators that GR read off it.
@@ -251,10 +259,8 @@ class OrderedScrewSet:
     def _rows(self, screws: Array) -> Array:
         """(..., 6) screws brought to unit length about a point amid the axes of the set."""
         point, length = _middle(self.screws)
-        linear = (screws[..., 3:] + np.cross(screws[..., :3], point)) / length
-        rows = np.concatenate([linear, screws[..., :3]], axis=-1)
-        size = np.linalg.norm(rows, axis=-1, keepdims=True)
-        return np.asarray(rows / np.where(size > 0.0, size, 1.0))
+        linear = (screws[..., 3:] + cross(screws[..., :3], point)) / length
+        return unit(np.concatenate([linear, screws[..., :3]], axis=-1))
 
 
 def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubset, ...]:
@@ -276,7 +282,11 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         >>> [(run.first, run.last) for run in found if run.minimal]
         [(1, 5), (3, 7)]
     """
-    return _runs(_screws_at(robot, one_configuration(robot, q)), _elsewhere(robot, task))
+    elsewhere, runs = _elsewhere(robot, task), _screws_at(robot, one_configuration(robot, q)).subsets()
+    return tuple(
+        replace(run, generic=all(other.dimension(run.first, run.last) == run.dimension for other in elsewhere))
+        for run in runs
+    )
 
 
 def _screws_at(robot: Robot, q: Array) -> OrderedScrewSet:
@@ -284,24 +294,9 @@ def _screws_at(robot: Robot, q: Array) -> OrderedScrewSet:
 
 
 @lru_cache(maxsize=16)
-def _elsewhere(robot: Robot, task: Task) -> Array:
-    """(s, n, 6) unit rows at random configurations, always the same ones."""
-    sets = [_screws_at(robot, q) for q in structural_sample(robot, task, _SAMPLES)]
-    return np.stack([screws._rows(screws.screws) for screws in sets])
-
-
-def _runs(here: OrderedScrewSet, elsewhere: Array | None = None) -> tuple[OrderedSubset, ...]:
-    """Runs with a loss; generic where the rows of other sets (s, n, 6), if any are given, all have the same loss."""
-    found: dict[tuple[int, int], OrderedSubset] = {}
-    rows, zero = here._rows(here.screws), here.tolerance
-    for size in range(1, len(here) + 1):
-        ranks = _ranks(np.stack([rows[i : i + size] for i in range(len(here) - size + 1)]), zero)
-        for i in np.flatnonzero(ranks < size).tolist():
-            dimension, minimal = int(ranks[i]), not {(i, size - 1), (i + 1, size - 1)} & found.keys()
-            generic = elsewhere is not None and bool((_ranks(elsewhere[:, i : i + size], zero) == dimension).all())
-            loss = size - dimension
-            found[i, size] = OrderedSubset(i + 1, i + size, dimension, loss, loss == 1, minimal, generic)
-    return tuple(found.values())
+def _elsewhere(robot: Robot, task: Task) -> tuple[OrderedScrewSet, ...]:
+    """The screws at random configurations, always the same ones."""
+    return tuple(_screws_at(robot, q) for q in structural_sample(robot, task, _SAMPLES))
 
 
 def _ranks(rows: Array, tolerance: float) -> Array:
@@ -323,6 +318,8 @@ def _middle(screws: Array) -> tuple[Array, float]:
 
 
 Instruction = tuple[str, int, int]
+Step = tuple[str, tuple[str, ...]]
+"""One instruction of a session and the lines it prints."""
 
 PRINTED_IN_GR: tuple[Instruction, ...] = (
     ("readoss", 1, 7),
@@ -343,14 +340,6 @@ GREATEST_RUN = 6
 """GR section 2.2: a run has at most six screws."""
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One instruction of a session and the lines it prints."""
-
-    instruction: str
-    lines: tuple[str, ...]
-
-
 def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR) -> tuple[Step, ...]:
     """Run GR's instructions, each printing what theirs print; `newscrews` changes the set until `readoss` restores it.
 
@@ -360,33 +349,26 @@ def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINT
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> steps = session(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7))
-        >>> [step.lines for step in steps if step.instruction.startswith("newscrews")]
+        >>> [lines for instruction, lines in steps if instruction.startswith("newscrews")]
         [('S(5) = [1, 0, -1, 0, 5, 0]',), ('S(4) = [0, 1, 0, 5, 0, 5]', 'S(5) = [1, 0, -1, 0, 0, 0]')]
     """
-    current, steps = screws, []
+    current, steps = screws, list[Step]()
     for name, first, last in instructions:
-        lines: tuple[str, ...]
-        if name == "readoss":
+        if name not in _PRINTED:
+            raise OptionError("there is no such instruction", got=repr(name), allowed=", ".join(_PRINTED))
+        if name == "newscrews":
+            current = current.newscrews(first, last)
+        elif name == "readoss":
             rows = current.screws.copy()
             rows[first - 1 : last] = screws.readoss(first, last)
             current = OrderedScrewSet(rows, screws.tolerance)
-            lines = tuple(_row(row) for row in screws.readoss(first, last))
-        elif name == "newscrews":
-            current = current.newscrews(first, last)
-            lines = tuple(f"S({k}) = {_row(current.screws[k - 1])}" for k in range(first + 1, last + 1))
-        elif name == "dimension":
-            lines = (str(current.dimension(first, last)),)
-        elif name == "msos":
-            lines = _msos_lines(current.msos(first, last))
-        elif name == "subspace":
-            found = current.subspace(first, last)
-            lines = tuple(f"[{u}, {v}] {'yes' if inside else 'no'}" for u, v, inside in found.entries)
-            lines += tuple(f"actuating screw {u} can restore ({first}, {last})" for u in found.actuators)
-        else:
-            allowed = "readoss, msos, subspace, newscrews, dimension"
-            raise OptionError("there is no such instruction", got=repr(name), allowed=allowed)
-        steps.append(Step(f"{name}({first}, {last})", lines))
+        steps.append((f"{name}({first}, {last})", _PRINTED[name](current, first, last)))
     return tuple(steps)
+
+
+def _products_lines(found: Products) -> tuple[str, ...]:
+    pairs = tuple(f"[{u}, {v}] {'yes' if inside else 'no'}" for u, v, inside in found.entries)
+    return pairs + tuple(f"actuating screw {u} can restore ({found.first}, {found.last})" for u in found.actuators)
 
 
 def _msos_lines(subset: OrderedSubset) -> tuple[str, ...]:
@@ -399,6 +381,16 @@ def _msos_lines(subset: OrderedSubset) -> tuple[str, ...]:
 def _row(screw: Array) -> str:
     return f"[{', '.join(f'{x + 0.0:.6g}' for x in np.where(np.abs(screw) < 1e-12, 0.0, screw))}]"
 
+
+_PRINTED: dict[str, Callable[[OrderedScrewSet, int, int], tuple[str, ...]]] = {
+    "readoss": lambda screws, first, last: tuple(map(_row, screws.readoss(first, last))),
+    "msos": lambda screws, first, last: _msos_lines(screws.msos(first, last)),
+    "subspace": lambda screws, first, last: _products_lines(screws.subspace(first, last)),
+    "newscrews": lambda screws, first, last: tuple(
+        f"S({k}) = {_row(screws.screws[k - 1])}" for k in range(first + 1, last + 1)),
+    "dimension": lambda screws, first, last: (str(screws.dimension(first, last)),),
+}  # fmt: skip
+"""Instruction -> the lines that it prints."""
 
 _AMOUNTS = (0.37, -0.23, 0.1)  # finite motions that judge [rad, or the set's unit of length]: no simple fractions of π
 
@@ -625,66 +617,6 @@ def _moved_anywhere(screws: OrderedScrewSet, seed: int) -> OrderedScrewSet:
     return screws
 
 
-def render(report: OrderedReport) -> str:
-    """The whole report, one line a fact; lines end without blanks.
-
-    Example:
-        >>> from rankdrop.local.ordered import OrderedScrewSet
-        >>> from rankdrop.local.ordered import report
-        >>> from rankdrop.robot.open import open_robot
-        >>> text = render(report(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7)))
-        >>> print(text.splitlines()[0])
-        7 screws of dimension 5, elsewhere 6: 1 task freedom lost, 2 dependencies
-    """
-    return "\n".join(_lines(report)) + "\n"
-
-
-def _lines(report: OrderedReport) -> Iterator[str]:
-    screws = report.dimension + report.dependencies
-    lost = f"{report.lost} task freedom{'' if report.lost == 1 else 's'} lost" if report.lost else "not singular"
-    both = f"{report.dependencies} dependenc{'y' if report.dependencies == 1 else 'ies'}"
-    yield f"{screws} screws of dimension {report.dimension}, elsewhere {report.generic}: {lost}, {both}"
-    if report.subsets:
-        yield ""
-        yield "Runs with a loss (screws, dimension, loss):"
-        for run in report.subsets:
-            marks = (", passes the msos test" if run.msos else "") + (", minimal" if run.minimal else "")
-            yield f"  {run.first}–{run.last}  {run.dimension}  {run.loss}{marks}"
-    yield ""
-    yield "As printed (screws moved up to the end of the run only):"
-    for step in report.steps:
-        yield f"  {step.instruction};"
-        yield from (f"    {line}" for line in step.lines)
-    if report.lost:
-        yield f"  conclusion: actuate {_list(report.printed)}"
-        yield ""
-        yield from _corrected(report)
-
-
-def _corrected(report: OrderedReport) -> Iterator[str]:
-    for trial in report.trials:
-        if trial.dimensions != trial.carried:
-            yield (
-                f"newscrews({trial.actuator}, {trial.subset[1]}): dimensions {_dimensions(trial, carried=False)} as "
-                f"printed, {_dimensions(trial, carried=True)} with every later screw carried along"
-            )
-    yield ""
-    yield "Every joint, carried to the end of the chain, and judged by finite motion:"
-    for joint in report.joints:
-        runs = " ".join(f"{i}–{j}:{d}" for i, j, d in joint.dimensions)
-        verdict = "escapes" if joint.escapes else f"gains {joint.gain}" if joint.gain else "does not escape"
-        yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {runs}"
-    yield f"  conclusion: actuate {_list(report.escapes)}"
-    if report.disagreements:
-        yield ""
-        yield "Disagreements with the printed procedure:"
-        yield from (f"  {told}" for told in report.disagreements)
-
-
-def _dimensions(trial: Trial, *, carried: bool) -> str:
-    return " ".join(f"{i}–{j}:{d}" for i, j, d in (trial.carried if carried else trial.dimensions))
-
-
 # σ grows at first order where it is faster than this [1/rad]: derivatives of Jacobians of unit size are good to 1e-14,
 # and null vectors of an angle that is right to 1e-9 to as much
 _FIRST_ORDER = 1e-7
@@ -720,21 +652,18 @@ class Hunt:
 
     Attributes:
         applies: a square Jacobian of corank 1.
-        words: why not; else whom it names, and whether finite motion agrees.
+        shape: rows and columns of the Jacobian.
+        lost: freedoms lost.
         matrix: (m, n) cofactors, largest entry 1, rows of the task with lengths in length scales; empty where it does
             not apply.
         joints: one per joint; empty likewise.
     """
 
     applies: bool
-    words: str
+    shape: tuple[int, int]
+    lost: int
     matrix: tuple[tuple[float, ...], ...] = ()
     joints: tuple[HuntJoint, ...] = ()
-
-    @property
-    def agrees(self) -> bool:
-        """Whether every joint that it says leads out does, and no other does."""
-        return all(one.tells == one.escapes for one in self.joints)
 
 
 def hunt(
@@ -768,14 +697,11 @@ def hunt(
     """
     here = at(robot, q, task, tolerances)
     m, n = here.jacobian.shape
-    if n != m:
-        return Hunt(False, f"Hunt's matrix of cofactors is of a square Jacobian; this one has {m} rows, {n} joints")
     left, sigma, right = np.linalg.svd(here.jacobian)
     least = here.tolerances.singular
     lost = int((sigma <= least).sum())
-    if lost != 1:
-        what = f"is zero where {lost} freedoms are lost" if lost else "tells nothing at a regular configuration"
-        return Hunt(False, f"Hunt's matrix of cofactors {what}: it names no screw")
+    if n != m or lost != 1:
+        return Hunt(False, (m, n), lost)
     u, null = left[:, -1], right[-1]
     cofactors = np.linalg.det(left) * np.linalg.det(right) * np.outer(u, null)
     shares = np.abs(null) / np.abs(null).max()
@@ -792,7 +718,7 @@ def hunt(
     )
     largest = np.abs(cofactors).max()
     entries = np.where(np.abs(cofactors) > DEPENDENT * largest, cofactors / largest, 0.0)
-    return Hunt(True, _words(joints), tuple(map(tuple, entries.tolist())), joints)
+    return Hunt(True, (m, n), lost, tuple(map(tuple, entries.tolist())), joints)
 
 
 def _actuators(robot: Robot, q: Array) -> set[int]:
@@ -803,17 +729,3 @@ def _actuators(robot: Robot, q: Array) -> set[int]:
         return set()
     runs = [run for run in screws.subsets() if run.minimal and run.last > run.first]
     return {j for run in runs for j in screws.subspace(run.first, run.last).actuators}
-
-
-def _words(joints: tuple[HuntJoint, ...]) -> str:
-    named = ", ".join(str(one.number) for one in joints if one.named)
-    told = [one.number for one in joints if one.tells]
-    missed = [one.number for one in joints if one.escapes and not one.tells]
-    wrong = [one.number for one in joints if one.tells and not one.escapes]
-    text = f"Hunt's cofactors name the screws {named}; they tell that "
-    text += f"joint {_list(told)} leads out at first order" if told else "no joint leads out at first order"
-    if missed:
-        return f"{text}; finite motion shows that joint {_list(missed)} leads out too, at a higher order"
-    if wrong:
-        return f"{text}; finite motion does not confirm it of joint {_list(wrong)}"
-    return f"{text}, and finite motion agrees"

@@ -34,13 +34,13 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop import _core
 from rankdrop.configuration import Rank, at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
+from rankdrop.kinematics import jacobian, link_poses, one_configuration, pose
 from rankdrop.local.block import joint_scale, row_scale, sigma_of, svd
-from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import hat
+from rankdrop.solve import iterate
 from rankdrop.task import BASE, TIP, Frame, Task, link_index
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -59,6 +59,8 @@ MAIN = ("zyz", "rpy", "quaternion", "rotvec")
 """Those most used."""
 EULER = tuple(name for name in NAMES if name not in (*MAIN, "rodrigues", "mrp"))
 """Orders of Euler angles that are written with their axes, besides ZYZ."""
+_ORDERS = {"zyz": "zyz", "rpy": "zyx", **{name: name for name in EULER}}
+"""Angles about three axes, and these in their order; roll, pitch, yaw are those of zyx the other way round."""
 JUMPING = ("rotvec", "quaternion", "mrp")
 """Coordinates that jump at half a turn."""
 
@@ -79,10 +81,9 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
     """
     r = np.asarray(rotation, dtype=np.float64)
     _check_known(representation)
-    if representation == "rpy":
-        return np.asarray(euler_angles(r, ("zyx",))[..., 0, ::-1])
-    if representation in ("zyz", *EULER):
-        return euler_angles(r, (representation,))[..., 0, :]
+    if representation in _ORDERS:
+        angles = euler_angles(r, (_ORDERS[representation],))[..., 0, :]
+        return angles[..., ::-1] if representation == "rpy" else angles
     quaternion = _quaternion(r)
     vector = quaternion[..., 1:]
     if representation == "quaternion":
@@ -124,10 +125,9 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         safe = np.where(small, 1.0, angle)
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
         return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
-    if representation == "rpy":
-        return np.asarray(euler_rates(c[..., None, ::-1], ("zyx",))[..., 0, :, ::-1])
-    if representation in ("zyz", *EULER):
-        return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
+    if representation in _ORDERS:
+        turn = -1 if representation == "rpy" else 1
+        return euler_rates(c[..., None, ::turn], (_ORDERS[representation],))[..., 0, :, ::turn]
     square = np.sum(c * c, axis=-1)[..., None, None]
     if representation == "rodrigues":
         return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
@@ -219,7 +219,8 @@ def _check_known(representation: str) -> None:
 
 WEAK = 1e-6
 """σ below which the way back leaves a direction alone: what is off along it is of second order in σ."""
-_GOAL = 1e-14  # rounding of a displacement
+_STILL = 1e-9  # a correction so short leaves rounding [rad]
+_LONGEST = 0.5  # a correction is cut to this [rad]
 _ACCEPTED = 1e-11  # far above rounding, far below the 1e-10 that self-motions promise
 _ROUNDS = 12  # Gauss–Newton converges in three or four
 
@@ -256,23 +257,20 @@ class Displacement:
                 "the reference point of this task does not move with the tip", got=f"link {task.frame.origin}",
                 allowed="TIP", mend="give the task a frame with its origin at the tip",
             )  # fmt: skip
-        self.robot, self.start, self._chain = robot, start, chain_of(robot)
-        self.rows = list(task.rows)
-        self.row_scale, self.joints = row_scale(robot, task), joint_scale(robot, task)
+        self.robot, self.start, self.joints = robot, start, joint_scale(robot, task)
+        self._rows, self._row_scale = list(task.rows), row_scale(robot, task)
         point = (0.0, 0.0, 0.0) if anywhere else task.frame.point
-        self._view = frame_view(robot, Frame(BASE, TIP, point))
-        self._point = np.array([*point, 1.0])
+        self._frame, self._point = Frame(BASE, TIP, point), np.array([*point, 1.0])
         self._home = pose(robot, start)
         self._axes = link_poses(robot, start)[link_index(task.frame.axes, len(robot.joints), "axes"), :3, :3]
 
     def error(self, q: Array) -> Array:
         """(..., m) displacement of the task's rows at configurations (..., n), without unit."""
-        now = pose(self.robot, q)
-        return self._error(now, self._turn(now))
+        return self._error_and_turn(q)[0]
 
     def derivative(self, q: Array) -> Array:
         """(..., m, n) of the error by scaled joint coordinates."""
-        return self._derivative(q, self._turn(pose(self.robot, q)))
+        return self._derivative(q, self._error_and_turn(q)[1])
 
     def split(self, q: Array) -> tuple[Array, Array, Array]:
         """U, σ, V of the derivative at configurations (..., n)."""
@@ -283,64 +281,51 @@ class Displacement:
 
         Converged means an error of 1e-11 at most; the other configurations are worth nothing.
         """
-        now = q.reshape(-1, q.shape[-1]).copy()
-        arrived, size, left = np.zeros(len(now), dtype=bool), np.full(len(now), np.inf), np.arange(len(now))
-        for _ in range(_ROUNDS):
-            here = now[left]
-            where = _core.pose(self._chain, here, None).reshape(-1, 4, 4)
-            turn = self._turn(where)
-            error = self._error(where, turn)
-            last, new = size[left], np.sqrt(np.add.reduce(error * error, axis=-1))
-            size[left] = new
-            done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.5 * last))
-            arrived[left[done]] = True
-            going = ~done & (new <= 10.0 * last)
-            if not going.all():
-                left, error, turn = left[going], error[going], turn[going]
-                here = now[left]
-            if not left.size:
-                break
-            u, sigma, v = svd(self._derivative(here, turn))
-            count = sigma.shape[-1]
+
+        def correction(now: Array, _active: NDArray[np.intp]) -> Array:
+            error, turn = self._error_and_turn(now)
+            u, sigma, v = svd(self._derivative(now, turn))
             gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
-            steps = gains * np.einsum("cm,cmk->ck", error, u[..., :count])
-            now[left] -= self.joints * np.einsum("cnk,ck->cn", v[..., :count], steps)
-        else:
-            arrived[left] = np.linalg.norm(self.error(now[left]), axis=-1) <= _ACCEPTED
-        return now.reshape(q.shape), arrived.reshape(q.shape[:-1])
+            count = sigma.shape[-1]
+            return -(v[..., :count] @ (gains * (error[:, None] @ u[..., :count])[:, 0])[..., None])[..., 0]
 
-    def _turn(self, now: Array) -> Array:
-        turn = now[..., :3, :3] @ self._home[:3, :3].T
-        cosine = 0.5 * (turn[..., 0, 0] + turn[..., 1, 1] + turn[..., 2, 2] - 1.0)
-        if not (cosine > 0.5).all():
-            return orientation_coordinates(turn, "rotvec")
-        axial = 0.5 * (turn[..., (2, 0, 1), (1, 2, 0)] - turn[..., (1, 2, 0), (2, 0, 1)])  # sin θ along the axis
-        sine = np.sqrt((axial * axial).sum(axis=-1))
-        share = np.arctan2(sine, cosine) / np.where(sine > 0.0, sine, 1.0) + (sine == 0.0)
-        return np.asarray(axial * share[..., None])
+        rows = q.reshape(-1, q.shape[-1])
+        ends = iterate(correction, rows, iterations=_ROUNDS, longest=_LONGEST, still=_STILL, scale=self.joints)
+        return ends.reshape(q.shape), np.linalg.norm(self.error(ends.reshape(q.shape)), axis=-1) <= _ACCEPTED
 
-    def _error(self, now: Array, turn: Array) -> Array:
+    def _error_and_turn(self, q: Array) -> tuple[Array, Array]:
+        """(..., m) the displacement, and (..., 3) the rotation vector of the turn from the start."""
+        now = pose(self.robot, q)
+        turn = _rotation_vector(now[..., :3, :3] @ self._home[:3, :3].T)
         shift = (now - self._home)[..., :3, :] @ self._point
         both = np.concatenate([shift @ self._axes, turn @ self._axes], axis=-1)
-        return np.asarray(both[..., self.rows] * self.row_scale)
+        return np.asarray(both[..., self._rows] * self._row_scale), turn
 
     def _derivative(self, q: Array, turn: Array) -> Array:
-        rows = np.ascontiguousarray(q).reshape(-1, q.shape[-1])
-        columns = _core.jacobian(self._chain, self._view, rows, None).reshape(*q.shape[:-1], 6, q.shape[-1])
-        columns = columns * self.joints
-        turning = self._rates(turn, columns[..., 3:, :])
+        columns = jacobian(self.robot, q, self._frame) * self.joints
+        turning = _vector_rates(turn, columns[..., 3:, :])
         both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
-        return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])
+        return np.asarray(both[..., self._rows, :] * self._row_scale[:, None])
 
-    @staticmethod
-    def _rates(turn: Array, omega: Array) -> Array:
-        """E⁻¹ω (..., 3, n) of the rotation vector φ: ω − ½ φ × ω + κ φ × (φ × ω), κ = (1 − ½θ cot ½θ)/θ²."""
-        square = (turn * turn).sum(axis=-1)[..., None, None]
-        if not (square < 1e-2).all():
-            return np.asarray(np.linalg.solve(rate_matrix(turn, "rotvec"), omega))
-        once = hat(turn) @ omega
-        share = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
-        return np.asarray(omega - 0.5 * once + share * (hat(turn) @ once))
+
+def _rotation_vector(turn: Array) -> Array:
+    """(..., 3) θ n of rotations (..., 3, 3): below 60° from their skew part, which is sin θ n."""
+    cosine = 0.5 * (np.trace(turn, axis1=-2, axis2=-1) - 1.0)
+    if not (cosine > 0.5).all():
+        return orientation_coordinates(turn, "rotvec")
+    axial = 0.5 * (turn[..., (2, 0, 1), (1, 2, 0)] - turn[..., (1, 2, 0), (2, 0, 1)])
+    sine = np.sqrt((axial * axial).sum(axis=-1))
+    share = np.where(sine > 0.0, np.arctan2(sine, cosine) / np.maximum(sine, 1e-300), 1.0)
+    return np.asarray(axial * share[..., None])
+
+
+def _vector_rates(vector: Array, omega: Array) -> Array:
+    """E⁻¹ω (..., 3, n) of the rotation vector φ: ω − ½ φ × ω + κ φ × (φ × ω), κ = (1 − ½θ cot ½θ)/θ²."""
+    angle = np.sqrt((vector * vector).sum(axis=-1))[..., None, None]
+    safe = np.where(angle < 1e-2, 1.0, angle)
+    share = np.where(angle < 1e-2, 1 / 12 + angle**2 / 720, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2)
+    once = hat(vector) @ omega
+    return np.asarray(omega - 0.5 * once + share * (hat(vector) @ once))
 
 
 NEAR = 0.1
@@ -476,16 +461,19 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     measures = _rate_measures(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
     found = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
-    singular = [part.name for part in found.values() if part.singular]
-    if arm.corank:
-        words = "the arm is singular for the whole pose" + (f", and so are the coordinates {', '.join(singular)}"
-                                                            if singular else "; no coordinates are")  # fmt: skip
-    elif singular:
-        words = f"only the coordinates {', '.join(singular)} are singular; the arm moves freely: use the quaternion"
-    else:
-        words = "neither the arm nor any of the coordinates is singular"
+    singular = ", ".join(part.name for part in found.values() if part.singular)
     others = tuple(part for name, part in found.items() if name not in MAIN)
-    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words, others)
+    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"],
+                           _WHOSE[arm.corank > 0, singular != ""].format(singular), others)  # fmt: skip
+
+
+_WHOSE = {
+    (False, False): "neither the arm nor any of the coordinates is singular",
+    (False, True): "only the coordinates {} are singular; the arm moves freely: use the quaternion",
+    (True, False): "the arm is singular for the whole pose; no coordinates are",
+    (True, True): "the arm is singular for the whole pose, and so are the coordinates {}",
+}
+"""Whether the arm is singular, and whether some coordinates are."""
 
 
 def _rate_measures(coordinates: dict[str, Array]) -> dict[str, tuple[float, float | None]]:
@@ -504,22 +492,25 @@ def _describe(
 ) -> Representation:
     """One set of coordinates, with the smallest singular value and determinant of E and the angle of the whole turn."""
     jump = max(0.0, pi - turned) if name in JUMPING else inf
-    if name in ("zyz", "rpy", *EULER):
-        back = name == "zyz" or name[0] == name[2]  # the first axis comes back
+    if name in _ORDERS:
+        back = _ORDERS[name][0] == _ORDERS[name][2]  # the first axis comes back
         angle = min(abs(coordinates[1]), pi - abs(coordinates[1])) if back else pi / 2 - abs(coordinates[1])
     else:
         angle = max({"rotvec": 2 * pi, "mrp": 2 * pi, "rodrigues": pi, "quaternion": inf}[name] - turned, 0.0)
     singular = sigma <= tolerances.singular
     near = not singular and angle <= NEAR
+    words = f"{name} coordinates are {_STATES[singular, near]}"
     if name == "quaternion":
         words = "a quaternion has no singularity"
-    elif singular:
-        words = f"{name} coordinates are singular here: a matter of coordinates, not of the arm"
-    elif near:
-        words = f"{name} coordinates are near a singularity of theirs: their rates are large, not the arm's"
-    else:
-        words = f"{name} coordinates are regular here"
-    values = tuple(coordinates.tolist())
     return Representation(
-        name, NAMES[name], values, sigma, determinant, float(angle), float(jump), singular, near, words
-    )
+        name, NAMES[name], tuple(coordinates.tolist()), sigma, determinant, float(angle), float(jump), singular, near,
+        words,
+    )  # fmt: skip
+
+
+_STATES = {
+    (True, False): "singular here: a matter of coordinates, not of the arm",
+    (False, True): "near a singularity of theirs: their rates are large, not the arm's",
+    (False, False): "regular here",
+}
+"""Whether coordinates are singular, and near a singularity of theirs."""

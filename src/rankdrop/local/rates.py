@@ -78,17 +78,17 @@ class Factored:
     rows: Array
     joints: Array
 
-    def inverse(self, gains: Array) -> Array:
-        """(..., n, m) the matrix W V diag(gains) Uᵀ S, from SI twists to rates in rad/s and m/s."""
-        count = self.sigma.shape[-1]
+    def inverse(self, squared: Array | float = 0.0, kept: NDArray[np.bool_] | bool = True) -> Array:
+        """(..., n, m) the matrix W V diag(g) Uᵀ S, from SI twists to rates in rad/s and m/s.
+
+        Args:
+            squared: λ² of the gains g = σ/(σ² + λ²), which are zero beyond the rank, even where λ is.
+            kept: other directions have the gain zero.
+        """
+        count, safe = self.sigma.shape[-1], np.where(self.sigma > 0.0, self.sigma, 1.0)
+        gains = np.where((self.sigma > 0.0) & kept, 1.0 / (safe + squared / safe), 0.0)
         v, u = self.v[..., :count], self.u[..., :count]
         return np.asarray((self.joints[:, None] * v * gains[..., None, :]) @ (u * self.rows[:, None]).swapaxes(-1, -2))
-
-    @property
-    def reciprocal(self) -> Array:
-        """1/σ, zero beyond the rank, the gains of the pseudo-inverse; (..., min(m, n))."""
-        safe = np.where(self.sigma > 0.0, self.sigma, 1.0)
-        return np.where(self.sigma > 0.0, 1.0 / safe, 0.0)
 
 
 def factor(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFAULT) -> Factored:
@@ -146,8 +146,7 @@ def pseudo_inverse(
         >>> pseudo_inverse(open_robot("planar2r"), [0.0, 0.0]).round(4).tolist()  # stretched: no motion along x
         [[0.0, 0.503], [0.0, 0.2071]]
     """
-    parts = factor(robot, q, resolve_task(task, robot), tolerances)
-    return parts.inverse(parts.reciprocal)
+    return factor(robot, q, resolve_task(task, robot), tolerances).inverse()
 
 
 def damped_inverse(
@@ -194,7 +193,7 @@ def damped_inverse(
     if threshold is not None:
         weakest = parts.sigma[..., generic_rank(robot, resolved) - 1]
         squared *= np.maximum(0.0, 1.0 - (weakest / threshold) ** 2)
-    return parts.inverse(_damped(parts, squared[..., None]))
+    return parts.inverse(squared[..., None])
 
 
 def selective_inverse(
@@ -237,18 +236,11 @@ def selective_inverse(
     check_value("damping", _NOT_NEGATIVE, base)
     parts = factor(robot, q, resolve_task(task, robot), tolerances)
     if drop:
-        return parts.inverse(np.where(parts.sigma >= threshold, parts.reciprocal, 0.0))
-    squared = base**2 * np.maximum(0.0, 1.0 - (parts.sigma / threshold) ** 2)
-    return parts.inverse(_damped(parts, squared))
+        return parts.inverse(kept=parts.sigma >= threshold)
+    return parts.inverse(base**2 * np.maximum(0.0, 1.0 - (parts.sigma / threshold) ** 2))
 
 
 _POSITIVE, _NOT_NEGATIVE = Annotated[float, option("", gt=0)], Annotated[float, option("", ge=0)]
-
-
-def _damped(parts: Factored, squared: Array) -> Array:
-    """σ/(σ² + λ²), zero beyond the rank even where λ is zero."""
-    below = parts.sigma**2 + squared
-    return np.where(parts.sigma > 0.0, parts.sigma / np.where(below > 0.0, below, 1.0), 0.0)
 
 
 def rate_limits(robot: Robot) -> Array:
@@ -310,13 +302,10 @@ def _vertices(rows: Array) -> tuple[Array, bool]:
         return np.eye(count), True
     if rank == count:
         return np.zeros((1, count)), True  # every rate can be taken over by null motion
-    if comb(count, rank + 1) > MOST:
+    circuits = _circuits(u[None, :, :rank].swapaxes(1, 2), np.arange(count), MOST)
+    if circuits is None:
         return np.eye(count), False
-    chosen = np.array(list(combinations(range(count), rank + 1)))
-    circuits = np.linalg.svd(u[:, :rank][chosen].swapaxes(1, 2))[2][:, -1]  # dependency of the rank + 1 rows
-    vertices = np.zeros((len(chosen), count))
-    np.put_along_axis(vertices, chosen, circuits / np.abs(circuits).sum(axis=1, keepdims=True), axis=1)
-    return vertices, True
+    return circuits[0] / np.maximum(np.abs(circuits[0]).sum(axis=1, keepdims=True), _TINY), True
 
 
 def _standing(particular: Array, null: Array, stuck: Array) -> tuple[Array, Array, Array]:
@@ -461,7 +450,7 @@ def _along(
     weakest = float(parts.sigma[rank - 1]) if rank else 1.0
     rounding = 16 * np.finfo(float).eps * float(parts.sigma[0]) / weakest if rank else 0.0
     possible = outside <= max(tolerances.singular, rounding)
-    rates = twists @ parts.inverse(parts.reciprocal).T
+    rates = twists @ parts.inverse().T
     speeds, exact = largest_speeds(rates, parts.joints[:, None] * parts.v[:, rank:], limits)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = np.where(rates == 0.0, 0.0, np.abs(rates) / limits)
@@ -469,8 +458,9 @@ def _along(
     worst = np.where(largest > 0.0, shares.argmax(axis=1), sizes.argmax(axis=1)).tolist()
     found = []
     for row, (name, twist) in enumerate(motions):
-        mixed = twist[:3].any() and (twist[3:].any() or name == WEAKEST)  # of the weakest ℓ m/s is the unit
-        unit = "1" if mixed else "m/s" if twist[:3].any() else "rad/s"
+        unit = "rad/s"
+        if twist[:3].any():  # of the weakest ℓ m/s is the unit
+            unit = "1" if twist[3:].any() or name == WEAKEST else "m/s"
         costs: tuple[Any, ...] = (False, (), inf, None, None, 0.0, 0.0, True)
         if possible[row]:
             most, number, norm = float(largest[row]), worst[row], sqrt(float(sizes[row] @ sizes[row]))
@@ -525,7 +515,7 @@ def rate_growth(
     """
     resolved = resolve_task(task, robot)
     start = one_configuration(robot, singular)
-    scale = factor(robot, start, resolved).joints
+    scale = joint_scale(robot, resolved)
     way, steps = joint_direction(robot, away), np.sort(np.asarray(distances, dtype=np.float64))[::-1]
     if steps.ndim != 1 or len(steps) < 2 or not (np.isfinite(steps).all() and steps[-1] > 0.0):
         raise OptionError("two positive distances are needed at least", got=steps.tolist())
@@ -592,7 +582,7 @@ class StraightMotion:
     unit: str
     speed: float
     limit: float
-    direction: tuple[float, float, float]
+    direction: tuple[float, ...]
     number: int
     joint: str
     exact: bool
@@ -629,7 +619,8 @@ def slowest_motions(robot: Robot, q: ArrayLike, task: Task) -> tuple[Slowest, ..
         return ()
     columns = task_jacobian(here, into_metres(robot, rows), inside) * np.where(np.isfinite(limits), limits, 1.0)
     u, sigma, vt = np.linalg.svd(columns)
-    facets, exact = _facets(vt[:, task.m :], bounded)
+    facets = _circuits(vt[:, task.m :], bounded, MOST_FACETS)
+    exact = facets is not None
     if facets is None:  # directions that cost most stand in: each bounds the slowest speed from above
         facets = vt[:, : task.m] * np.isfinite(limits)
     facets = facets / np.maximum(np.abs(facets).sum(axis=-1, keepdims=True), _TINY)
@@ -641,13 +632,13 @@ def slowest_motions(robot: Robot, q: ArrayLike, task: Task) -> tuple[Slowest, ..
     return tuple(_slowest(unit, part, facets, normals, task, exact) for unit, part in parts if part)
 
 
-def _facets(null: Array, bounded: NDArray[np.intp]) -> tuple[Array | None, bool]:
-    """(N, C, n) circuits of null spaces (N, p, n) among the joints with a limit; None where there are too many."""
+def _circuits(null: Array, bounded: NDArray[np.intp], most: int) -> Array | None:
+    """(N, C, n) circuits of null spaces (N, p, n) among bounded joints; None where they are more than `most`."""
     count, spare, n = null.shape
-    if comb(len(bounded), spare + 1) > MOST_FACETS:
-        return None, False
+    if comb(len(bounded), spare + 1) > most:
+        return None
     chosen = np.array(list(combinations(bounded.tolist(), spare + 1)))  # (C, p + 1)
-    facets = np.zeros((count, len(chosen), n))
+    circuits = np.zeros((count, len(chosen), n))
     parts = null[:, :, chosen].swapaxes(1, 2)  # (N, C, p, p + 1)
     if spare == 0:
         entries = np.ones((count, len(chosen), 1))
@@ -655,8 +646,8 @@ def _facets(null: Array, bounded: NDArray[np.intp]) -> tuple[Array | None, bool]
         entries = np.stack([parts[..., 0, 1], -parts[..., 0, 0]], axis=-1)
     else:
         entries = np.linalg.svd(parts)[2][..., -1, :]
-    np.put_along_axis(facets, np.broadcast_to(chosen, entries.shape), entries, axis=-1)
-    return facets, True
+    np.put_along_axis(circuits, np.broadcast_to(chosen, entries.shape), entries, axis=-1)
+    return circuits
 
 
 def _slowest(unit: str, part: list[int], facets: Array, normals: Array, task: Task, exact: bool) -> Slowest:

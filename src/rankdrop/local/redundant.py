@@ -32,12 +32,12 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import configurations
 from rankdrop.local.block import block, generic_rank, joint_scale, read_only
 from rankdrop.local.directions import readable_basis
-from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.rates import Factored, factor, joint_direction, task_sigma
 from rankdrop.local.ways_out import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section, html
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -167,7 +167,27 @@ class Redundancy:
     joint_scale: Array
 
     def _repr_html_(self) -> str:
-        return redundancy_html(self)
+        """For notebooks: range, null space and projector with their checks."""
+        n = self.projector.shape[0]
+        joints = tuple(f"joint {number}" for number in range(1, n + 1))
+        rank = self.rank
+        checks = (
+            f"largest entry of PP − P {self.idempotent:.1g}, of JP {self.annihilates:.1g}, of P less its closed form "
+            f"{self.difference:.1g}",
+        )
+        return html(
+            [
+                Section("Redundancy", f"rank {rank.rank}, nullity {rank.nullity}, corank {rank.corank}"),
+                Section(
+                    "Twists that can be made", "rows (v; ω)", columns=("vx", "vy", "vz", "wx", "wy", "wz"),
+                    rows=_cells(self.range_basis), texts=(),
+                ),
+                Section(
+                    "Joint rates that leave the task still", columns=joints, rows=_cells(self.null_basis), texts=()
+                ),
+                Section("Projector P = I − J⁺J", columns=joints, rows=_cells(self.projector), texts=(), notes=checks),
+            ]
+        )  # fmt: skip
 
 
 def redundancy(
@@ -253,7 +273,7 @@ def null_space_motion(
     wished = _vectors("secondary", secondary, robot.n, batch) / parts.joints
     kept = parts.v * (np.arange(robot.n) < parts.rank[..., None])[..., None, :]  # columns of V that move the task
     unseen = wished - (kept @ (kept.swapaxes(-1, -2) @ wished[..., None]))[..., 0]
-    return np.asarray((parts.inverse(parts.reciprocal) @ xi[..., None])[..., 0] + parts.joints * unseen)
+    return np.asarray((parts.inverse() @ xi[..., None])[..., 0] + parts.joints * unseen)
 
 
 def readable_parts(columns: Array) -> Array:
@@ -288,15 +308,9 @@ def readable_parts(columns: Array) -> Array:
 
 def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
     """Coordinates joined by a symmetric relation, in groups."""
-    left, groups = list(range(len(coupled))), []
-    while left:
-        group, border = {left[0]}, {left[0]}
-        while border:
-            border = {int(j) for i in border for j in np.flatnonzero(coupled[i])} - group
-            group |= border
-        groups.append(sorted(group))
-        left = [i for i in left if i not in group]
-    return groups
+    size = len(coupled)
+    joined = np.linalg.matrix_power(coupled + np.eye(size), size) > 0.0
+    return [np.flatnonzero(row).tolist() for i, row in enumerate(joined) if not row[:i].any()]
 
 
 def _pivoted(projector: Array) -> Array:
@@ -580,3 +594,11 @@ class _Trace:
 
     def _name(self, index: int) -> str:
         return f"joint {index + 1} ({self.where.robot.variables[index].name})"
+
+
+def _cells(matrix: Array) -> tuple[tuple[str, ...], ...]:
+    return tuple(_row(row) for row in matrix)
+
+
+def _row(values: Array) -> tuple[str, ...]:
+    return tuple(f"{x + 0.0:.4g}" if abs(x) > 1e-12 else "0" for x in values)

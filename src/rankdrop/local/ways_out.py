@@ -30,7 +30,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.configuration import LEAST, Configuration, at
 from rankdrop.kinematics import jacobian
-from rankdrop.local.bracket import brackets, unit
 from rankdrop.local.departure import (
     Departure,
     best_motion,
@@ -43,10 +42,11 @@ from rankdrop.local.departure import (
     unlocked,
 )
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.notebook import escape_html
 from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.options import check_value, option
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import brackets, unit
+from rankdrop.sections import Section, html
 from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
@@ -72,6 +72,9 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
     depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
+
+
+_ANSWER = {True: "yes", False: "no", None: "not known"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +199,25 @@ class Escape:
     floor: float
 
     def _repr_html_(self) -> str:
-        return escape_html(self)
+        """For notebooks: per joint what it does alone, then the best direction and the self-motion."""
+        rows = tuple(
+            (
+                f"{one.number} {one.joint}", "never" if one.order is None else str(one.order), str(one.gain),
+                f"{one.rate:.4g}", f"{one.step:+.4g}", f"{one.sigma_after:.4g}", "yes" if one.within_limits else "no",
+            )
+            for one in self.single
+        )  # fmt: skip
+        columns = (
+            "joint", "order", "rank gained", "σ grows by [1/rad, 1/m]", "step [rad, m]", "σ then", "within limits",
+        )  # fmt: skip
+        direction = ", ".join(f"{x:+.4g}" for x in self.best_direction.delta)
+        after = (
+            f"best direction Δq = ({direction}) [rad, m]: σ = {self.best_direction.sigma_after:.4g}",
+            f"with the tool held still: {_ANSWER[self.avoidable]} ({self.avoidable_reason})",
+            f"at an edge of the reach: {_ANSWER[self.boundary]} ({self.boundary_reason})",
+        )
+        corank = f"corank {self.corank}"
+        return html([Section("Ways out", corank, columns=columns, rows=rows, texts=(0, 1, 6), after=after)])
 
 
 def escape(
@@ -299,21 +320,21 @@ def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
     down, up = place.room
     out = []
     for j, joint in enumerate(place.robot.variables):
-        made, unit = found[j], float(place.scale[j])
+        (gain, order, rate, first), unit = found[j], float(place.scale[j])
         out.append(
             JointEscape(
                 number=j + 1,
                 joint=joint.name,
-                gain=made.gain,
-                order=made.order,
-                rate=made.rate / unit ** (made.order or 0),
-                first_order=tuple(value / unit for value in made.first),
+                gain=gain,
+                order=order,
+                rate=rate / unit ** (order or 0),
+                first_order=tuple(value / unit for value in first),
                 receptors=receives[j],
                 measured_gain=int(gains[j]),
                 step=float(steps[j]) * unit,
                 sigma_after=float(sigma[j]),
                 within_limits=bool(max(down[j], up[j]) >= LEAST),
-                agrees=bool(gains[j] == made.gain),
+                agrees=bool(gains[j] == gain),
             )
         )
     return tuple(sorted(out, key=lambda joint: _standing(joint, place)))
@@ -366,9 +387,9 @@ def _direction(
     return Direction(
         delta=tuple((unit * place.scale).tolist()),
         numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(unit) > ENTRY)),
-        gain=made.gain,
-        order=made.order,
-        rate=made.rate,
+        gain=made[0],
+        order=made[1],
+        rate=made[2],
         step=step,
         sigma_after=sigma,
         restores=sigma > place.floor,
@@ -493,26 +514,10 @@ _STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
 _FIRST = 1e-6  # singular values of D along a tangent below this are zero
 
 
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """Short self-motions from q, one per tangent.
-
-    Attributes:
-        q: (c, steps + 1, n) configurations, the first is q itself [rad, m].
-        sigma: (c, steps + 1) σ_r there, r the generic rank.
-        ranks: (c,) rank at the last one.
-        error: (c,) largest displacement of the task on the way, translations over the length scale.
-        length: (c,) how far the last one is from q, in scaled coordinates.
-        valid: (c,) the end effector stood still and the arm did move.
-    """
-
-    q: Array
-    sigma: Array
-    ranks: NDArray[np.intp]
-    error: Array
-    length: Array
-    valid: NDArray[np.bool_]
-
+Traces = tuple[Array, Array, Array, NDArray[np.bool_]]
+"""Short self-motions from q, one per tangent: (c, steps + 1, n) configurations, the first q itself [rad, m];
+(c, steps + 1) σ_r there, r the generic rank; (c,) largest displacement of the task on the way, translations over the
+length scale; (c,) whether the end effector stood still and the arm did move."""
 
 Stillness = tuple[Direction | None, bool | None, StillReason, float]
 """A self-motion that restores the rank, whether there is one and why, and the largest task error on its way."""
@@ -538,15 +543,25 @@ def find_still(place: Configuration, basis: Array, each: Array, step: float, see
     if not len(vectors):
         return None, None, "no tangent", 0.0
     tangents, promise = _chosen(place, vectors @ basis.T)
-    traced = trace(place, tangents, max(step, _LENGTH))
-    least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
-    leaves = np.asarray(traced.valid & (traced.sigma[:, -1] > least))
-    if leaves.any():
-        return _best_trace(place, tangents, promise, traced, leaves)
-    return None, *_why_it_stays(place, traced, all_vanish or _few(each)), 0.0
+    q, sigma, error, valid = trace(place, tangents, max(step, _LENGTH))
+    least = max(_LEFT, place.floor) if place.corank else sigma[:, 0]
+    leaves = valid & (sigma[:, -1] > least)
+    if not leaves.any():
+        return None, *_why_it_stays(place, sigma, valid, all_vanish or _few(each)), 0.0
+    moved, (down, up) = (q - place.q) / place.scale, place.room
+    inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
+    reached = np.round(sigma[:, -1], 9) + 1e3 * inside  # inside the limits if any is; rounding decides nothing
+    best = int(np.argmax(np.where(leaves, reached, -1.0)))
+    length = float(np.linalg.norm(moved[best, -1]))
+    order, rate = _along(sigma[best], float(promise[best]), length)
+    still = _direction(
+        place, tangents[best], (place.corank, order, rate, ()), length, float(sigma[best, -1]), gain=place.corank,
+        inside=bool(inside[best]),
+    )  # fmt: skip
+    return still, True if place.corank else None, "left", float(error[best])
 
 
-def trace(place: Configuration, tangents: Array, length: float) -> Trace:
+def trace(place: Configuration, tangents: Array, length: float) -> Traces:
     """Follow self-motions with the given tangents.
 
     Args:
@@ -555,7 +570,7 @@ def trace(place: Configuration, tangents: Array, length: float) -> Trace:
         length: how far to go, in scaled coordinates.
 
     Returns:
-        What came of each; `valid` is False where the corrector did not bring the end effector back.
+        What came of each; not valid where the corrector did not bring the end effector back.
     """
     where = Displacement(place.robot, place.q, place.task)
     path, valid = [np.broadcast_to(place.q, tangents.shape)], np.ones(len(tangents), dtype=bool)
@@ -566,16 +581,9 @@ def trace(place: Configuration, tangents: Array, length: float) -> Trace:
         path.append(reached)
         valid &= arrived
     q = np.stack(path, axis=1)
-    sigma = place.singular_values(q)[..., : place.generic]
+    sigma = place.last(q)
     gone = np.linalg.norm((q[:, -1] - place.q) / place.scale, axis=1)
-    return Trace(
-        q=q,
-        sigma=sigma[..., -1],
-        ranks=(sigma[:, -1] > place.floor).sum(axis=-1),
-        error=np.linalg.norm(where.error(q), axis=-1).max(axis=1),
-        length=gone,
-        valid=valid & (gone >= 0.6 * length),
-    )
+    return q, sigma, np.linalg.norm(where.error(q), axis=-1).max(axis=1), valid & (gone >= 0.6 * length)
 
 
 def _few(each: Array) -> bool:
@@ -607,31 +615,16 @@ def _chosen(place: Configuration, tangents: Array) -> tuple[Array, Array]:
     return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
 
 
-def _best_trace(
-    place: Configuration, tangents: Array, promise: Array, traced: Trace, leaves: NDArray[np.bool_]
-) -> Stillness:
-    """Of the traces that leave the singularity the one that restores most, inside the limits if any does."""
-    down, up = place.room
-    moved = (traced.q - place.q) / place.scale
-    inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
-    best = int(np.argmax(np.where(leaves, traced.sigma[:, -1] + 1e3 * inside, -1.0)))
-    sigma, length = traced.sigma[best], float(traced.length[best])
-    order, rate = _along(sigma, float(promise[best]), length)
-    gain, after = int(traced.ranks[best]) - place.rank, float(sigma[-1])
-    direction = _direction(
-        place, tangents[best], Departure(gain, order, rate, ()), length, after, gain=gain, inside=bool(inside[best])
-    )
-    return direction, True if place.corank else None, "left", float(traced.error[best])
-
-
-def _why_it_stays(place: Configuration, traced: Trace, complete: bool) -> tuple[bool | None, StillReason]:
+def _why_it_stays(
+    place: Configuration, sigma: Array, valid: NDArray[np.bool_], complete: bool
+) -> tuple[bool | None, StillReason]:
     """No trace restores the rank: whether those were all there are."""
     if not place.corank:
         return None, "regular"
-    stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
-    if complete and stayed and traced.valid.all():
+    stayed = bool((sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
+    if complete and stayed and valid.all():
         return False, "stayed"
-    if traced.valid.any():
+    if valid.any():
         return None, "stayed so far" if stayed else "too small"
     return None, "untraced"
 

@@ -3,40 +3,82 @@
 An aspect is a connected set of regular configurations. An arm is *cuspidal* when two solutions of one pose lie in the
 same aspect: it can change its posture without a singularity (Innocenti and Parenti-Castelli 1998). That is claimed only
 with a path that is proven free; the contrary only where `exact.decide_postures` proves it.
+
+Paths are found on a roadmap of the joint space: random configurations are joined with near ones wherever the straight
+way between keeps the sign of det J at its sample points. A way is the one whose smallest |det J| is the largest that
+the roadmap has, made shorter where that does not cost half of it. Whatever comes out is then proven free, or is not
+used: that no way is found says nothing.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from heapq import heappop, heappush
+from itertools import combinations, pairwise, product
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.certify.setting import settings_for
 from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
 from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
 from rankdrop.kinematics import check_robot, one_configuration, pose
-from rankdrop.local.block import generic_rank, sample
-from rankdrop.motion.inverse import apart, check_square, determinants, regular, solutions
-from rankdrop.motion.options import AspectsOptions
-from rankdrop.motion.roadmap import Change, Roadmap
-from rankdrop.motion.text import joint_cells, joint_heads
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box
+from rankdrop.motion.curve import Index, curve
+from rankdrop.motion.inverse import apart, check_square, determinants, near_and_within, regular, solutions
+from rankdrop.motion.prove import prove
 from rankdrop.motion.trajectory import csv_text
 from rankdrop.options import takes
+from rankdrop.problem import Mask
+from rankdrop.questions import AspectsOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
+from rankdrop.text import paths as text
+from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
 _RINGS = (0.05, 0.1, 0.2, 0.3, 0.4)  # distances from a cusp at which poses are tried [rad]
 _AROUND = 4  # poses on each
+
+
+EVALUATIONS = 5_000
+"""Enclosures that one proof of a way may cost; those that succeed take some dozens."""
+_NODES = {1: 100, 2: 400, 3: 800}  # by how many joints det J depends on
+_MOST_NODES = 1_500
+_NEIGHBOURS = 12
+_STEP = 0.08  # between sample points of a straight way [rad; slides scaled]
+_FINER = ((2e-2, 10), (2e-4, 100))
+"""Below such a share of the usual |det J| so many times as many sample points: two sheets of the singular set near to
+each other leave the sign on their far side as it was, and values of the second order between."""
+_PART = 200_000  # configurations looked at together
+_TRIES = 3  # ways that are tried where the proof of one fails
+_SHORTER = 0.5  # share of the smallest |det J| that a shorter way keeps
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A path between two solutions of one pose, or any two configurations, proven free of singularities.
+
+    Attributes:
+        q: (T, n) corners [rad, m], straight lines in joint space between them; the end is a solution up to whole turns.
+        clearance: the smallest |det J| at sample points of it, J without unit.
+        evaluations: enclosures that the proof took.
+        own: it starts at the configuration that was asked about.
+    """
+
+    q: Array
+    clearance: float
+    evaluations: int
+    own: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,30 +140,11 @@ class Postures(Result):
     @property
     def sentence(self) -> str:
         """The verdict and what it rests on."""
-        if self.change is not None:
-            corners, spent = len(self.change.q), self.change.evaluations
-            return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
-                    f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
-        if self.decision.impossible:
-            words = f"{self.decision.words[:1].upper()}{self.decision.words[1:]}"
-            return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
-        where = f" {self._where}" if self.options.limits else ""
-        poses = f"{len(self.solved)} pose{'' if len(self.solved) == 1 else 's'}"
-        return f"No change of posture without a singularity was found in {poses}{where}; that is no proof of absence."
+        return text.aspects_sentence(self)
 
     def sections(self, *, deg: bool = False) -> Iterator[Section]:
         """For people: the verdict first and last."""
-        yield Section(self.sentence)
-        yield Section(f"{self.robot.name}, {self.task.name}", lines=tuple(self._about()))
-        if len(self.solved) == 1:
-            yield self._solutions(self.solved[0], deg=deg)
-        elif self.solved:
-            yield self._counts()
-        if self.change is not None:
-            yield self._way(self.change, deg=deg)
-        if self.notes:
-            yield Section("Notes", lines=self.notes)
-        yield Section(self.sentence)
+        return text.aspects_sections(self, deg=deg)
 
     def path_csv(self) -> str:
         """The path as a file that `rankdrop path` reads: joints by name, one corner a line [rad, m].
@@ -130,50 +153,6 @@ class Postures(Result):
         """
         names = [joint.name for joint in self.robot.variables]
         return "" if self.change is None else csv_text(names, self.change.q)
-
-    @property
-    def _where(self) -> str:
-        return "within the joint limits" if self.options.limits else "joint limits ignored"
-
-    def _about(self) -> Iterator[str]:
-        if not self.decision.impossible:  # else the verdict says it
-            yield f"without a search: {self.decision.words}"
-        yield (f"solutions of the inverse: Newton's method from {self.options.starts:,} starts for each pose, seed "
-               f"{self.options.seed}, {self._where}; more may exist")  # fmt: skip
-
-    def _solutions(self, solved: Solved, *, deg: bool) -> Section:
-        order = sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))
-        cells = [joint_cells(self.robot, q, deg=deg) for q in solved.q]
-        rows = tuple((f"{solved.aspect[i]}{' ←' if i == 0 else ''}", solved.names[i], *cells[i]) for i in order)
-        columns = ("aspect", "sign", *joint_heads(self.robot, deg=deg))
-        notes = ("← the configuration whose pose it is", *self._what_numbers_mean())
-        return Section(f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", columns=columns, rows=rows,
-                       texts=(0, 1), notes=notes)  # fmt: skip
-
-    def _counts(self) -> Section:
-        met = Counter((len(one.q), one.per_aspect) for one in self.solved if not one.near_cusp)
-        rows = tuple(
-            (str(count), " + ".join(map(str, sizes)), str(times))
-            for (count, sizes), times in sorted(met.items(), key=lambda item: (-item[1], item[0]))
-        )
-        return Section("Solutions by aspect", columns=("solutions", "in the aspects", "poses"), rows=rows, texts=(1,),
-                       notes=self._what_numbers_mean())  # fmt: skip
-
-    def _what_numbers_mean(self) -> tuple[str, ...]:
-        if self.decision.impossible:
-            return ("every solution lies in an aspect of its own: proven",)
-        joined = "solutions of one aspect are joined by paths proven free"
-        if all(len(set(one.sign)) == len(set(one.aspect)) for one in self.solved):
-            return (f"{joined}; aspects of different signs of det J are parted by a singularity",)
-        return (f"{joined}; of aspects with the same sign no path was found, which does not prove them two",)
-
-    def _way(self, change: Change, *, deg: bool) -> Section:
-        rows = tuple((str(k), *joint_cells(self.robot, q, deg=deg)) for k, q in enumerate(change.q, start=1))
-        lines = () if change.own else ("not from the configuration first named, but between two other solutions",)
-        columns = ("", *joint_heads(self.robot, deg=deg))
-        return Section("A change of posture without a singularity", lines=lines, columns=columns, rows=rows,
-                       notes=(f"straight lines between; smallest |det J| of its sample points "
-                                         f"{change.clearance:.3g}, lengths by the length scale",))  # fmt: skip
 
 
 @takes(AspectsOptions)
@@ -225,81 +204,79 @@ def aspects_of(
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = _decided(robot, resolved)
     how = replace(how, most=max(how.poses, how.most)) if start is None else replace(how, poses=1, most=1)
-    search = _Search(there, there_task, how, decision)
-    solved, complete = search.all(start, progress)
-    change = search.change
+    random = sample(there, there_task, how.most, how.seed, limits=how.limits) if start is None else start[None]
+    places = [(place, False) for place in random if regular(there, there_task, place)]
+    if decision.kind == CUSPS:  # two solutions of one aspect are likely near a cusp
+        near = _near_cusps(there, there_task, decision, how.seed)
+        places[how.poses : how.poses] = [(place, True) for place in near if regular(there, there_task, place)]
+    solved: list[Solved] = []
+    change: Change | None = None
+    complete = True
+    try:
+        roadmap = Roadmap(there, there_task, how.seed, how.limits)
+        for one, best in _searched(roadmap, places, how, decision, progress):
+            solved.append(_name_solutions(robot, one, signs))
+            change = best
+    except KeyboardInterrupt:
+        complete = False
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    solved = tuple(_name_solutions(robot, one, signs) for one in solved)
-    return Postures(robot, resolved, how, decision, solved, change, notes, complete)
+    return Postures(robot, resolved, how, decision, tuple(solved), change, notes, complete)
 
 
-class _Search:
-    def __init__(self, robot: Robot, task: Task, options: AspectsOptions, decision: Decision) -> None:
-        self.robot, self.task, self.options, self.decision = robot, task, options, decision
-        self.change: Change | None = None
+def _searched(
+    roadmap: Roadmap, places: list[tuple[Array, bool]], how: AspectsOptions, decision: Decision,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[tuple[Solved, Change | None]]:  # fmt: skip
+    """Each pose solved, with the best path until then; until a path is known, or it is proven that there is none."""
+    change: Change | None = None
+    for number, (place, near_cusp) in enumerate(places, start=1):
+        decided = change is not None or decision.impossible
+        if number > how.poses and decided:
+            break
+        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not decision.impossible)
+        for way in ways:
+            if change is None or (way.own, way.clearance) > (change.own, change.clearance):
+                change = way
+        if change is not None or not near_cusp:
+            yield one, change
+        if progress is not None:
+            progress(number, how.poses if change is not None or decided else len(places))
 
-    @property
-    def decided(self) -> bool:
-        """Whether more random poses would change nothing: a path is known, or it is proven that there is none."""
-        return self.change is not None or self.decision.impossible or self.decision.kind == CUSPS
 
-    def all(self, start: Array | None, progress: Callable[[int, int], None] | None) -> tuple[tuple[Solved, ...], bool]:
-        """Every pose, and whether the work was not interrupted."""
-        robot, task, options = self.robot, self.task, self.options
-        random = sample(robot, task, options.most, options.seed, limits=options.limits)
-        places = random if start is None else start[None]
-        found: list[Solved] = []
-        try:
-            for number, place in enumerate(places, start=1):
-                if number > options.poses and self.decided:
-                    break
-                if regular(robot, task, place):
-                    found.append(self._solve(place, near_cusp=False))
-                if progress is not None:
-                    progress(number, options.poses if self.decided else len(places))
-            if self.decision.kind == CUSPS and self.change is None:
-                for place in self._near_cusps():
-                    one = self._solve(place, near_cusp=True)
-                    if self.change is not None:
-                        found.append(one)
-                        break
-        except KeyboardInterrupt:
-            return tuple(found), False
-        return tuple(found), True
+def _near_cusps(robot: Robot, task: Task, decision: Decision, seed: int) -> Iterator[Array]:
+    """Configurations around the cusps, the other joints at random."""
+    rng = np.random.default_rng(seed)
+    random = sample(robot, task, 1, seed)[0]
+    for ring, cusp in product(_RINGS, decision.cusps):
+        for angle in rng.uniform(-np.pi, np.pi, _AROUND):
+            place = random.copy()
+            place[1:3] = np.array(cusp) + ring * np.array([np.cos(angle), np.sin(angle)])
+            yield place
 
-    def _near_cusps(self) -> Iterator[Array]:
-        """Configurations around the cusps, the other joints at random."""
-        rng = np.random.default_rng(self.options.seed)
-        random = sample(self.robot, self.task, 1, self.options.seed)[0]
-        for ring in _RINGS:
-            for cusp in self.decision.cusps:
-                for angle in rng.uniform(-np.pi, np.pi, _AROUND):
-                    place = random.copy()
-                    place[1:3] = np.array(cusp) + ring * np.array([np.cos(angle), np.sin(angle)])
-                    if regular(self.robot, self.task, place):
-                        yield place
 
-    def _solve(self, place: Array, *, near_cusp: bool) -> Solved:
-        robot, task, options = self.robot, self.task, self.options
-        q = solutions(robot, task, pose(robot, place), starts=options.starts, seed=options.seed, also=place)
-        if options.limits:
-            q = _inside(robot, q)
-        own = np.array([np.abs(apart(robot, place, row)).max() for row in q])
-        q = np.concatenate([place[None], q[own > 1e-6]]) if len(q) else place[None]
-        ways: dict[tuple[int, int], Change] = {}
-        if not self.decision.impossible and len(q) > 1:
-            ways = self._roadmap.ways(q)
-        for (i, _), way in ways.items():
-            if self.change is None or (i == 0, way.clearance) > (self.change.own, self.change.clearance):
-                self.change = replace(way, own=i == 0)
-        aspect = _grouped(len(q), ways)
-        sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
-        return Solved(q, aspect, sign, (), near_cusp)
+def _solve(
+    roadmap: Roadmap, place: Array, options: AspectsOptions, near_cusp: bool, *, ways_wanted: bool
+) -> tuple[Solved, list[Change]]:
+    """The solutions at the pose of a configuration, and ways between them."""
+    robot, task = roadmap.robot, roadmap.task
+    q = solutions(robot, task, pose(robot, place), starts=options.starts, seed=options.seed, also=place)
+    q = near_and_within(robot, q, q, limits=options.limits)
+    other = np.abs(apart(robot, place, q)).max(axis=1, initial=0.0) > 1e-6
+    q = np.concatenate([place[None], q[other]])
+    ways = roadmap.ways(q) if ways_wanted and len(q) > 1 else {}
+    numbers = list(dict.fromkeys(groups := _grouped(len(q), ways)))
+    aspect = tuple(numbers.index(group) + 1 for group in groups)
+    sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
+    return Solved(q, aspect, sign, (), near_cusp), [replace(way, own=i == 0) for (i, _), way in ways.items()]
 
-    @cached_property
-    def _roadmap(self) -> Roadmap:
-        return Roadmap(self.robot, self.task, self.options.seed, self.options.limits)
+
+def _grouped(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
+    """A number for each of so many, the same for those that pairs join."""
+    group = list(range(count))
+    for i, j in joined:
+        group = [group[i] if g == group[j] else g for g in group]
+    return group
 
 
 def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[str, ...]]:
@@ -323,19 +300,183 @@ def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved
     return replace(solved, q=q, names=names)
 
 
-def _grouped(count: int, ways: dict[tuple[int, int], Change]) -> tuple[int, ...]:
-    """Number of the aspect of each solution, from 1; each its own but for those that ways join."""
-    group = list(range(count))
-    for i, j in ways:
-        group = [group[i] if g == group[j] else g for g in group]
-    order = list(dict.fromkeys(group))
-    return tuple(order.index(g) + 1 for g in group)
+@dataclass(eq=False)
+class Roadmap:
+    """Random configurations, and which of them straight ways join.
+
+    Attributes:
+        robot, task: as many joints as rows.
+        seed: of the configurations.
+        limits: whether joints keep their limits; else turning joints go round.
+    """
+
+    robot: Robot
+    task: Task
+    seed: int
+    limits: bool
+
+    @cached_property
+    def scale(self) -> Array:
+        """(n,) of joint motions."""
+        return joint_scale(self.robot, self.task)
+
+    @cached_property
+    def matters(self) -> Mask:
+        """(n,) joints on which det J depends, seen at random configurations."""
+        base, other = np.split(sample(self.robot, self.task, 64, 20231), 2)
+        moved = np.repeat(base[None], self.robot.n, axis=0)  # (n, 32, n)
+        j = np.arange(self.robot.n)
+        moved[j, :, j] = other.T
+        values = determinants(self.robot, self.task, np.concatenate([base[None], moved]).reshape(-1, self.robot.n))
+        values = values.reshape(-1, len(base))
+        return np.asarray(np.abs(values[1:] - values[0]).max(axis=1) > 1e-10)
+
+    @cached_property
+    def graph(self) -> tuple[Array, float, Index, Array]:
+        """Configurations (N, n) in scaled joints, the median of |det J|; edges (E, 2), the least |det J| on each."""
+        robot, task = self.robot, self.task
+        low, high = limit_box(robot, task) if self.limits else sampling_box(robot, task, limits=False)
+        count = _NODES.get(int(self.matters.sum()), _MOST_NODES)
+        drawn = sample(robot, task, count, self.seed, limits=self.limits) / self.scale
+        middle = np.where(np.isfinite(low + high), 0.5 * (low + high) / self.scale, 0.0)
+        nodes = np.where(self.matters, drawn, middle)
+        values = self._determinants(nodes)
+        signs, usual = np.sign(values), float(np.median(np.abs(values)))
+        joined = [(i, j) for i in range(count) for j in self._near(nodes[i], signs[i], nodes, signs, skip=i)]
+        edges = np.unique(np.sort(np.array(joined, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
+        return nodes, usual, *self._kept(nodes, edges, usual)
+
+    def ways(self, q: Array) -> dict[tuple[int, int], Change]:
+        """Ways between some configurations: enough of them that all that are joined are joined through these.
+
+        Args:
+            q: (k, n) regular configurations; with `limits` inside them.
+
+        Returns:
+            (i, j) with i < j -> the way from i to j.
+        """
+        q = q / self.scale
+        k = len(q)
+        old, usual, old_edges, old_weights = self.graph
+        nodes = np.concatenate([np.where(self.matters, q, old[0]), old])
+        signs = np.sign(self._determinants(nodes))
+        new = [(i, j) for i in range(k) for j in self._near(nodes[i], signs[i], old, signs[k:], skip=-1) + k]
+        new += [(i, j) for i in range(k) for j in range(i) if signs[i] == signs[j]]
+        edges, weights = self._kept(nodes, np.array(new, dtype=np.int64).reshape(-1, 2), usual)
+        edges, weights = np.concatenate([edges, old_edges + k]), np.concatenate([weights, old_weights])
+        found: dict[tuple[int, int], Change] = {}
+        for i, j in combinations(range(k), 2):
+            groups = _grouped(k, found)
+            if groups[i] != groups[j] and signs[i] == signs[j]:
+                way = self._way(nodes, edges, weights, (i, j), q)
+                if way is not None:
+                    found[i, j] = way
+        return found
+
+    def _way(self, nodes: Array, edges: Index, weights: Array, ends: tuple[int, int], q: Array) -> Change | None:
+        usable = np.ones(len(edges), dtype=np.bool_)
+        for _ in range(_TRIES):
+            chain = _widest(len(nodes), edges[usable], weights[usable], *ends)
+            if not chain:
+                return None
+            corners = nodes[chain]  # one after another, each the short way from the one before
+            steps = self._difference(corners[:-1], corners[1:])
+            unwound = np.concatenate([corners[:1], corners[0] + np.cumsum(steps, axis=0)])
+            for corners in (self._shortened(unwound), unwound):
+                way = self._proven(corners, q[ends[0]], q[ends[1]])
+                if way is not None:
+                    return way
+            on_it = {tuple(sorted(pair)) for pair in pairwise(chain)}
+            usable &= np.array([tuple(sorted(pair)) not in on_it for pair in edges.tolist()])
+        return None
+
+    def _proven(self, corners: Array, start: Array, end: Array) -> Change | None:
+        """The way through corners, the joints that do not matter going evenly from start to end; None if not proven."""
+        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+        share = length / length[-1] if length[-1] > 0 else np.linspace(0.0, 1.0, len(corners))
+        free = start + share[:, None] * self._difference(start, end)
+        q = np.where(self.matters, corners, free) * self.scale
+        found = prove(self.robot, settings_for(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
+                      evaluations=EVALUATIONS)  # fmt: skip
+        if found.slivers or not found.complete:
+            return None
+        clearance = self._least(q[:-1] / self.scale, q[1:] / self.scale, self.graph[1]).min()
+        return Change(q, float(clearance), found.evaluations)
+
+    def _shortened(self, corners: Array) -> Array:
+        """Fewer corners, where the smallest |det J| is not halved."""
+        usual = self.graph[1]
+        least = _SHORTER * float(self._least(corners[:-1], corners[1:], usual).min())
+        kept, at = [0], 0
+        while at < len(corners) - 1:
+            ahead = np.arange(at + 1, len(corners))
+            clear = self._least(np.repeat(corners[[at]], len(ahead), axis=0), corners[ahead], usual) >= least
+            at = int(ahead[clear].max()) if clear.any() else at + 1
+            kept.append(at)
+        return corners[kept]
+
+    def _near(self, q: Array, sign: float, others: Array, signs: Array, *, skip: int) -> Index:
+        """Indices of the nearest configurations of the same sign."""
+        gap = np.linalg.norm(self._difference(q, others)[:, self.matters], axis=1)
+        gap[signs != sign] = np.inf
+        if skip >= 0:
+            gap[skip] = np.inf
+        near = np.argpartition(gap, min(_NEIGHBOURS, len(gap) - 1))[:_NEIGHBOURS]
+        return np.asarray(near[np.isfinite(gap[near])], dtype=np.int64)
+
+    def _kept(self, nodes: Array, edges: Index, usual: float) -> tuple[Index, Array]:
+        """The edges on which the sign is kept, and their smallest |det J|."""
+        start = nodes[edges[:, 0]]
+        weights = self._least(start, start + self._difference(start, nodes[edges[:, 1]]), usual)
+        return edges[weights > 0.0], weights[weights > 0.0]
+
+    def _least(self, start: Array, end: Array, usual: float) -> Array:
+        """(E,) the smallest |det J| on straight ways; negative where the sign changes. `usual`: its median."""
+        least = self._sampled(start, end, 1)
+        for share, finer in _FINER:
+            small = (least > 0.0) & (least < share * usual)
+            least[small] = self._sampled(start[small], end[small], finer)
+        return least
+
+    def _sampled(self, start: Array, end: Array, finer: int) -> Array:
+        least = np.full(len(start), np.inf)
+        if not len(start):
+            return least
+        points = finer * int(np.ceil(np.linalg.norm(end - start, axis=1).max() / _STEP)) + 2
+        share = np.linspace(0.0, 1.0, points)[None, :, None]
+        part = max(1, _PART // points)
+        for first in range(0, len(start), part):
+            some = slice(first, first + part)
+            at = start[some, None] + share * (end[some, None] - start[some, None])
+            values = self._determinants(at.reshape(-1, at.shape[2])).reshape(at.shape[:2])
+            least[some] = (values * np.sign(values[:, :1])).min(axis=1)
+        return least
+
+    def _determinants(self, nodes: Array) -> Array:
+        return determinants(self.robot, self.task, nodes * self.scale)
+
+    def _difference(self, one: Array, other: Array) -> Array:
+        return other - one if self.limits else apart(self.robot, one, other)
 
 
-def _inside(robot: Robot, q: Array) -> Array:
-    """The solutions that have a place within the joint limits, moved there by whole turns."""
-    low, high = robot.lower, robot.upper
-    turns = np.where(robot.periodic & (q < low - 1e-12), np.ceil((low - q) / (2 * np.pi) - 1e-12), 0.0)
-    turns = np.where(robot.periodic & (q > high + 1e-12), -np.ceil((q - high) / (2 * np.pi) - 1e-12), turns)
-    q = q + 2 * np.pi * np.where(np.isfinite(turns), turns, 0.0)
-    return q[((q >= low - 1e-12) & (q <= high + 1e-12)).all(axis=1)]
+def _widest(count: int, edges: Index, weights: Array, start: int, end: int) -> list[int]:
+    """Nodes of the path whose lightest edge is heaviest; [] where the two are not joined (Prim's algorithm)."""
+    near: list[list[tuple[float, int]]] = [[] for _ in range(count)]
+    for (a, b), weight in zip(edges.tolist(), weights.tolist(), strict=True):
+        near[a].append((-weight, b))
+        near[b].append((-weight, a))
+    came: dict[int, int] = {}
+    front = [(0.0, start, start)]
+    while front and end not in came:
+        _, at, before = heappop(front)
+        if at not in came:
+            came[at] = before
+            for weight, other in near[at]:
+                if other not in came:
+                    heappush(front, (weight, other, at))
+    if end not in came:
+        return []
+    chain = [end]
+    while chain[-1] != start:
+        chain.append(came[chain[-1]])
+    return chain[::-1]

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -23,27 +25,12 @@ from rankdrop.jobs.limited import CPU, MEMORY, run_limited
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError, arranged, checked_times
 from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
+from rankdrop.text.paths import BAG_MEND, BAG_NOTES, DAMAGES
 
-BAGS = (".bag", ".db3", ".mcap")
 _STATE, _PLAN = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajectory"
 _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}
-_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
 _LISTED = 12  # topics that an error names
 _SECONDS = 1.0  # of the processor for each MB of a bag, besides those that every file has
-_MEANT: dict[type[Exception], str] = {
-    OverflowError: "a record that is longer than any file",
-    AssertionError: "records that contradict each other",
-    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
-    UnicodeDecodeError: "a name that is no text",
-}
-"""What the errors of Python mean that a damaged file raises; readers say the others themselves."""
-
-
-def is_bag(path: Path) -> bool:
-    """Whether it is a bag: a file by its ending, or the folder of a ROS 2 recording."""
-    if path.is_dir():
-        return (path / "metadata.yaml").is_file()
-    return path.suffix.lower() in BAGS
 
 
 def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = False) -> Trajectory:
@@ -77,7 +64,8 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
     parts = np.load(io.BytesIO(content))
     about = json.loads(str(parts["about"]))
     found = arranged(about["where"], robot, parts, deg=deg)
-    return replace(found, name=path.name, notes=tuple(about["notes"]), unused=tuple(about["unused"]))
+    notes = tuple(BAG_NOTES[kind].format(*values) for kind, *values in about["notes"])
+    return replace(found, name=path.name, notes=notes, unused=tuple(about["unused"]))
 
 
 def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
@@ -94,21 +82,20 @@ def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
             if one.digest and one.digest != digest(one.msgtype):
                 raise TrajectoryError("this is another version of the type", where=where, got=one.msgtype,
                                       allowed="the fields of ROS's own message")  # fmt: skip
-        promised = sum(one.msgcount for one in chosen)
+        promised, number, rows = sum(one.msgcount for one in chosen), 0, _Rows(where, joints)
         with _reading(where):
-            rows = _Rows(where, joints)
-            take = rows.state if chosen[0].msgtype == _STATE else rows.plan
             for connection, stamp, data in bag.messages(connections=chosen):
-                rows.number += 1
-                with _reading(f"{where}, message {rows.number}"):
+                number += 1
+                at = f"{where}, message {number}"
+                with _reading(at):
                     message = store(data, connection.msgtype)
-                take(message, stamp)
-                if len(rows.q) > MOST_ROWS:
+                rows.take(message, stamp, at)
+                if len(rows.rows) > MOST_ROWS:
                     raise TrajectoryError("there are too many rows", where=where, allowed=f"at most {MOST_ROWS}")
-            if rows.number < promised:
-                raise TrajectoryError("the bag is cut off", where=where, mend=_MEND,
-                                      got=f"{rows.number} of {promised} messages")  # fmt: skip
-    return rows.packed()
+            if number < promised:
+                raise TrajectoryError("the bag is cut off", where=where, mend=BAG_MEND,
+                                      got=f"{number} of {promised} messages")  # fmt: skip
+    return rows.packed(number)
 
 
 def _opened(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str], str]]:
@@ -143,7 +130,7 @@ def _check_database(file: Path) -> None:
     promised, there = page * int.from_bytes(head[28:32]), file.stat().st_size
     if there < promised:
         raise TrajectoryError("the bag is cut off", where=str(file), got=f"{there:,} of {promised:,} bytes",
-                              mend=_MEND)  # fmt: skip
+                              mend=BAG_MEND)  # fmt: skip
 
 
 @contextmanager
@@ -154,9 +141,9 @@ def _reading(where: str) -> Iterator[None]:
     except (RankdropError, MemoryError):  # the process that reads a bag has a limit on its memory
         raise
     except Exception as error:
-        got = _MEANT.get(type(error)) or " ".join(f"{type(error).__name__}: {error}".split())[:160]
+        got = DAMAGES.get(type(error)) or " ".join(f"{type(error).__name__}: {error}".split())[:160]
         raise TrajectoryError("the bag cannot be read, it is damaged or cut off", where=where, got=got,
-                              mend=_MEND) from error  # fmt: skip
+                              mend=BAG_MEND) from error  # fmt: skip
 
 
 def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
@@ -166,20 +153,20 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
         TrajectoryError: none, or several, can be meant.
     """
     found: dict[str, list[Any]] = {}
-    for one in connections:
+    for one in sorted(connections, key=attrgetter("topic")):
         found.setdefault(one.topic, []).append(one)
-    listed = [f"{key} ({_KINDS.get(found[key][0].msgtype, found[key][0].msgtype)})" for key in sorted(found)]
+    types = {key: {one.msgtype for one in some} for key, some in found.items()}
+    listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in found.items()]
     every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
     if topic is not None:
-        asked = found.get(topic) or found.get(f"/{topic}")
-        if asked is None:
+        key = topic if topic in found else f"/{topic}"
+        if key not in found:
             raise TrajectoryError("there is no such topic", where=name, got=topic, allowed=every or "none is in it")
-        kinds = {one.msgtype for one in asked}
-        if len(kinds) > 1 or not kinds <= set(_KINDS):
+        if len(types[key]) > 1 or not types[key] <= set(_KINDS):
             raise TrajectoryError("the topic has no joint values that are understood", where=f"{name}, topic {topic}",
-                                  got=", ".join(sorted(kinds)), allowed=" or ".join(_KINDS))  # fmt: skip
-        return asked
-    fitting = [key for key in sorted(found) if {one.msgtype for one in found[key]} <= set(_KINDS)]
+                                  got=", ".join(sorted(types[key])), allowed=" or ".join(_KINDS))  # fmt: skip
+        return found[key]
+    fitting = [key for key in found if types[key] <= set(_KINDS)]
     if not fitting:
         raise TrajectoryError("no topic has joint values", where=name, got=every or "an empty bag",
                               allowed=" or ".join(_KINDS))  # fmt: skip
@@ -189,6 +176,10 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
     return found[fitting[0]]
 
 
+Row = tuple[Array, Array | None, Array | None, int, int, int, str]
+"""q, qd, qdd; times of header, of recording and from the start of the plan [ns]; where it stands in the bag."""
+
+
 @dataclass
 class _Rows:
     """What was read so far.
@@ -196,74 +187,50 @@ class _Rows:
     Attributes:
         where: file and topic.
         wanted: names of the arm's joints, in order.
-        number: of the last message, from 1.
-        times: by header and by recording [ns]; those of a plan's points count from the start of the plan.
+        rows: a JointState is one row, a JointTrajectory one for each of its points.
+        starts: first row of each plan.
+        others: joints that the arm does not have.
+        passed: messages without any of its joints.
     """
 
     where: str
     wanted: list[str]
-    number: int = 0
-    q: list[Array] = field(default_factory=list)
-    qd: list[Array | None] = field(default_factory=list)
-    qdd: list[Array | None] = field(default_factory=list)
-    stamps: list[tuple[int, int]] = field(default_factory=list)
-    after: list[int] = field(default_factory=list)
-    places: list[str] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+    starts: list[int] = field(default_factory=list)
     others: set[str] = field(default_factory=set)
     passed: int = 0
-    plans: int = 0
 
-    def state(self, message: Any, recorded: int) -> None:
-        """A JointState: one row."""
-        at = f"{self.where}, message {self.number}"
-        places = self._places(message.name, at)
-        if places is None:
-            return
-        self.q.append(self._values(message.position, places, len(message.name), at, "position"))
-        speed = np.asarray(message.velocity, dtype=np.float64)
-        good = len(speed) == len(message.name) and bool(np.isfinite(speed[places]).all())
-        self.qd.append(speed[places] if good else None)  # drivers send empty ones, or NaN: nothing that is needed
-        self.qdd.append(None)
-        self.stamps.append((_nanoseconds(message.header.stamp), recorded))
-        self.after.append(0)
-        self.places.append(at)
-
-    def plan(self, message: Any, recorded: int) -> None:
-        """A JointTrajectory: a row for each point."""
-        at = f"{self.where}, message {self.number}"
-        places = self._places(message.joint_names, at)
-        if places is None:
-            return
-        self.plans += 1
-        width = len(message.joint_names)
-        stamp = (_nanoseconds(message.header.stamp), recorded)
-        for row, point in enumerate(message.points, start=1):
-            here = f"{at}, point {row}"
-            self.q.append(self._values(point.positions, places, width, here, "position"))
-            for kept, values, what in (
-                (self.qd, point.velocities, "velocity"), (self.qdd, point.accelerations, "acceleration")
-            ):
-                kept.append(self._values(values, places, width, here, what) if len(values) else None)
-            self.stamps.append(stamp)
-            self.after.append(_nanoseconds(point.time_from_start))
-            self.places.append(here)
-
-    def _places(self, names: list[str], at: str) -> list[int] | None:
-        """Where the arm's joints stand in a message; None where it has none of them."""
+    def take(self, message: Any, recorded: int, at: str) -> None:
+        """The rows of a message."""
+        points = getattr(message, "points", None)
+        names = message.name if points is None else message.joint_names
         self.others.update(set(names) - set(self.wanted))
         missing = [one for one in self.wanted if one not in names]
         if len(missing) == len(self.wanted):
             self.passed += 1
-            return None
-        twice = sorted({one for one in self.wanted if names.count(one) > 1})
-        if missing or twice:
+            return
+        if missing or any(names.count(one) > 1 for one in self.wanted):
             raise TrajectoryError(
                 f"the message lacks joints: {', '.join(missing)}" if missing else "a joint is named twice", where=at,
                 got=", ".join(names), allowed=", ".join(self.wanted),
             )  # fmt: skip
-        return [names.index(one) for one in self.wanted]
+        places, header = [names.index(one) for one in self.wanted], _nanoseconds(message.header.stamp)
+        values = partial(self._values, places, len(names))
+        if points is None:
+            q, speed = values(message.position, at, "position"), np.asarray(message.velocity, dtype=np.float64)
+            good = len(speed) == len(names) and bool(np.isfinite(speed[places]).all())
+            qd = speed[places] if good else None  # drivers send empty ones, or NaN: nothing that is needed
+            self.rows.append((q, qd, None, header, recorded, 0, at))
+            return
+        self.starts.append(len(self.rows))
+        for number, point in enumerate(points, start=1):
+            here = f"{at}, point {number}"
+            rates = ((point.velocities, "velocity"), (point.accelerations, "acceleration"))
+            qd, qdd = (values(some, here, what) if len(some) else None for some, what in rates)
+            q, after = values(point.positions, here, "position"), _nanoseconds(point.time_from_start)
+            self.rows.append((q, qd, qdd, header, recorded, after, here))
 
-    def _values(self, values: Any, places: list[int], width: int, at: str, what: str) -> Array:
+    def _values(self, places: list[int], width: int, values: Any, at: str, what: str) -> Array:
         given = np.asarray(values, dtype=np.float64)
         if len(given) != width:
             raise TrajectoryError(f"there is not one {what} for each name", where=at, got=len(given), allowed=width)
@@ -272,47 +239,42 @@ class _Rows:
                 raise TrajectoryError(f"the {what} is not finite", where=f"{at}, joint {joint!r}", got=value)
         return np.asarray(given[places])
 
-    def packed(self) -> bytes:
-        """Everything that was read, in the order of time, as NumPy's archive."""
-        if not self.q:
-            got = f"{self.number} messages" + (f" of {', '.join(sorted(self.others))}" if self.others else "")
+    def packed(self, count: int) -> bytes:
+        """Everything that was read of so many messages, in the order of time, as NumPy's archive."""
+        if not self.rows:
+            got = f"{count} messages" + (f" of {', '.join(sorted(self.others))}" if self.others else "")
             raise TrajectoryError("no message has this arm's joints", where=self.where, got=got,
                                   allowed=", ".join(self.wanted))  # fmt: skip
-        notes = []
-        if self.passed:
-            notes.append(f"{self.passed} of {self.number} messages have none of this arm's joints and are passed over")
-        stamped = all(stamp for stamp, _ in self.stamps)
-        if not stamped:
-            notes.append("headers have no times: those of the recording are taken")
-        starts = [stamp if stamped else recorded for stamp, recorded in self.stamps]
-        when = [start + after for start, after in zip(starts, self.after, strict=True)]
-        kept = self._in_force(starts, when) if self.plans > 1 else list(range(len(when)))
-        if self.plans > 1:
-            notes.append(f"{self.plans} plans follow each other; {len(when) - len(kept)} points were replaced")
-        again = [k for i, k in pairwise(kept) if when[i] == when[k] and (self.q[i] == self.q[k]).all()]
-        if again:
-            notes.append(f"{len(again)} rows are repeated word for word and count once")
-            kept = [k for k in kept if k not in set(again)]
+        q, qd, qdd, header, recorded, after, places = zip(*self.rows, strict=True)
+        starts = header if all(header) else recorded
+        when = [start + later for start, later in zip(starts, after, strict=True)]
+        kept = self._in_force(starts, when)
+        again = {k for i, k in pairwise(kept) if when[i] == when[k] and (q[i] == q[k]).all()}
+        notes = [
+            ("others", self.passed, count) if self.passed else (), () if all(header) else ("recording",),
+            ("plans", len(self.starts), len(when) - len(kept)) if len(self.starts) > 1 else (),
+            ("repeated", len(again)) if again else (),
+        ]  # fmt: skip
+        kept = [k for k in kept if k not in again]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
-        checked_times(times, [self.places[k] for k in kept])
-        parts = {"t": times, "q": np.array([self.q[k] for k in kept])}
-        for key, values in (("qd", self.qd), ("qdd", self.qdd)):
-            if all(values[k] is not None for k in kept):  # every row has them
-                parts[key] = np.array([values[k] for k in kept])
-        about = json.dumps({"where": self.where, "notes": notes, "unused": sorted(self.others)})
+        checked_times(times, lambda row: places[kept[row]])
+        columns = {"q": q, "qd": qd, "qdd": qdd}
+        parts = {key: np.array([values[k] for k in kept]) for key, values in columns.items()
+                 if all(values[k] is not None for k in kept)}  # fmt: skip
+        about = {"where": self.where, "notes": list(filter(None, notes)), "unused": sorted(self.others)}
         buffer = io.BytesIO()
-        np.savez(buffer, about=np.array(about), **parts)  # type: ignore[arg-type]  # allow_pickle is no array
+        np.savez(buffer, about=np.array(json.dumps(about)), t=times, **parts)  # type: ignore[arg-type]  # allow_pickle
         return buffer.getvalue()
 
-    def _in_force(self, starts: list[int], when: list[int]) -> list[int]:
-        """Rows of plans, without those that a later plan has replaced."""
+    def _in_force(self, starts: Sequence[int], when: list[int]) -> list[int]:
+        """Rows without those that a later plan has replaced, from its start on."""
         kept: list[int] = []
+        begins = set(self.starts)
         for k, start in enumerate(starts):
-            if k == 0 or self.places[k].rpartition(",")[0] != self.places[k - 1].rpartition(",")[0]:  # a plan begins
+            if k in begins:
                 kept = [one for one in kept if when[one] < start]
             kept.append(k)
         return kept
-
 
 
 def _nanoseconds(time: Any) -> int:

@@ -1,29 +1,36 @@
-"""A judged path as a certificate: every span that is free, and every crossing, for `rankdrop.verify` to prove again."""
+"""What else is proven of a path: a distance that it keeps, and all of it for near arms; and its certificate, with every
+span that is free and every crossing, for `rankdrop.verify` to prove again.
+"""
 
 from __future__ import annotations
 
+from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rankdrop.certify.ball import settings_of
+from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.certify.certificates import file_hash, record_of
-from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
-from rankdrop.certify.setting import enclose, regular
-from rankdrop.motion.curve import boxes, halves
-from rankdrop.motion.prove import centred, chosen, stretches_left
+from rankdrop.certify.setting import Setting, enclose, regular, settings_for
+from rankdrop.motion.curve import Curve, Place, boxes
+from rankdrop.motion.prove import centred, chosen, first_open
 from rankdrop.motion.record import CROSSING as CROSSES
-from rankdrop.motion.record import FREE, Place, Stretch
+from rankdrop.motion.record import FREE
+from rankdrop.problem import Mask
 from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
 
 if TYPE_CHECKING:
     from rankdrop.motion.record import PathCheck
 
 EVALUATIONS = 500_000
 """Enclosures that the proof for near arms may cost."""
+_BALL = 20_000  # enclosures of branch and bound for one ball
+_SHORT = 0.5  # pieces with ρ below this share of the distance get branch and bound
+_GIVEN_UP = 0.05  # … and below this are given up
+_OUTRIGHT = 1e-9  # of a radius: what bisection leaves open
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
@@ -43,24 +50,30 @@ def path_certificate(
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
-    setting = chosen(check.robot, settings_of(check.robot, check.task), check.curve)
+    setting = chosen(check.robot, settings_for(check.robot, check.task), check.curve)
     if tolerance is not None:
         displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
     square = check.robot.n == setting.rank == len(setting.rows)
-    last = len(control)
+
+    def spot(place: Place) -> list[Any]:
+        return list(check.curve.spot(place))
+
     spans: list[Record] = []
-    at = [0, 0.0]
+    at, last = [0, 0.0], [len(control) - 1, 1.0]
     met = [one for one in check.stretches if one.verdict != FREE]
-    for one in sorted(met, key=lambda one: (one.start.row, one.start.share)):
-        start, end = _place(one.start, last), _place(one.end, last)
+    for one in sorted(met, key=attrgetter("start")):
+        (start, end), (low, high) = map(spot, (one.start, one.end)), map(spot, one.bracket)
         if at != start:
             spans.append({"from": at, "to": start, "kind": CLEAR})
-        spans.append(_stretch_record(one, square, last))
+        if one.verdict == CROSSES and square and not one.lies and start <= low < high <= end:
+            spans.append({"from": start, "to": end, "kind": CROSSING, "bracket": [low, high]})
+        else:
+            spans.append({"from": start, "to": end, "kind": OPEN})
         at = end
-    if at != [last - 1, 1.0]:
-        spans.append({"from": at, "to": [last - 1, 1.0], "kind": CLEAR})
+    if at != last:
+        spans.append({"from": at, "to": last, "kind": CLEAR})
     claim = {
         "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(), "spans": spans,
     }  # fmt: skip
@@ -75,7 +88,7 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     """Is a path proven free for every arm within a tolerance of this one?
 
     Boxes around runs of stretches, then around parts of one, are enclosed and halved; what arms within the tolerance
-    add to the bound is that of `rankdrop.certify.displaced`. False is no proof that some arm is singular.
+    add to the bound is that of `rankdrop.certify.ball`. False is no proof that some arm is singular.
 
     Args:
         check: a judged path.
@@ -85,39 +98,82 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
-    robot = check.robot
-    setting = chosen(robot, settings_of(robot, check.task), check.curve)
-    rows = check.task.rows
+    robot, rows = check.robot, check.task.rows
+    setting = chosen(robot, settings_for(robot, check.task), check.curve)
     displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
     spent = 0
 
-    def kept(low: Array, high: Array) -> NDArray[np.bool_]:
+    def kept(low: Array, high: Array) -> Mask:
         nonlocal spent
         spent += len(low)
         found = enclose(robot, setting, *centred(low, high, setting))
         drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
         return regular(found[3], found[2] + np.einsum("bi,bij->bj", drift, np.abs(found[5]))[:, None, :])
 
-    control = check.curve.control[stretches_left(check.curve, kept)]
-    while len(control) and spent < evaluations:
+    def decided(control: Array) -> tuple[Mask, Mask]:
         low, high = boxes(control)
-        left = ~kept(low, high)
-        if (np.abs(high - low)[left] < _SHORTEST * setting.scale).all(axis=1).any():
-            return False
-        control = halves(control[left])
-    return not len(control)
+        done = kept(low, high) if spent < evaluations else np.zeros(len(low), dtype=np.bool_)
+        narrow = (high - low < _SHORTEST * setting.scale).all(axis=1)
+        return done, ~done & (narrow | (spent >= evaluations))
+
+    return first_open(check.curve, kept, decided) < 0
 
 
-def _stretch_record(stretch: Stretch, square: bool, last: int) -> Record:
-    start, end = _place(stretch.start, last), _place(stretch.end, last)
-    low, high = (_place(place, last) for place in stretch.bracket)
-    if stretch.verdict == CROSSES and square and not stretch.lies and start <= low < high <= end:
-        return {"from": start, "to": end, "kind": CROSSING, "bracket": [low, high]}
-    return {"from": start, "to": end, "kind": OPEN}
+def margin(
+    robot: Robot, task: Task, setting: Setting, path: Curve, distance: float, evaluations: int
+) -> tuple[int, int]:
+    """Try to prove that no singular configuration is nearer to the path than a distance.
+
+    A piece of the path lies within ρ of its middle; a ball of radius d + ρ around the middle that is proven free keeps
+    the distance d on all of the piece. One enclosure is tried first, branch and bound on short pieces.
+
+    Args:
+        robot, task: the arm and its task.
+        setting: that the path was proven free from.
+        path: the curve.
+        distance: d > 0 [rad; slides divided by the length scale]; beyond π it is not tried.
+        evaluations: enclosures to be spent at most.
+
+    Returns:
+        A stretch for which it could not be proven, −1 where it is proven; and the enclosures spent.
+    """
+    if distance >= LARGEST:
+        return 0, 0
+    spent = 0
+
+    def kept(low: Array, high: Array) -> Mask:
+        nonlocal spent
+        spent += len(low)
+        centre, rho = ball(low, high, setting)
+        done = np.zeros(len(centre), dtype=np.bool_)
+        tried = np.flatnonzero(distance + rho < LARGEST)
+        if len(tried):
+            radius = enclose(robot, setting, np.ascontiguousarray(centre[tried]), radius=LARGEST)[1]
+            done[tried] = radius * (1 - _OUTRIGHT) >= distance + rho[tried]
+        return done
+
+    def decided(control: Array) -> tuple[Mask, Mask]:
+        nonlocal spent
+        done, lost = np.zeros((2, len(control)), dtype=np.bool_)
+        if spent + len(control) > evaluations:
+            spent += len(control)
+            return done, ~done
+        done = kept(*boxes(control))
+        centre, rho = ball(*boxes(control), setting)
+        for i in np.flatnonzero(~done & (rho < _SHORT * distance)):
+            radius = min((distance + float(rho[i])) * (1 + _OUTRIGHT), LARGEST)
+            proof = certified_radius(robot, centre[i], task, at_most=radius, evaluations=_BALL)
+            spent += proof.evaluations
+            done[i] = proof.radius == proof.at_most
+            lost[i] = spent > evaluations or (not done[i] and rho[i] < _GIVEN_UP * distance)
+            if lost[i]:
+                break
+        return done, lost
+
+    return first_open(path, kept, decided), spent
 
 
-def _place(place: Place, last: int) -> list[float]:
-    """[stretch from 0, share]; the last row is the end of the last stretch."""
-    if place.row > last:
-        return [last - 1, 1.0]
-    return [place.row - 1, float(place.share)]
+def ball(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
+    """Middles of boxes, and how far their corners are [rad; slides scaled]."""
+    centre, half = centred(low, high, setting)
+    return centre, np.linalg.norm(half[:, setting.matters], axis=1)

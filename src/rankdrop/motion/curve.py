@@ -7,7 +7,7 @@ points b_j, and halving it gives control points of each half (de Casteljau). Tha
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import comb
 
@@ -18,10 +18,30 @@ from rankdrop.errors import OptionError
 from rankdrop.robot.model import Array
 
 Index = NDArray[np.int64]
+Spot = tuple[int, float]
+"""A point of a path: stretch from 0, and the share of it."""
 
 _BATCH, _HALVINGS = 1024, 7  # curves whose bound is made tighter together, and how often each is halved
-INTERPOLATIONS = ("linear", "cubic", "quintic")
-"""What a controller makes of samples: of positions, of velocities as well, of accelerations too."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """A point of a path, for people: the end of a stretch is the beginning of the next.
+
+    Attributes:
+        row: number of the sample before it, from 1.
+        share: of the way to the next sample, 0 … 1.
+        time: [s]; None without times.
+    """
+
+    row: int
+    share: float
+    time: float | None = field(compare=False)
+
+    @property
+    def position(self) -> float:
+        """Row with the share of the way to the next as a fraction."""
+        return self.row + self.share
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +97,23 @@ class Curve:
         start, end = self.times[stretch], self.times[stretch + 1]
         return np.asarray(start + share * (end - start))
 
+    def place(self, spot: Spot) -> Place:
+        """A point with its row and time."""
+        stretch, share = spot
+        time = self.time(np.array([stretch]), np.array([share]))
+        stretch, share = (stretch + 1, 0.0) if share == 1.0 else spot
+        return Place(stretch + 1, share, None if time is None else float(time[0]))
+
+    def here(self, place: Place) -> tuple[Array, Array]:
+        """(n,) configuration at a place, and the derivative by the share."""
+        stretch, share = (np.array([part]) for part in self.spot(place))
+        return self.at(stretch, share)[0], self.slope(stretch, share)[0]
+
+    def spot(self, place: Place) -> Spot:
+        """Stretch and share of a place."""
+        last = len(self.control)
+        return (last - 1, 1.0) if place.row > last else (place.row - 1, place.share)
+
 
 def curve(
     q: Array,
@@ -93,19 +130,16 @@ def curve(
         q: (T, n) samples, T ≥ 1; one sample is a stretch of no length.
         times: (T,) [s], increasing; needed for cubic and quintic.
         velocities, accelerations: (T, n) [rad/s, rad/s²] or None.
-        interpolate: one of `INTERPOLATIONS`.
+        interpolate: as in `PathOptions`.
 
     Raises:
-        OptionError: no such interpolation, or what it needs is not given.
+        OptionError: what the interpolation needs is not given.
 
     Example:
         >>> rest = np.zeros((2, 1))
         >>> curve(np.array([[0.0], [1.0]]), np.array([0.0, 2.0]), rest, None, "cubic").control[0, :, 0].tolist()
         [0.0, 0.0, 1.0, 1.0]
     """
-    if interpolate not in INTERPOLATIONS:
-        raise OptionError("there is no such interpolation", where="interpolate", got=repr(interpolate),
-                          allowed=", ".join(INTERPOLATIONS))  # fmt: skip
     if len(q) == 1:
         q = np.repeat(q, 2, axis=0)
         times = None if times is None else np.repeat(times, 2)

@@ -1,7 +1,7 @@
-"""Trajectory files: of every kind read, and one written that is read back to the last bit.
+"""Files of paths: joint trajectories and poses of the tip, of every kind read; and one written, to the last bit.
 
 NumPy's files hold one array of samples, or an archive with times, velocities and names. JSON and YAML hold a
-trajectory_msgs/JointTrajectory as ROS writes it: `ros2 topic echo`, MoveIt.
+trajectory_msgs/JointTrajectory as ROS writes it (`ros2 topic echo`, MoveIt), or poses, what a Cartesian program says.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ import json
 import reprlib
 import warnings
 import zlib
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from tokenize import TokenError
 from typing import Any
@@ -19,29 +22,81 @@ from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
+from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
-from rankdrop.motion.bag_file import BAGS, is_bag, read_bag
-from rankdrop.motion.csv_file import parse_trajectory
-from rankdrop.motion.trajectory import Trajectory, TrajectoryError, arranged, csv_text
-from rankdrop.robot.files import DEEPEST, LARGEST_ARRAY, LARGEST_YAML, read_text
+from rankdrop.motion.trajectory import (
+    BAGS,
+    UNITS,
+    Trajectory,
+    TrajectoryError,
+    arranged,
+    checked_times,
+    csv_text,
+    find_columns,
+    increasing,
+    is_bag,
+    is_number,
+    name_and_unit,
+    names_of,
+    parse_trajectory,
+    read_table,
+)
+from rankdrop.robot.files import DEEPEST, LARGEST_ARRAY, LARGEST_YAML, MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.text.paths import MILLIMETRES
 
 ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS)
 """Files that are taken for trajectories in a folder; a single file of another ending is read as CSV."""
 WRITTEN = (".csv", ".npz", ".json")
 """Endings of files that are written."""
-POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES = (
+ARRAYS = (
     ("q", "positions", "position"), ("t", "time", "times"), ("qd", "velocities", "velocity"),
     ("qdd", "accelerations", "acceleration"), ("joint_names", "names", "joints"),
 )  # fmt: skip
-"""Names that an array may have in an archive."""
+"""Names that each array may have in an archive."""
 _DAMAGED = (ValueError, TypeError, EOFError, BadZipFile, NotImplementedError, MemoryError, OverflowError, SyntaxError,
             RecursionError, RuntimeError, TokenError, zlib.error)  # fmt: skip
 """What NumPy raises over a file that is none: its headers are parsed as Python's literals."""
 _MOST = f"at most {LARGEST_ARRAY // 2**20} MB"
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsecs")
+_ENTRIES = {"q": "positions", "qd": "velocities", "qdd": "accelerations"}
+_QUATERNION, _ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
+_LENGTHS = {"x", "y", "z"}
+_OTHER = {
+    **{f"{long}{letter}": f"q{letter}" for long in ("q_", "quat_", "orientation_", "orientation.")
+       for letter in "xyzw"},
+    **{f"{long}{letter}": letter for long in ("p", "p_", "pos_", "position_", "position.", "t") for letter in "xyz"},
+}  # fmt: skip
+"""Other names of columns."""
+_TURNS = {"orientation": _QUATERNION, "rpy": _ANGLES}
+_AXES = {"orientation": tuple("xyzw")}  # names of the numbers in an object
+_UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
+_FAR = 20.0  # reaches: positions beyond it look like millimetres
+_OBJECTS = (".json", ".yaml", ".yml")
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Poses of the tip, in order.
+
+    Attributes:
+        name: of the file.
+        matrices: (P, 4, 4) in the base frame [m].
+        times: (P,) increasing [s]; None where the file has none.
+        turned: the file gives orientations; else only positions are meant.
+        unused: columns that were passed over.
+        notes: what a reader should know of how the file was read.
+    """
+
+    name: str
+    matrices: Array
+    times: Array | None
+    turned: bool
+    unused: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def trajectories_in(folder: Path) -> list[Path]:
@@ -67,20 +122,26 @@ def read_trajectory(
         MissingExtraError: YAML, or a bag, and PyYAML or rosbags is not installed.
     """
     file, name = Path(path), str(path)
-    ending = file.suffix.lower()
     if is_bag(file):
+        from rankdrop.motion.bag_file import read_bag
+
         return read_bag(file, robot, topic=topic, deg=deg)
-    if topic is not None:
+    if topic is not None and file.exists():  # a file that is missing is reported first
         raise OptionError("only a bag has topics", where=name, got=topic, allowed=", ".join(BAGS))
+    ending = file.suffix.lower()
     if ending in (".npy", ".npz"):
         return read_arrays(file, robot, deg=deg)
-    try:
-        text = read_text(file)
-    except RankdropError as error:
-        raise TrajectoryError(error.what, where=error.where or name, got=error.got) from error
-    if ending in (".json", ".yaml", ".yml"):
+    text = _text_of(file)
+    if ending in _OBJECTS:
         return parse_message(text, name, robot, yaml=ending != ".json", deg=deg)
     return parse_trajectory(text, name, robot, deg=deg)
+
+
+def _text_of(file: Path) -> str:
+    try:
+        return read_text(file)
+    except RankdropError as error:
+        raise TrajectoryError(error.what, where=error.where or str(file), got=error.got) from error
 
 
 def trajectory_bytes(made: Trajectory, robot: Robot, target: str) -> bytes:
@@ -102,17 +163,16 @@ def trajectory_bytes(made: Trajectory, robot: Robot, target: str) -> bytes:
                               allowed=".npz, .json")  # fmt: skip
         heads = [f"{joint.name} [{joint.unit}]" for joint in robot.variables]
         return csv_text(heads, made.q, times).encode()
-    columns = {"q": ("positions", made.q), "qd": ("velocities", made.velocities),
-               "qdd": ("accelerations", made.accelerations), "t": ("time_from_start", times)}
-    given = {key: (word, values) for key, (word, values) in columns.items() if values is not None}
+    columns = {"q": made.q, "qd": made.velocities, "qdd": made.accelerations, "t": times}
+    given = {key: values for key, values in columns.items() if values is not None}
     if ending == ".npz":
         buffer = io.BytesIO()
-        arrays = {key: values for key, (_, values) in given.items()}
-        np.savez(buffer, joint_names=np.array(names), **arrays)  # type: ignore[arg-type]  # allow_pickle is no array
+        np.savez(buffer, joint_names=np.array(names), **given)  # type: ignore[arg-type]  # allow_pickle is no array
         return buffer.getvalue()
     if ending == ".json":
-        every = zip(*(values.tolist() for _, values in given.values()), strict=True)
-        points = [dict(zip((word for word, _ in given.values()), row, strict=True)) for row in every]
+        words = [(_ENTRIES | {"t": "time_from_start"})[key] for key in given]
+        every = zip(*(values.tolist() for values in given.values()), strict=True)
+        points = [dict(zip(words, row, strict=True)) for row in every]
         return (json.dumps({"joint_names": names, "points": points}, indent=1) + "\n").encode()
     raise OptionError("the ending names no format", where=target, allowed=", ".join(WRITTEN))
 
@@ -132,20 +192,20 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     loaded = _load(path)
     if isinstance(loaded, np.ndarray):
         q = _as_numbers(loaded, where)
-        if q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and bool((q[1:, 0] > q[:-1, 0]).all()):
-            return arranged(where, robot, {"q": q[:, 1:], "t": q[:, 0]}, deg=deg)
-        return arranged(where, robot, {"q": q}, deg=deg)
-    parts = {kind[0]: _part(loaded, kind, where) for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS)}
-    names = _member(loaded, NAMES)
-    if parts["q"] is None:
+        timed = q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and increasing(q[:, 0])
+        return arranged(where, robot, {"q": q[:, 1:], "t": q[:, 0]} if timed else {"q": q}, deg=deg)
+    members = {kind[0]: next((loaded[name] for name in kind if name in loaded), None) for kind in ARRAYS}
+    if members["q"] is None:
         raise TrajectoryError("the archive has no positions", where=where, got=", ".join(loaded) or "nothing",
-                              allowed=" or ".join(POSITIONS))  # fmt: skip
+                              allowed=" or ".join(ARRAYS[0]))  # fmt: skip
+    names = members.pop("joint_names")
     listed = None if names is None else [str(name) for name in np.asarray(names).reshape(-1)]
+    parts = {key: None if part is None else _as_numbers(part, f"{where}, {key}") for key, part in members.items()}
     return arranged(where, robot, parts, listed, deg=deg)
 
 
 def _load(path: Path) -> Array | Mapping[str, Any]:
-    """The array, or those of the archive that are read; an archive tells how large each of them is before it is."""
+    """The array, or those of the archive that are read."""
     try:
         if path.stat().st_size > LARGEST_ARRAY:
             raise TrajectoryError("the file is too large", where=str(path), allowed=_MOST)
@@ -157,16 +217,8 @@ def _load(path: Path) -> Array | Mapping[str, Any]:
                 return np.asarray(np.load(path, allow_pickle=False))
         if not is_zipfile(path):
             raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=repr(begin))
-        wanted = {name for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES) for name in kind}
-        with ZipFile(path) as archive:
-            members = [(one.filename.removesuffix(".npy"), one.file_size) for one in archive.infolist()]
-        names = [name for name, _ in members]
-        for name in [name for name in names if names.count(name) > 1][:1]:  # NumPy would read the other one
-            raise TrajectoryError("two arrays of the archive have the same name", where=f"{path}, {name}",
-                                  mend="name each array once")  # fmt: skip
-        if sum(size for name, size in members if name in wanted) > LARGEST_ARRAY:
-            largest, _ = max(((name, size) for name, size in members if name in wanted), key=lambda one: one[1])
-            raise TrajectoryError("the array is too large", where=f"{path}, {largest}", allowed=_MOST)
+        wanted = {name for kind in ARRAYS for name in kind}
+        _check_members(path, wanted)
         with np.load(path, allow_pickle=False) as loaded:
             return {name: loaded[name] if name in wanted else None for name in loaded}
     except OSError as error:
@@ -175,16 +227,21 @@ def _load(path: Path) -> Array | Mapping[str, Any]:
         raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=str(error)[:80]) from None
 
 
-def _member(archive: Mapping[str, Any], names: tuple[str, ...]) -> Any:
-    return next((archive[name] for name in names if name in archive), None)
-
-
-def _part(archive: Mapping[str, Any], names: tuple[str, ...], where: str) -> Array | None:
-    value = _member(archive, names)
-    return None if value is None else _as_numbers(value, f"{where}, {names[0]}")
+def _check_members(path: Path, wanted: set[str]) -> None:
+    """Refuse an archive with two arrays of a name, or too large ones: it tells the size of each before it is read."""
+    with ZipFile(path) as archive:
+        members = [(one.filename.removesuffix(".npy"), one.file_size) for one in archive.infolist()]
+    for name in [name for name, count in Counter(name for name, _ in members).items() if count > 1][:1]:
+        raise TrajectoryError("two arrays of the archive have the same name", where=f"{path}, {name}",
+                              mend="name each array once")  # fmt: skip
+    read = [(size, name) for name, size in members if name in wanted]
+    if sum(size for size, _ in read) > LARGEST_ARRAY:
+        raise TrajectoryError("the array is too large", where=f"{path}, {max(read)[1]}", allowed=_MOST)
 
 
 def _as_numbers(value: Any, where: str) -> Array:
+    if np.size(value) * 8 > LARGEST_ARRAY:  # a byte of the file becomes eight
+        raise TrajectoryError("the array is too large", where=where, got=f"{np.size(value)} numbers", allowed=_MOST)
     try:
         return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -220,19 +277,25 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
                               where=name)  # fmt: skip
     if not all(isinstance(one, str) for one in names):
         raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
-    q = _column(points, "positions", names, name)
-    if q is None:
+    columns = {key: _column(points, word, names, name) for key, word in _ENTRIES.items()}
+    if columns["q"] is None:
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
-    timed = [_has_time(point) for point in points]
-    times = np.array([_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)])
-    if any(timed) and not all(timed):
-        raise TrajectoryError("the point has no time_from_start", where=f"{name}, row {timed.index(False) + 1}")
-    return arranged(
-        name, robot, {
-            "q": q, "t": times if all(timed) else None, "qd": _column(points, "velocities", names, name),
-            "qdd": _column(points, "accelerations", names, name),
-        }, names, deg=deg,
-    )  # fmt: skip
+    times = [_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)]
+    columns["t"] = _all_or_none(times, "point", "time_from_start", lambda row: f"{name}, row {row + 1}")
+    return arranged(name, robot, columns, names, deg=deg)
+
+
+def _all_or_none(times: list[float | None], row: str, key: str, place: Callable[[int], str]) -> Array | None:
+    """(T,) times, None where no row has one.
+
+    Raises:
+        TrajectoryError: some rows have none.
+    """
+    if None not in times:
+        return np.array(times, dtype=np.float64)
+    if any(time is not None for time in times):
+        raise TrajectoryError(f"the {row} has no {key}", where=place(times.index(None)))
+    return None
 
 
 def documents(text: str, name: str, *, yaml: bool) -> list[Any]:
@@ -262,8 +325,8 @@ def _yaml(text: str, name: str) -> list[Any]:
     except ImportError as error:
         raise MissingExtraError("pyyaml", None, "a path in YAML") from error
     if len(text) > LARGEST_YAML:
-        most = f"at most {LARGEST_YAML // 2**20} MB of YAML"
-        raise TrajectoryError("the file is too large", where=name, allowed=most, mend="write it as JSON or CSV")
+        raise TrajectoryError("the file is too large", where=name, mend="write it as JSON or CSV",
+                              allowed=f"at most {LARGEST_YAML // 2**20} MB of YAML")  # fmt: skip
     if "<<" in text:  # a merge may double what it merges, thirty times over
         raise TrajectoryError("merge keys are not read", where=name, got="<<", mend="write the points out")
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -274,9 +337,11 @@ def _yaml(text: str, name: str) -> list[Any]:
         what = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise TrajectoryError(f"this is not YAML that can be read: {what[:80]}", where=name) from None
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = "" if mark is None else f", line {mark.line + 1}"
-        raise TrajectoryError(f"this is not YAML: {getattr(error, 'problem', error)}", where=f"{name}{line}") from None
+        mark, problem = getattr(error, "problem_mark", None), str(getattr(error, "problem", error))
+        where = name if mark is None else f"{name}, line {mark.line + 1}"
+        if "nesting" in problem:  # from 6.0.4 on PyYAML has a limit of its own, and may meet it first
+            raise _too_deep(where) from None
+        raise TrajectoryError(f"this is not YAML: {problem}", where=where) from None
 
 
 def _check_depth(yaml: Any, text: str, loader: Any, name: str) -> None:
@@ -285,8 +350,11 @@ def _check_depth(yaml: Any, text: str, loader: Any, name: str) -> None:
     for event in yaml.parse(text, loader):
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
         if depth > DEEPEST:
-            where = f"{name}, line {event.start_mark.line + 1}"
-            raise TrajectoryError("the objects are nested too deeply", where=where, allowed=f"depth {DEEPEST}")
+            raise _too_deep(f"{name}, line {event.start_mark.line + 1}")
+
+
+def _too_deep(where: str) -> TrajectoryError:
+    return TrajectoryError("the objects are nested too deeply", where=where, allowed=f"depth {DEEPEST}")
 
 
 def _message(found: Any, below: int = 2) -> dict[str, Any] | None:
@@ -319,20 +387,212 @@ def is_double(value: Any) -> bool:
     return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**1000)
 
 
-def _has_time(point: Any) -> bool:
-    return isinstance(point, dict) and point.get("time_from_start") is not None
-
-
-def _time(point: Any, where: str) -> float:
+def _time(point: Any, where: str) -> float | None:
     value = point.get("time_from_start") if isinstance(point, dict) else None
     if value is None:
-        return 0.0
+        return None
     if isinstance(value, dict):
         parts = [next((value[key] for key in keys if key in value), 0) for keys in (_SECONDS, _NANOSECONDS)]
         known = any(key in value for key in _SECONDS + _NANOSECONDS)
-        if known and all(map(is_double, parts)):
-            return float(parts[0]) + 1e-9 * float(parts[1])
-    elif is_double(value):
-        return float(value)
-    got = reprlib.repr(value)
-    raise TrajectoryError("this is no time", where=where, got=got, allowed="seconds, or sec and nanosec")
+    else:
+        parts, known = [value, 0], True
+    if known and all(map(is_double, parts)):
+        return float(parts[0]) + 1e-9 * float(parts[1])
+    raise TrajectoryError("this is no time", where=where, got=reprlib.repr(value),
+                          allowed="seconds, or sec and nanosec")  # fmt: skip
+
+
+def holds_poses(path: Path, robot: Robot) -> bool:
+    """Whether a file holds poses: columns x, y, z and not every joint, or an object with `poses`.
+
+    A file that cannot be read holds none; whoever reads it then says why.
+    """
+    ending = path.suffix.lower()
+    if not path.is_file() or ending in (".npy", ".npz", *BAGS):
+        return False
+    try:
+        text = read_text(path)
+        if ending in _OBJECTS:
+            return _list_in(_loaded(text, str(path), yaml=ending != ".json")) is not None
+        words = names_of(text)
+    except RankdropError:
+        return False
+    joints = {joint.name for joint in robot.variables}
+    return {_column_name(word) for word in words} >= _LENGTHS and not joints <= set(words)
+
+
+def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
+    """Poses from a file.
+
+    CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF); a time
+    column if there is one; units behind a name ("x [mm]", "roll [deg]"), else metres and radians. JSON or YAML: a list,
+    or an object with `poses` (a PoseArray, a Path), of objects with `position` ([x, y, z], or by name), `orientation`
+    (the quaternion [x, y, z, w], or by name) or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`.
+
+    Args:
+        path: the file.
+        deg: angles without a unit are in degrees.
+
+    Raises:
+        TrajectoryError: with file, row or line, and column.
+        MissingExtraError: YAML, and PyYAML is not installed.
+    """
+    file, name = Path(path), str(path)
+    text, ending = _text_of(file), file.suffix.lower()
+    if ending in _OBJECTS:
+        return _poses_of_objects(_loaded(text, name, yaml=ending != ".json"), name, deg=deg)
+    return _poses_of_rows(text, name, deg=deg)
+
+
+def length_hint(poses: Poses, reach: float) -> str | None:
+    """A line of warning where positions look like millimetres; None where they do not."""
+    most = float(np.abs(poses.matrices[:, :3, 3]).max())
+    if most <= _FAR * reach:
+        return None
+    return MILLIMETRES.format(most)
+
+
+def turned_by(quaternion: Array, where: Callable[[int], str]) -> NDArray[np.float64]:
+    """(N, 3, 3) rotations of quaternions (N, 4) x, y, z, w.
+
+    Raises:
+        TrajectoryError: one is not of length one, to 1e-3.
+    """
+    size = np.linalg.norm(quaternion, axis=1)
+    for i in np.flatnonzero(np.abs(size - 1.0) > _UNIT_LENGTH)[:1].tolist():
+        raise TrajectoryError("the quaternion is not of length one", where=where(i), got=f"length {size[i]:.6g}",
+                              allowed="x, y, z, w of length 1")  # fmt: skip
+    x, y, z, w = (quaternion / size[:, None]).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.asarray(np.moveaxis(np.array(rows), 2, 0))
+
+
+def _column_name(word: str) -> str:
+    """A column's name, without its unit, as it is known here."""
+    plain = name_and_unit(word.strip())[0].lower()
+    return _OTHER.get(plain, plain)
+
+
+def _measure(name: str) -> tuple[str, str] | None:
+    """A column of a pose, and what it measures."""
+    key = _column_name(name)
+    kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(_ANGLES, "angle"),
+             **dict.fromkeys(_QUATERNION, "number")}  # fmt: skip
+    return (key, kinds[key]) if key in kinds else None
+
+
+def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
+    table = read_table(text, name)
+    if all(map(is_number, table.head)):
+        raise TrajectoryError("the columns have no names", where=table.where,
+                              allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
+    columns, time, unused = find_columns(table.head, table.where, _measure, deg=deg)
+    turn = next((keys for keys in (_QUATERNION, _ANGLES) if columns.keys() >= set(keys)), ())
+    if columns.keys() != {*_LENGTHS, *turn}:
+        raise TrajectoryError(
+            "poses need other columns", where=table.where, got=", ".join(table.head),
+            allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
+        )  # fmt: skip
+    places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
+    values = table.block(places) * np.array(factors)
+    return Poses(Path(name).name, _matrices(values, turn, table.place), table.times(time), bool(turn), unused)
+
+
+def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str]) -> Array:
+    """(N, 4, 4) from rows of x, y, z and what turns.
+
+    Raises:
+        TrajectoryError: a length or an angle is beyond the range of all readers, a quaternion is not of length one.
+    """
+    measures = ["length"] * 3 + ["angle" if turn == _ANGLES else "number"] * len(turn)
+    beyond = np.abs(values) > [RANGE[measure] for measure in measures]
+    for i, column in np.argwhere(beyond)[:1].tolist():
+        raise TrajectoryError("the value is too large", where=place(i), got=f"{values[i, column]:g}",
+                              allowed=allowed_range(measures[column]))  # fmt: skip
+    made = np.tile(np.eye(4), (len(values), 1, 1))
+    if turn == _QUATERNION:
+        made[:, :3, :3] = turned_by(values[:, 3:], place)
+    elif turn:
+        made = np.array([from_xyz_rpy((0.0, 0.0, 0.0), row[3:].tolist()) for row in values])
+    made[:, :3, 3] = values[:, :3]
+    return made
+
+
+def _loaded(text: str, name: str, *, yaml: bool) -> Any:
+    """The first document with poses; None where there is none."""
+    return next((one for one in documents(text, name, yaml=yaml) if _list_in(one) is not None), None)
+
+
+def _list_in(found: Any) -> list[Any] | None:
+    """The list of poses of an object, or the list itself; None where there is none."""
+    rows = found.get("poses") if isinstance(found, dict) else found
+    return rows if isinstance(rows, list) and rows and _pose(rows[0]) is not None else None
+
+
+def _pose(row: Any) -> dict[str, Any] | None:
+    """The object with the position: the entry itself, or its `pose` (PoseStamped); None where it is no pose."""
+    inner = row.get("pose", row) if isinstance(row, dict) and "position" not in row else row
+    return inner if isinstance(inner, dict) and "position" in inner else None
+
+
+def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
+    rows = _list_in(found)
+    if rows is None:
+        raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
+    if len(rows) > MOST_ROWS:
+        raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
+    about = found if isinstance(found, dict) else {}
+    units = {
+        "position": _unit_of(about, "length", "m", ("m", "mm"), name), "orientation": 1.0,
+        "rpy": _unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name),
+    }  # fmt: skip
+
+    def place(row: int) -> str:
+        return f"{name}, pose {row + 1}"
+
+    first = _pose(rows[0]) or {}
+    turn = next((key for key in _TURNS if key in first), "")
+    values = np.array([_numbers_of_pose(entry, turn, units, place(row)) for row, entry in enumerate(rows)])
+    listed = [_numbers([entry["time"]], "t", place(row), "time")[0] if "time" in entry else None
+              for row, entry in enumerate(rows)]  # fmt: skip
+    times = _all_or_none(listed, "pose", "time", place)
+    when = None if times is None else checked_times(times, place)
+    keys = _TURNS.get(turn, ())
+    return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), ())
+
+
+def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str) -> list[float]:
+    """x, y, z [m] and what turns, of one pose."""
+    inner = _pose(entry)
+    if inner is None:
+        raise TrajectoryError("there is no position", where=where, got=reprlib.repr(entry))
+    own = next((key for key in _TURNS if key in inner), "")
+    if own != turn:
+        raise TrajectoryError("the pose has another form than the first", where=where, got=own or "none",
+                              allowed=turn or "a position alone")  # fmt: skip
+    keys = {"position": tuple("xyz"), **({turn: _AXES.get(turn, _ANGLES)} if turn else {})}
+    return [number * units[key] for key, axes in keys.items() for number in _numbers(inner[key], axes, where, key)]
+
+
+def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+    unit = about.get(key, default)
+    if unit not in allowed:
+        raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))
+    return next(fits[unit] for fits in UNITS.values() if unit in fits)
+
+
+def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
+    """Numbers from a list, or from an object by name."""
+    listed = [value.get(key) for key in keys] if isinstance(value, dict) else value
+    if not isinstance(listed, list) or len(listed) != len(keys):
+        raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=reprlib.repr(value),
+                              allowed=", ".join(keys))  # fmt: skip
+    for one in listed:
+        if not is_double(one) or not isfinite(one):
+            raise TrajectoryError(f"the {what} has a value that is no finite number", where=where,
+                                  got=reprlib.repr(one))  # fmt: skip
+    return [float(one) for one in listed]

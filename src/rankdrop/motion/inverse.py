@@ -1,4 +1,4 @@
-"""The inverse of an arm: Newton's method towards poses of the tip, from near and from far, and what solutions it finds.
+"""The inverse of an arm: poses solved by Newton's method, from near and from far; tool paths followed on one branch.
 
     e(q) = (p* − p ; log(R* Rᵀ)), the rows of the task, translations divided by the length scale
 
@@ -6,32 +6,58 @@
     from far   q ← q + Jᵀ(J Jᵀ + λ)⁻¹ e,  λ = |e|²
 
 A solution that no start leads to is missed: a list is what was found. What is found is a solution, to rounding.
+
+Between two poses of a tool path the tip goes straight and turns about one axis at a constant rate, as a linear move of
+a controller does. It is followed by steps from near. A step counts only where the corrector has little left to correct,
+where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so that the branch is
+kept up to the singularity or the limit at which it ends. Poses passed over by a step are filled in from a straight
+guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven
+to stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.errors import TaskError
-from rankdrop.kinematics import chain_of, pose, task_jacobian, task_view
+from rankdrop.kinematics import chain_of, one_configuration, task_jacobian, task_view
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
-from rankdrop.local.bracket import hat
 from rankdrop.local.departure import unlocked
 from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.motion.curve import Index, numbered
+from rankdrop.problem import Mask, into_limits, whole_turns
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import anchors
-from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
+from rankdrop.robot.transform import hat
+from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index, resolve_task
+from rankdrop.text.paths import branch_chosen
+
+Pull = Callable[[Array], Array]
+"""pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""
 
 _GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
 _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
-_LONGEST = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
+_CAP = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
 _WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SAME = 1e-6  # solutions nearer than this are one [rad]
 _REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
 _FULL = (0, 1, 2, 3, 4, 5)
 _ROUNDED = 1e-12  # share of the links' length that rounding may add
+_LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
+_BENT = 0.2  # share of a step that the corrector may add to the predictor
+_SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
+_TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
+_MOST = 4096  # poses passed over by one step
+_ROWS = 400_000  # at most
+_FILLS, _PARTS = 8, 64  # of putting rows in within one step, and of one piece in one round
+_SPARE = 1.1  # rows are put in for a bound so many times tighter
+_SMALL = 1e-2  # σ_r at the end of a branch below which a singularity is named as its reason
 
 
 def rotation(turn: Array) -> Array:
@@ -39,9 +65,7 @@ def rotation(turn: Array) -> Array:
     angle = np.linalg.norm(turn, axis=1)
     safe = np.where(angle > 0.0, angle, 1.0)
     k = hat(turn / safe[:, None])
-    return np.asarray(
-        np.eye(3) + np.sin(angle)[:, None, None] * k + (1.0 - np.cos(angle))[:, None, None] * (k @ k)
-    )
+    return np.asarray(np.eye(3) + np.sin(angle)[:, None, None] * k + (1.0 - np.cos(angle))[:, None, None] * (k @ k))
 
 
 class Aim:
@@ -129,47 +153,114 @@ class Aim:
         twist = np.concatenate([both[:, 0] / self.length, both[:, 1]], axis=1)[:, self.rows]
         return self.step(q, twist)
 
-    def solve(self, poses: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def solve(self, poses: Array, q: Array) -> tuple[Array, Mask]:
         """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4)."""
+        now, when = self._newton(poses, q, _ACCEPTED, _ROUNDS, far=False)
+        return now, when >= 0
+
+    def descend(
+        self, goals: Array, starts: Array, *, close: float = _ACCEPTED, rounds: int = _ITERATIONS
+    ) -> tuple[Array, Index]:
+        """From far: damped Newton's method from each start, λ = |e|², so that the last steps are Newton's.
+
+        Args:
+            goals: (4, 4) the pose of all, or (N, 4, 4) one for each.
+            starts: (N, n) [rad, m].
+            close: |e| of a solution.
+            rounds: steps at most.
+
+        Returns:
+            (N, n) where each ends; (N,) the step at which it arrived, −1 where it did not.
+        """
+        return self._newton(np.broadcast_to(goals, (len(starts), 4, 4)), starts, close, rounds, far=True)
+
+    def reached(self, goal: Array, starts: Array) -> Array:
+        """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
+        q, arrived = self.descend(goal, starts)
+        order = np.argsort(arrived, kind="stable")
+        return np.asarray(q[order[arrived[order] >= 0]])
+
+    def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
+        """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
         now, left = np.array(q, dtype=np.float64), np.arange(len(q))
-        arrived, size = np.zeros(len(q), dtype=np.bool_), np.full(len(q), np.inf)
-        for _ in range(_ROUNDS):
+        when, size = np.full(len(q), -1), np.full(len(q), np.inf)
+        for number in range(rounds + (not far)):
             error = self.error(poses[left], now[left])
             new, before = np.sqrt((error * error).sum(axis=1)), size[left]
             size[left] = new
-            done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.3 * before))
-            arrived[left[done]] = True
-            going = ~done & (new <= 3.0 * before)
-            left, error = left[going], error[going]
-            if not len(left):
-                return now, arrived
-            now[left] += self.step(now[left], error)
-        arrived[left] = np.linalg.norm(self.error(poses[left], now[left]), axis=1) <= _ACCEPTED
-        return now, arrived
-
-    def reached(self, goal: Array, starts: Array) -> Array:
-        """(k, n) from far: where damped Newton's method from each of the starts (N, n) reaches the pose (4, 4).
-
-        λ = |e|² dies out with the error, so that the last steps are Newton's. Ends are in the order of their steps.
-        """
-        q, found = np.array(starts, dtype=np.float64), [np.empty((0, self.robot.n))]
-        going = np.arange(len(q))
-        for _ in range(_ITERATIONS):
-            e = self.error(goal, q[going])
-            size = np.linalg.norm(e, axis=1)
-            done = size <= _ACCEPTED
-            found.append(q[going[done]])
-            going, e, size = going[~done], e[~done], size[~done]
-            if not len(going):
+            stands = far or number == rounds  # else steps are made while they help
+            done = (new <= _GOAL) | ((new <= close) & (stands | (new > 0.3 * before)))
+            when[left[done]] = number
+            going = ~done & (far | (new <= 3.0 * before))
+            left, error, new = left[going], error[going], new[going]
+            if not len(left) or number == rounds:
                 break
-            step = self.step(q[going], e, np.minimum(size**2, 1.0))
-            length = np.linalg.norm(step / self.joints, axis=1)
-            q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-        return np.concatenate(found)
+            step = self.step(now[left], error, np.minimum(new**2, 1.0) if far else 0.0)
+            if far:
+                length = np.linalg.norm(step / self.joints, axis=1)
+                step *= np.minimum(1.0, _CAP / np.maximum(length, 1e-300))[:, None]
+            now[left] += step
+        return now, when
 
     def side(self, q: Array) -> float:
         """Sign of the determinant; 0 for arms that have none."""
         return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0]) if self.square else 0.0
+
+    @cached_property
+    def _tip(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Every joint as a variable: shares and offsets; lengths of the links, which joints turn, metres along an axis.
+        """
+        robot = self.robot
+        chain, offset, share = unlocked(robot, np.zeros(robot.n))
+        tip = robot.home[:3, 3] + robot.home[:3, :3] @ self.point
+        links = np.linalg.norm(np.diff(np.vstack([anchors(robot), tip]), axis=0), axis=1)
+        slides = np.array([joint.kind is JointKind.PRISMATIC for joint in chain.joints])
+        along = np.array([abs(float(joint.screw[:3] @ joint.screw[3:])) for joint in chain.joints])
+        return share, offset, links, ~slides * 1.0, np.where(slides, 1.0, along)
+
+    def deviation(self, q: Array, poses: Array) -> tuple[Array, Array]:
+        """Bounds on how far the tip leaves its curve while the joints go straight: proven, not sampled.
+
+        Between two rows the joints go as q(τ) = a + τ Δ, 0 ≤ τ ≤ 1, and the tip is on its curve c(τ) at both rows but
+        for e₀ and e₁. A function with |f''| ≤ M differs from the straight line between its ends by M/8 at most, so that
+
+            |p(q(τ)) − c(τ)| ≤ max(|e₀|, |e₁|) + M/8,    M = Σ_i l_i t_i² + Σ_s (|q_s| t_s² + 2 |Δ_s| t_s) + |x| θ²
+
+        l_i is the length of link i, t_i the sum of |Δ_k| of the turning joints up to it (t_s: before slide s), θ the
+        turn of the tool between the rows, x the reference point in the axes of the tip. Rotations as matrices:
+        |R'' − S''| ≤ t_N² + θ². Only what the task asks for is compared.
+
+        Args:
+            q: (K, n) rows.
+            poses: (K, 4, 4) of the curve at the rows.
+
+        Returns:
+            (K − 1,) each: how far the tip leaves the curve at most between rows, its place [m] and its turn [rad].
+        """
+        share, offset, links, turns, pitch = self._tip
+        now, values = _core.pose(self._chain, np.ascontiguousarray(q)), q @ share.T + offset
+        step = np.abs(np.diff(values, axis=0))
+        turn = np.cumsum(step * turns, axis=1)
+        before = turn - step * turns
+        most = np.maximum(np.abs(values[1:]), np.abs(values[:-1]))
+        bend = (turn**2 @ links) + ((most * before + 2 * step) * before) @ pitch
+        tool = poses[1:, :3, :3] @ poses[:-1, :3, :3].swapaxes(1, 2)
+        theta = np.linalg.norm(orientation_coordinates(tool, "rotvec"), axis=1)
+        bend = bend + float(np.linalg.norm(self.point)) * theta**2
+        away = turned = np.zeros(len(step))
+        apart, rows = now[:, :3, :3] - poses[:, :3, :3], [row for row in self.rows if row < 3]
+        if rows:
+            off = now[:, :3, 3] - poses[:, :3, 3] + apart @ self.point
+            ends = np.linalg.norm(off[:, [0, 1, 2] if self.with_tip else rows], axis=1)
+            away = np.maximum(ends[1:], ends[:-1]) + bend / 8 + _ROUNDED * float(links.sum())
+        if len(rows) < len(self.rows):
+            if self.free is None:
+                ends = np.linalg.norm(apart, axis=(1, 2)) / np.sqrt(2.0)
+            else:  # of the axis alone about which the task leaves the tool free
+                ends = np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
+            chord = np.maximum(ends[1:], ends[:-1]) + (turn[:, -1] ** 2 + theta**2) / 8
+            turned = 2 * np.arcsin(np.minimum(1.0, (chord + _ROUNDED) / 2))
+        return away, turned
 
 
 def check_square(robot: Robot, task: Task) -> None:
@@ -258,80 +349,235 @@ def wrapped(robot: Robot, q: Array) -> Array:
     return np.where(robot.periodic, turned, q)
 
 
+def near_and_within(robot: Robot, q: Array, near: Array, *, limits: bool) -> Array:
+    """(k, n) configurations turned by whole turns to come near others, with limits those that have a place in them."""
+    q = q - whole_turns(robot, q - near)
+    if not limits:
+        return q
+    q = into_limits(robot, q)
+    return q[within(robot, q)]
+
+
+def within(robot: Robot, q: Array) -> Mask:
+    """(N,) inside the joint limits, to 1e-9."""
+    return np.asarray(((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1))
+
+
 def apart(robot: Robot, one: Array, other: Array) -> Array:
     """other − one, turning joints the short way."""
     gap = other - one
-    return np.where(robot.periodic, gap - 2 * np.pi * np.round(gap / (2 * np.pi)), gap)
+    return np.asarray(gap - whole_turns(robot, gap))
 
 
-class TipDeviation:
-    """Bounds on how far the tip leaves its Cartesian curve while the joints go straight: proven, not sampled.
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """Joint values along a tool path, and how they were found.
 
-    Between two rows the joints go as q(τ) = a + τ Δ, 0 ≤ τ ≤ 1, and the tip is on its curve c(τ) at both rows but for
-    e₀ and e₁. A function with |f''| ≤ M differs from the straight line between its ends by M/8 at most, so that
-
-        |p(q(τ)) − c(τ)| ≤ max(|e₀|, |e₁|) + M/8,    M = Σ_i l_i t_i² + Σ_s (|q_s| t_s² + 2 |Δ_s| t_s) + |x| θ²
-
-    l_i is the length of link i, t_i the sum of |Δ_k| of the turning joints up to it (t_s: before slide s), θ the turn
-    of the tool between the rows, x the reference point in the axes of the tip. Rotations as matrices:
-    |R'' − S''| ≤ t_N² + θ².
-
-    Args:
-        aim: the arm and its task; only what the task asks for is compared.
+    Attributes:
+        q: (K, n) configurations at the places [rad, m]; angles run on, they are not wrapped.
+        place: (K,) poses reached, from 1; with a tolerance places between poses as well, as shares of the way.
+        complete: every pose was reached.
+        reached: number of the last pose reached, from 1, with the share of the way to the next.
+        last: (n,) configuration there.
+        reason: why it ended: "" where complete, else "start", "singular", "limit" or "stuck".
+        joint: number of the joint at its limit, from 1; 0 for other reasons.
+        sigma: σ_r where it ended [1].
+        poses: how many were given.
+        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
+        more: the arm is redundant, so that there are more.
+        next_reachable: a configuration within the joint limits was found for the pose after the end.
+        off: the tip stays within this distance of its curve, proven [m].
+        turned: … and within this angle, as far as the task asks for orientations [rad].
     """
 
-    def __init__(self, aim: Aim) -> None:
-        robot = aim.robot
-        chain, _, self._share = unlocked(robot, np.zeros(robot.n))
-        self._offset = unlocked(robot, np.zeros(robot.n))[1]
-        tip = robot.home[:3, 3] + robot.home[:3, :3] @ aim.point
-        self._links = np.linalg.norm(np.diff(np.vstack([anchors(robot), tip]), axis=0), axis=1)
-        self._turns = np.array([joint.kind is not JointKind.PRISMATIC for joint in chain.joints], dtype=np.float64)
-        self._pitch = np.array([_pitch(joint.kind, joint.screw) for joint in chain.joints])
-        self._aim = aim
-        partial = [row for row in aim.rows if row < 3]
-        self._rows = [0, 1, 2] if aim.with_tip and partial else partial
-        self._turned = any(row >= 3 for row in aim.rows)
+    q: Array
+    place: Array
+    complete: bool
+    reached: float
+    last: Array
+    reason: str = ""
+    joint: int = 0
+    sigma: float = np.inf
+    poses: int = 0
+    solutions: int = 0
+    more: bool = False
+    next_reachable: bool = False
+    off: float = 0.0
+    turned: float = 0.0
 
-    def bound(self, q: Array, poses: Array) -> tuple[Array, Array]:
-        """(K − 1,) each: how far the tip leaves the curve at most between rows, its place [m] and its turn [rad].
+    @property
+    def start(self) -> list[float]:
+        """(n,) configuration at the first pose."""
+        return [float(x) for x in self.q[0]]
 
-        Args:
-            q: (K, n) rows.
-            poses: (K, 4, 4) of the curve at the rows.
+    @property
+    def chosen(self) -> str:
+        """Which branch of the inverse kinematics the path takes, in words."""
+        return branch_chosen(self)
+
+
+def follow(
+    robot: Robot,
+    poses: ArrayLike,
+    start: ArrayLike,
+    task: Task | str | None = None,
+    *,
+    limits: bool = True,
+    pull: Pull | None = None,
+    tolerance: tuple[float, float] | None = None,
+) -> Followed:
+    """Follow poses of the tip from a configuration at the first of them, on the branch of that configuration.
+
+    Args:
+        robot: the arm.
+        poses: (T, 4, 4) of the tip in the base frame [m]; rows that the task leaves free are ignored.
+        start: (n,) configuration near the first pose [rad, m]; Newton brings it there.
+        task: name, `Task`, or None for the task the arm is made for.
+        limits: end at joint limits.
+        pull: null-space motion of a redundant arm; None for the shortest motion.
+        tolerance: how far the tip may leave its curve between rows, proven: its place [m] and its turn [rad]; None:
+            rows at the poses alone.
+
+    Returns:
+        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
+
+    Raises:
+        ConfigurationError: the start is not one configuration.
+        TaskError: there is no such task, or its reference point does not move with the tip.
+
+    Example:
+        >>> from rankdrop.kinematics import pose
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("ur5")
+        >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
+        >>> found = follow(arm, ends, [0, -1, 1, 0.3, 0.8, 0])
+        >>> found.complete, (found.q[1].round(6) + 0.0).tolist()
+        (True, [0.2, -1.1, 1.2, 0.3, 0.8, 0.0])
+    """
+    wanted = np.asarray(poses, dtype=np.float64)
+    aim = Aim(robot, resolve_task(task, robot))
+    return _Walk(aim, wanted, limits, pull, tolerance).run(one_configuration(robot, start))
+
+
+def between(start: Array, end: Array, share: Array) -> Array:
+    """(N, 4, 4) poses at shares (N,) 0 … 1 from poses `start` to `end`, each (4, 4) or (N, 4, 4).
+
+    The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
+    """
+    share = np.asarray(share, dtype=np.float64)
+    turn = orientation_coordinates(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2), "rotvec")
+    made = np.zeros((len(share), 4, 4))
+    made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
+    made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
+    made[:, 3, 3] = 1.0
+    return made
+
+
+def poses_at(poses: Array, place: Array) -> Array:
+    """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
+    k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)
+    return between(poses[k], poses[np.minimum(k + 1, len(poses) - 1)], place - k)
+
+
+@dataclass(eq=False)
+class _Walk:
+    aim: Aim
+    poses: Array
+    limits: bool
+    pull: Pull | None
+    tolerance: tuple[float, float] | None
+
+    def run(self, start: Array) -> Followed:
+        """From the first pose on."""
+        found, arrived = self.aim.solve(self.poses[:1], start[None])
+        joint = self._beyond(found) if arrived[0] else -1
+        if not arrived[0] or joint >= 0:
+            reason = "limit" if arrived[0] else "start"
+            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, reason, joint + 1)
+        now, rows, places, last = found[0], [found], [np.zeros(1)], len(self.poses) - 1.0
+        place, h, side, size = 0.0, 1.0, self.aim.side(now), 1
+        tries = _TRIES[0] + _TRIES[1] * len(self.poses)
+        while place < last:
+            ahead = min(place + h, last)
+            if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
+                ahead = float(int(ahead + 1e-9))
+            step = self._try(now, place, ahead, side)
+            joint = -1 if step is None else self._beyond(step[1])
+            tries -= 1
+            if step is None or joint >= 0:
+                if h < _SHORTEST or tries < 0 or size > _ROWS:
+                    break
+                h = (ahead - place) / 2
+                continue
+            at, q = step
+            kept = slice(None) if self.tolerance is not None else at == np.floor(at)
+            rows.append(q[kept])
+            places.append(at[kept])
+            size += len(rows[-1])
+            h, place, now = min(2.0 * (ahead - place), float(_MOST)), ahead, q[-1]
+        ended, sigma = "", np.inf
+        if place < last:
+            sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
+            ended = "limit" if joint >= 0 else "singular" if sigma <= _SMALL else "stuck"
+        q, at = np.concatenate(rows), np.concatenate(places) + 1.0
+        return Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma)
+
+    def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
+        """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
+        target = poses_at(self.poses, np.array([ahead]))
+        error = self.aim.error(target, now[None])
+        if np.linalg.norm(error) > 1.0:  # Newton is not to be trusted so far
+            return None
+        guess = now + self.aim.step(now[None], error)[0]
+        first = float(np.linalg.norm((guess - now) / self.aim.joints))
+        if first > _LONGEST:
+            return None
+        guess = guess + self._null_space_pull(now, first)
+        found, arrived = self.aim.solve(target, guess[None])
+        if not arrived[0]:
+            return None
+        end = found[0]
+        added = float(np.linalg.norm((end - guess) / self.aim.joints))
+        if added > _BENT * first + 1e-9 or (self.aim.square and self.aim.side(end) != side):
+            return None
+        at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
+        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9)
+
+    def _filled(self, at: Array, ends: Array, off: float) -> tuple[Array, Array] | None:
+        """Places and configurations of one step, solved from straight guesses, none farther than `off` from its guess.
+
+        With a tolerance more places are put in until the tip keeps it between all of them.
         """
-        aim, now = self._aim, pose(self._aim.robot, q)
-        values = q @ self._share.T + self._offset
-        step = np.abs(np.diff(values, axis=0))
-        turn = np.cumsum(step * self._turns, axis=1)
-        before = turn - step * self._turns
-        most = np.maximum(np.abs(values[1:]), np.abs(values[:-1]))
-        bend = (turn**2 @ self._links) + ((most * before + 2 * step) * before) @ self._pitch
-        tool = poses[1:, :3, :3] @ poses[:-1, :3, :3].swapaxes(1, 2)
-        theta = np.linalg.norm(orientation_coordinates(tool, "rotvec"), axis=1)
-        bend = bend + float(np.linalg.norm(aim.point)) * theta**2
-        off = now[:, :3, 3] - poses[:, :3, 3] + (now[:, :3, :3] - poses[:, :3, :3]) @ aim.point
-        rounding = _ROUNDED * float(self._links.sum())
-        away = _largest_end(np.linalg.norm(off[:, self._rows], axis=1)) + bend / 8 + rounding
-        if not self._rows:
-            away = np.zeros_like(away)
-        if not self._turned:
-            return away, np.zeros_like(away)
-        chord = _largest_end(self._turned_off(now[:, :3, :3], poses[:, :3, :3])) + (turn[:, -1] ** 2 + theta**2) / 8
-        return away, 2 * np.arcsin(np.minimum(1.0, (chord + _ROUNDED) / 2))
+        known, q = at[[0, -1]], ends
+        for _ in range(_FILLS):
+            line = np.stack([np.interp(at, known, column) for column in q.T], axis=1)
+            solved, reached = self.aim.solve(poses_at(self.poses, at), line)
+            apart = np.linalg.norm((solved - line) / self.aim.joints, axis=1)
+            if not reached.all() or (apart > off).any():
+                return None
+            solved[0], known, q = ends[0], at, solved
+            if self.tolerance is None:
+                return at[1:], q[1:]
+            away, turned = self.aim.deviation(q, poses_at(self.poses, at))
+            wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1])
+            if (wide <= 1.0).all():
+                return at[1:], q[1:]
+            parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
+            k, part = numbered(parts)
+            at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
+        return None
 
-    def _turned_off(self, now: Array, wanted: Array) -> Array:
-        """(K,) |R − S|, of the axis alone about which the task leaves the tool free."""
-        free, apart = self._aim.free, now - wanted
-        if free is None:
-            return np.asarray(np.linalg.norm(apart, axis=(1, 2)) / np.sqrt(2.0))
-        return np.asarray(np.linalg.norm(apart[:, :, free] if self._aim.with_tip else apart[:, free], axis=1))
+    def _null_space_pull(self, now: Array, length: float) -> Array:
+        """(n,) the part of the pull in the null space, for a step of some length."""
+        if self.pull is None:
+            return np.zeros_like(now)
+        joints = self.aim.joints
+        _, _, v = _core.svd(np.ascontiguousarray(self.aim.jacobian(now[None])))
+        null = v[0][:, self.aim.rank :]
+        return np.asarray(length * joints * (null @ (null.T @ (self.pull(now) / joints))))
 
-
-def _pitch(kind: JointKind, screw: Array) -> float:
-    """Metres along its axis per unit of a joint's value."""
-    return 1.0 if kind is JointKind.PRISMATIC else abs(float(screw[:3] @ screw[3:]))
-
-
-def _largest_end(values: Array) -> Array:
-    return np.maximum(values[1:], values[:-1])
+    def _beyond(self, q: Array) -> int:
+        """First joint beyond its limit in any row; −1 for none, or where limits do not count."""
+        low, high = self.aim.robot.lower - 1e-9, self.aim.robot.upper + 1e-9
+        out = np.argwhere(self.limits & ((q < low) | (q > high)))
+        return int(out[0, 1]) if len(out) else -1

@@ -3,115 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from hashlib import file_digest, sha256
+from math import inf
 from pathlib import Path
 
-from rankdrop.codec import record_of
-from rankdrop.errors import ConfigurationError, OptionError, RankdropError, ResultFileError, TaskError
+from rankdrop.codec import Record, plain, record_of
+from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.check import check_path, check_poses
-from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.options import PathOptions
-from rankdrop.motion.pose_file import Poses, holds_poses, length_hint, read_poses
-from rankdrop.motion.record import CROSSING, FREE, TOUCHING, VERDICTS, PathCheck
-from rankdrop.motion.trajectory import Trajectory, unit_hint
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import Record, number_or_null, plain, robot_from_dict, robot_to_dict, task_from_dict
-from rankdrop.results.explanation.words import short
+from rankdrop.motion.check import PathQuestion, check_file
+from rankdrop.motion.record import CROSSING, TOUCHING, VERDICTS, PathCheck
+from rankdrop.questions import PathOptions
+from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import reach
-from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
 
 _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
-
-
-@dataclass(frozen=True)
-class PathQuestion:
-    """What is asked of a path in a file.
-
-    Attributes:
-        task, analysis, options: as for `check_path`.
-        deg: angles without a unit are in degrees.
-        topic: of a bag in which several have joint values.
-        start: configuration near the first pose, which decides the branch of the inverse kinematics.
-    """
-
-    task: Task | str | None
-    analysis: Analysis | None
-    options: PathOptions
-    deg: bool = False
-    topic: str | None = None
-    start: tuple[float, ...] | None = None
-
-
-def check_file(
-    robot: Robot,
-    file: Path,
-    question: PathQuestion,
-    *,
-    say: Callable[[str], None] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> PathCheck:
-    """Check one file: joint values, or poses of the tip.
-
-    Args:
-        robot: the arm.
-        file: trajectory or poses.
-        question: what is asked of it.
-        say: called with what a reader of the file should know: columns that are ignored, angles in the wrong unit.
-        progress: called with (stretches decided, stretches).
-
-    Raises:
-        RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
-    """
-    deg, start, analysis, options = question.deg, question.start, question.analysis, question.options
-    poses = question.topic is None and holds_poses(file, robot)
-    if not poses and start is not None:
-        raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
-                          got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
-    read: Poses | Trajectory = read_poses(file, deg=deg) if poses else read_trajectory(
-        file, robot, deg=deg, topic=question.topic
-    )
-    if say is not None:
-        for line in _remarks(read, robot, deg=deg):
-            say(line)
-    if isinstance(read, Trajectory):
-        return check_path(
-            robot, read.q, read.times if read.timed else None, velocities=read.velocities,
-            accelerations=read.accelerations, task=question.task, analysis=analysis, options=options,
-            progress=progress,
-        )  # fmt: skip
-    task = resolve_task(question.task, robot)
-    if not read.turned and max(task.rows) >= 3:
-        raise TaskError("the file has positions alone, and the task wants orientations", got=task.name,
-                        where=str(file),
-                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
-    try:
-        return check_poses(robot, read.matrices, read.times, start=start, task=task, analysis=analysis,
-                           options=options, progress=progress)  # fmt: skip
-    except ConfigurationError as error:
-        raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
-                                 mend=error.mend, typed=error.typed) from error  # fmt: skip
-
-
-def _remarks(read: Trajectory | Poses, robot: Robot, *, deg: bool) -> Iterator[str]:
-    if isinstance(read, Poses):
-        hint = length_hint(read, reach(robot))
-    else:
-        hint = unit_hint(read.q, robot, deg=deg)
-        hint = hint and f"{hint}{'' if deg else '; --deg reads them as degrees'}"
-    if hint is not None:
-        yield f"warning: {read.name}: {hint}"
-    if isinstance(read, Trajectory):
-        yield from (f"{read.name}: {note}" for note in read.notes)
-    if read.unused:
-        yield f"{read.name}: not used: {', '.join(read.unused)}"
 
 
 def check_files(
@@ -170,12 +80,11 @@ def check_files(
     except KeyboardInterrupt:
         pass  # the table says how many of the files there are in it
     order = (_BAD, *VERDICTS)
-    return sorted(done, key=lambda one: (order.index(one["verdict"]), _nearest(one), one["file"]))
 
+    def badness(one: Record) -> tuple[int, float, str]:
+        return order.index(one["verdict"]), inf if one["nearest_rad"] is None else one["nearest_rad"], one["file"]
 
-def _nearest(record: Record) -> float:
-    known = record["nearest_rad"]
-    return float("inf") if known is None else float(known)
+    return sorted(done, key=badness)
 
 
 def check_chunk(plan: Record, chunk: int) -> bytes:
@@ -215,11 +124,11 @@ def _decode_question(text: str) -> tuple[Robot, Task, Analysis | None]:
 
 
 def _record(check: PathCheck) -> Record:
-    near = min((one.closest.distance for one in check.stretches), default=float("inf"))
+    near = min((one.closest.distance for one in check.stretches), default=inf)
     met = sum(one.verdict in (CROSSING, TOUCHING) for one in check.stretches)
     return {
         "verdict": check.verdict, "sentence": check.sentence, "rows": check.rows, "free_share": check.free_share,
-        "met": met, "nearest_rad": number_or_null(near), "name": check.stretches[0].name if check.stretches else "",
+        "met": met, "nearest_rad": plain(near), "name": check.stretches[0].name if check.stretches else "",
     }  # fmt: skip
 
 
@@ -245,21 +154,6 @@ def _size(file: Path) -> int:
         return sum(one.stat().st_size for one in _parts(file))
     except OSError:
         return 0
-
-
-def many_section(many: Sequence[Record]) -> Section:
-    """The table."""
-    rows = []
-    for one in many:
-        near = "" if one["met"] or one["nearest_rad"] is None else short(one["nearest_rad"], 3)
-        cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
-        rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
-    holds = sum(one["verdict"] == FREE for one in many)
-    return Section(
-        f"{holds} of {len(many)} paths proven free",
-        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
-        after=tuple(one["sentence"] for one in many if one["verdict"] == _BAD),
-    )  # fmt: skip
 
 
 def paths_to_dict(robot: Robot, many: Sequence[Record]) -> Record:

@@ -22,9 +22,10 @@ touches the singular set g vanishes with σ, so that few pieces are enough where
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +34,10 @@ from rankdrop import _core
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.kinematics import chain_of
 from rankdrop.local.departure import unlocked
-from rankdrop.motion.curve import Curve, Index, boxes, halves, straightened
+from rankdrop.motion.curve import Curve, Index, Spot, boxes, halves, straightened
 from rankdrop.robot.model import Array, JointKind, Robot
 
+Outcome = TypeVar("Outcome")
 Progress = Callable[[int, int], None]
 """progress(decided, all): stretches."""
 
@@ -121,15 +123,16 @@ class Along:
         step, slack = chord @ share.T, extra @ np.abs(share).T
         weight = np.einsum("ij,pjr->pir", share, v)  # (P, N, r)
         slides = np.array([joint.kind is JointKind.PRISMATIC for joint in free.joints])
-        size = np.where(slides, np.abs(step) + slack, np.abs(step) + slack)
-        size[:, slides] /= setting.length
-        slack = np.where(slides, slack / setting.length, slack)
+        lengths = np.where(slides, setting.length, 1.0)
+        size, slack = (np.abs(step) + slack) / lengths, slack / lengths
+        sums = np.stack([size * ~slides, size * slides, slack * ~slides, slack * slides])  # t, s, t_ε, s_ε by joint
         lever = np.where(slides, 0.0, np.abs(share).sum(axis=1)) * (setting.rows[0] < 3)
         driven = np.abs(v)[:, np.abs(share).argmax(axis=1)]  # (P, N, r) |v| of the variable that drives each joint
         count, rank = len(middle), v.shape[2]
         first, second = np.zeros((count, 6, rank)), np.zeros((count, 6, rank))
         rest = np.zeros((count, rank))
-        for order, sign in self._sides():
+        link, last = setting.link, len(self.robot.joints)  # joints outwards from the link, after it and before it
+        for order, sign in ((list(range(link, last)), 1.0), (list(range(link - 1, -1, -1)), -1.0)):
             beyond = np.zeros((count, 6, rank))
             for place in range(len(order) - 1, -1, -1):
                 joint = order[place]
@@ -139,31 +142,13 @@ class Along:
                 first += sign * moved
                 second += _bracket(mover + 2 * nearer, moved)
                 beyond = beyond + screws[:, joint, :, None] * weight[:, joint, None, :]
-                rest += self._remainder(joint, order[:place], slides, size, slack, largest, lever)[:, None] * (
-                    driven[:, joint]
-                )
+                t, s, t_extra, s_extra = sums[:, :, order[:place]].sum(axis=2)
+                third = largest[:, joint] * (t**3 / 6 + t_extra) + lever[joint] * (t * t * s / 2 + s_extra)
+                rest += third[:, None] * driven[:, joint]
         rows = list(setting.rows)
         slope = np.abs(np.einsum("pcr,pcs->prs", u, first[:, rows]))
         bend = np.abs(np.einsum("pcr,pcs->prs", u, second[:, rows]))
         return np.asarray(slope + bend / 2 + rest[:, None, :])
-
-    def _sides(self) -> tuple[tuple[list[int], float], ...]:
-        """Joints from the link outwards, after it and before it, with the sign of their brackets."""
-        link, count = self.setting.link, len(self.robot.joints)
-        return (list(range(link, count)), 1.0), (list(range(link - 1, -1, -1)), -1.0)
-
-    @staticmethod
-    def _remainder(
-        joint: int, between: list[int], slides: Mask, size: Array, slack: Array, largest: Array, lever: Array
-    ) -> Array:
-        """(P,) M t³/6 + t² s/2 + M t_ε + s_ε of one column."""
-        turning = [k for k in between if not slides[k]]
-        sliding = [k for k in between if slides[k]]
-        t, s = size[:, turning].sum(axis=1), size[:, sliding].sum(axis=1)
-        t_extra, s_extra = slack[:, turning].sum(axis=1), slack[:, sliding].sum(axis=1)
-        return np.asarray(
-            largest[:, joint] * (t**3 / 6 + t_extra) + lever[joint] * (t * t * s / 2 + s_extra)
-        )
 
 
 def _bracket(a: Array, b: Array) -> Array:
@@ -202,7 +187,7 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.stretch)
 
-    def __getitem__(self, which: NDArray[np.bool_] | slice) -> Pieces:
+    def __getitem__(self, which: Mask | slice) -> Pieces:
         return Pieces(self.stretch[which], self.start[which], self.end[which], self.control[which])
 
     def halved(self) -> Pieces:
@@ -212,61 +197,57 @@ class Pieces:
         return Pieces(np.repeat(self.stretch, 2), start.reshape(-1), end.reshape(-1), halves(self.control))
 
 
-@dataclass(frozen=True, eq=False)
-class Sliver:
-    """A connected part of the path that is not proven free.
-
-    Attributes:
-        stretches: first and last stretch it has a part of.
-        shares: where it begins in the first and ends in the last.
-        finished: False where the work ended before it was narrow.
-    """
-
-    stretches: tuple[int, int]
-    shares: tuple[float, float]
-    finished: bool
+Sliver = tuple[Spot, Spot, bool]
+"""A connected part of a path that is not proven free: start, end; False where the work ended before it was narrow."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Proof:
     """What is proven of a path: all of it but the slivers is free.
 
     Attributes:
-        slivers: in order along the path.
+        setting: of the enclosures.
+        budget: enclosures at most.
+        stretches: of the path.
+        progress: called with how many of them are decided.
         evaluations: enclosures spent.
-        setting: of the certificate they are seen from.
-        complete: False where the work was interrupted.
+        complete: False where Ctrl-C ended the work.
+        rest: pieces that are not proven free: stretch, start, end, and whether they are narrow.
     """
 
-    slivers: tuple[Sliver, ...]
-    evaluations: int
     setting: Setting
-    complete: bool
-
-
-@dataclass(eq=False)
-class _Spent:
     budget: int
     stretches: int
     progress: Progress | None
-    spent: int = 0
-    interrupted: bool = False
-    left: list[tuple[int, float, float, bool]] = field(default_factory=list)  # stretch, start, end, finished
+    evaluations: int = 0
+    complete: bool = True
+    rest: list[tuple[int, float, float, bool]] = field(default_factory=list)
 
-    def afford(self, count: int) -> bool:
-        """Whether so many more enclosures may be made; counts them."""
-        if self.interrupted or self.spent + count > self.budget:
-            return False
-        self.spent += count
-        return True
+    @property
+    def slivers(self) -> tuple[Sliver, ...]:
+        """In order along the path."""
+        return tuple(join_neighbours(self.rest))
+
+    def attempt(self, cost: int, step: Callable[[], Outcome]) -> Outcome | None:
+        """What a step returns that takes so many enclosures; None beyond the budget and after Ctrl-C."""
+        if not self.complete or self.evaluations + cost > self.budget:
+            return None
+        self.evaluations += cost
+        try:
+            return step()
+        except KeyboardInterrupt:
+            self.complete = False
+            return None
 
     def report(self, open_stretches: int) -> None:
-        """Say how many stretches are decided; whoever listens may press Ctrl-C."""
-        try:
-            if self.progress is not None:
-                self.progress(self.stretches - open_stretches, self.stretches)
-        except KeyboardInterrupt:
-            self.interrupted = True
+        """Report how many stretches are decided."""
+        if self.progress is not None:
+            self.attempt(0, partial(self.progress, self.stretches - open_stretches, self.stretches))
+
+    def give_up(self, pieces: Pieces, *, narrow: bool) -> None:
+        """Leave pieces open."""
+        ends = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
+        self.rest += [(*one, narrow) for one in ends]
 
 
 def prove(
@@ -290,11 +271,25 @@ def prove(
         progress: called with how many stretches are decided.
     """
     setting = chosen(robot, settings, path)
-    work = _Spent(evaluations, len(path.control), progress)
-    left = _runs(robot, setting, path, work)
+    work = Proof(setting, evaluations, len(path.control), progress)
+    left = stretches_left(path, lambda low, high: free_boxes(robot, low, high, work))
     work.report(len(left))
-    _halve(Along(robot, setting), _whole_stretches(path, left), work, singular)
-    return Proof(tuple(_join_neighbours(work.left)), work.spent, setting, not work.interrupted)
+    pieces = Pieces(left, np.zeros(len(left)), np.ones(len(left)), path.control[left])
+    along = Along(robot, setting)
+    while len(pieces):
+        work.report(len(np.unique(pieces.stretch)))
+        kept = []
+        for part in (pieces[i : i + _BATCH] for i in range(0, len(pieces), _BATCH)):
+            found = work.attempt(len(part), partial(_undecided, along, part, work, singular))
+            if found is None:
+                work.give_up(part, narrow=False)
+                continue
+            work.give_up(found[1], narrow=True)
+            kept.append(found[0].halved())
+        columns = (np.concatenate([getattr(one, name) for one in kept] or [getattr(pieces, name)[:0]])
+                   for name in Pieces.__dataclass_fields__)  # fmt: skip
+        pieces = Pieces(*columns)
+    return work
 
 
 def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
@@ -305,20 +300,7 @@ def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
     return settings[int(np.argmax([np.log(np.maximum(one, 1e-6)).mean() for one in radii]))]
 
 
-def _runs(robot: Robot, setting: Setting, path: Curve, work: _Spent) -> Index:
-    """Stretches that no box around a run of 2^k of them proves free."""
-
-    def free(low: Array, high: Array) -> NDArray[np.bool_]:
-        try:
-            return _free(robot, setting, low, high, work)
-        except KeyboardInterrupt:
-            work.interrupted = True  # nothing more is afforded: what is open stays so
-            return np.zeros(len(low), dtype=np.bool_)
-
-    return stretches_left(path, free)
-
-
-def stretches_left(path: Curve, free: Callable[[Array, Array], NDArray[np.bool_]]) -> Index:
+def stretches_left(path: Curve, free: Callable[[Array, Array], Mask]) -> Index:
     """Stretches that are in no box for which `free(lower, upper)` holds, of boxes around runs of 2^k, k ≥ 1."""
     tree, nodes = box_tree(path), np.zeros(1, dtype=np.int64)
     for level in range(len(tree) - 1, 0, -1):
@@ -327,6 +309,26 @@ def stretches_left(path: Curve, free: Callable[[Array, Array], NDArray[np.bool_]
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]
     return nodes
+
+
+def first_open(
+    path: Curve, kept: Callable[[Array, Array], Mask], decided: Callable[[Array], tuple[Mask, Mask]]
+) -> int:
+    """A stretch for which something could not be shown, −1 where it is shown for all of a path.
+
+    Args:
+        path: the curve.
+        kept: (lower, upper) corners of boxes -> for which it is shown: of runs of stretches, tried first.
+        decided: control points of pieces -> for which it is shown, and which are given up; the others are halved.
+    """
+    stretch = stretches_left(path, kept)
+    control = path.control[stretch]
+    while len(control):
+        done, lost = decided(control)
+        if lost.any():
+            return int(stretch[lost.argmax()])
+        control, stretch = halves(control[~done]), np.repeat(stretch[~done], 2)
+    return -1
 
 
 def box_tree(path: Curve) -> list[tuple[Array, Array]]:
@@ -340,15 +342,16 @@ def box_tree(path: Curve) -> list[tuple[Array, Array]]:
     return tree
 
 
-def _free(robot: Robot, setting: Setting, low: Array, high: Array, work: _Spent) -> NDArray[np.bool_]:
+def free_boxes(robot: Robot, low: Array, high: Array, work: Proof) -> Mask:
     """(P,) which boxes are proven free; those too wide to be are not tried."""
-    centre, half = centred(low, high, setting)
+    centre, half = centred(low, high, work.setting)
     free = np.zeros(len(low), dtype=np.bool_)
-    tried = np.flatnonzero(np.linalg.norm(half[:, setting.matters], axis=1) < _WIDE)
-    for part in _batches(tried):
-        if not work.afford(len(part)):
+    tried = np.flatnonzero(np.linalg.norm(half[:, work.setting.matters], axis=1) < _WIDE)
+    for part in (tried[i : i + _BATCH] for i in range(0, len(tried), _BATCH)):
+        found = work.attempt(len(part), partial(enclose, robot, work.setting, centre[part], half[part]))
+        if found is None:
             break
-        free[part] = enclose(robot, setting, centre[part], half[part])[0] != 0
+        free[part] = found[0] != 0
     return free
 
 
@@ -358,42 +361,7 @@ def centred(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
     return centre, ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
 
 
-def _batches(rows: Index) -> Iterator[Index]:
-    return (rows[i : i + _BATCH] for i in range(0, len(rows), _BATCH))
-
-
-def _whole_stretches(path: Curve, stretches: Index) -> Pieces:
-    count = len(stretches)
-    return Pieces(stretches, np.zeros(count), np.ones(count), path.control[stretches])
-
-
-def _halve(along: Along, pieces: Pieces, work: _Spent, singular: float) -> None:
-    """Halve pieces of single stretches until they are free or narrow."""
-    while len(pieces):
-        work.report(len(np.unique(pieces.stretch)))
-        kept = []
-        for i in range(0, len(pieces), _BATCH):
-            part = pieces[i : i + _BATCH]
-            if not work.afford(len(part)):
-                _give_up(part, work, finished=False)
-                continue
-            try:
-                left, stuck = _undecided(along, part, work, singular)
-            except KeyboardInterrupt:
-                work.interrupted = True
-                _give_up(part, work, finished=False)
-                continue
-            _give_up(stuck, work, finished=True)
-            if len(left):
-                kept.append(left.halved())
-        pieces = _together(kept) if kept else pieces[:0]
-
-
-def _together(parts: list[Pieces]) -> Pieces:
-    return Pieces(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pieces.__dataclass_fields__))
-
-
-def _undecided(along: Along, pieces: Pieces, work: _Spent, singular: float) -> tuple[Pieces, Pieces]:
+def _undecided(along: Along, pieces: Pieces, work: Proof, singular: float) -> tuple[Pieces, Pieces]:
     """Those that are not free: to be halved, and as narrow as can be."""
     middle, chord, extra = straightened(pieces.control)
     scale, matters = along.setting.scale, along.setting.matters
@@ -402,7 +370,7 @@ def _undecided(along: Along, pieces: Pieces, work: _Spent, singular: float) -> t
     small = length < _ALONG
     low, high = boxes(pieces.control[~small])
     if len(low):
-        free[~small] = _free(along.robot, along.setting, low, high, work)
+        free[~small] = free_boxes(along.robot, low, high, work)
     stuck = np.zeros(len(pieces), dtype=np.bool_)
     if small.any():
         found = along.enclosed(middle[small], chord[small], extra[small])
@@ -411,47 +379,31 @@ def _undecided(along: Along, pieces: Pieces, work: _Spent, singular: float) -> t
     return pieces[~free & ~stuck], pieces[stuck & ~free]
 
 
-def _stuck(along: Along, pieces: Pieces, enclosed: Enclosed, length: Array, singular: float) -> NDArray[np.bool_]:
+def _stuck(along: Along, pieces: Pieces, enclosed: Enclosed, length: Array, singular: float) -> Mask:
     """Pieces that halving does not help: narrow ones, and those singular to rounding wherever one looks."""
     stuck = length <= NARROW
-    hopeless = ~enclosed.free & ~stuck & ~regular(enclosed.sigma, _HOPELESS * enclosed.floor)
-    hopeless |= ~enclosed.free & ~stuck & (enclosed.sigma[:, -1] <= singular)
-    rows = np.flatnonzero(hopeless)
+    rows = np.flatnonzero(~enclosed.free & ~stuck & _hopeless(enclosed.sigma, enclosed.floor, singular))
+    share = np.tile([0.0, 0.25, 0.75, 1.0], len(rows))
+    q = Curve(pieces.control[rows], None).at(np.repeat(np.arange(len(rows)), 4), share)
     if len(rows):
-        quarters = np.array([0.0, 0.25, 0.75, 1.0])
-        inside = Curve(pieces.control[rows], None)
-        bad = np.ones(len(rows), dtype=np.bool_)
-        for share in quarters:
-            q = np.ascontiguousarray(inside.at(np.arange(len(rows)), np.full(len(rows), share)))
-            _, _, floor, sigma, *_ = enclose(along.robot, along.setting, q, np.zeros_like(q))
-            bad &= ~regular(sigma, _HOPELESS * floor) | (sigma[:, -1] <= singular)
-        stuck[rows] = bad
+        _, _, floor, sigma, *_ = enclose(along.robot, along.setting, np.ascontiguousarray(q), np.zeros_like(q))
+        stuck[rows] = _hopeless(sigma, floor, singular).reshape(-1, 4).all(axis=1)
     return np.asarray(stuck)
 
 
-def _give_up(pieces: Pieces, work: _Spent, *, finished: bool) -> None:
-    rows = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
-    work.left += [(*row, finished) for row in rows]
+def _hopeless(sigma: Array, floor: Array, singular: float) -> Mask:
+    """(P,) singular to rounding."""
+    return np.asarray(~regular(sigma, _HOPELESS * floor) | (sigma[:, -1] <= singular))
 
 
-def _join_neighbours(left: list[tuple[int, float, float, bool]]) -> Iterator[Sliver]:
-    run: list[tuple[int, float, float, bool]] = []
-    for piece in sorted(left):
-        if run and not _follows(run[-1], piece):
-            yield _sliver(run)
-            run = []
-        run.append(piece)
-    if run:
-        yield _sliver(run)
-
-
-def _follows(first: tuple[int, float, float, bool], second: tuple[int, float, float, bool]) -> bool:
-    if first[3] != second[3]:
-        return False
-    if first[0] == second[0]:
-        return first[2] == second[1]
-    return first[0] + 1 == second[0] and first[2] == 1.0 and second[1] == 0.0
-
-
-def _sliver(run: list[tuple[int, float, float, bool]]) -> Sliver:
-    return Sliver((run[0][0], run[-1][0]), (run[0][1], run[-1][2]), run[0][3])
+def join_neighbours(rest: list[tuple[int, float, float, bool]]) -> list[Sliver]:
+    """Pieces (stretch, start, end, narrow) as the slivers that they make together; what is narrow stays apart."""
+    slivers: list[Sliver] = []
+    for stretch, start, end, narrow in sorted(rest):
+        first: Spot = (stretch, start)
+        if slivers and slivers[-1][2] == narrow:
+            last = slivers[-1][1]
+            if last == first or (start == 0.0 and last == (stretch - 1, 1.0)):
+                first = slivers.pop()[0]
+        slivers.append((first, (stretch, end), narrow))
+    return slivers

@@ -1,24 +1,27 @@
 """A checked path as data: what was asked, the verdict, every stretch, the limits it breaks, and its profile.
 
-Facts alone; their sentences are made in `motion.text`, their file by `schema.motion`. Rows and joints are numbered
+Facts alone; their sentences are made in `text.paths`, their file by `schema.motion`. Rows and joints are numbered
 from 1.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
+from operator import attrgetter
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.motion import text
-from rankdrop.motion.curve import Curve, Index
-from rankdrop.motion.options import PathOptions
+from rankdrop.motion.curve import Curve, Index, Place
+from rankdrop.motion.inverse import Followed
+from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
+from rankdrop.text import paths as text
 from rankdrop.tolerances import Tolerances
 
 LEADS = 1e-6
@@ -46,26 +49,6 @@ Evidence = Literal["covered", "determinant", "condition", "singular throughout",
 """How the verdict of a stretch is known."""
 Remark = Literal["degrees", "velocities", "lost", "distances", "no distance", "distance open"]
 """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A point of a path.
-
-    Attributes:
-        row: number of the sample before it, from 1.
-        share: of the way to the next sample, 0 … 1.
-        time: [s]; None without times.
-    """
-
-    row: int
-    share: float
-    time: float | None
-
-    @property
-    def position(self) -> float:
-        """Row with the share of the way to the next as a fraction."""
-        return self.row + self.share
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,13 +82,13 @@ class Stretch:
         start, end: its ends.
         bracket: two places inside, a zero between them where it is a crossing; its ends on a free stretch.
         verdict: free (proven), crossing, touching or undecided.
-        family: id of the family crossed or nearest; "" where there is none.
-        name: of that family.
         closest: where it is nearest to a singularity; where it reaches one, the configuration.
-        corank: of the singularity reached; 0 on a free stretch.
-        lies: all of it is singular, as far as it was evaluated.
         evidence: how the verdict is known.
         condition: left-hand side of the condition that changes its sign; "" for other evidence.
+        corank: of the singularity reached, by the tolerance; 0 on a free stretch, and where it is undecided.
+        lies: all of it is singular, as far as it was evaluated.
+        family: id of the family crossed or nearest; "" where there is none.
+        name: of that family.
         lost: what is lost where it reaches a singularity.
         null_share: share of the joints' motion there that does not move the task, 0 … 1; nan on a free stretch.
         rates: (n,) largest joint rates of the commanded motion [rad/s, m/s]; empty without times.
@@ -118,18 +101,18 @@ class Stretch:
     end: Place
     bracket: tuple[Place, Place]
     verdict: Verdict
-    family: str
-    name: str
     closest: Closest
-    corank: int
-    lies: bool
     evidence: Evidence
-    condition: str
-    lost: tuple[str, ...]
-    null_share: float
-    rates: Array
-    speed_factor: float
-    slowest: int
+    condition: str = ""
+    corank: int = 0
+    lies: bool = False
+    family: str = ""
+    name: str = ""
+    lost: tuple[str, ...] = ()
+    null_share: float = np.nan
+    rates: Array = field(default_factory=partial(np.zeros, 0))
+    speed_factor: float = np.nan
+    slowest: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,50 +164,6 @@ class Profile:
 
 
 @dataclass(frozen=True, eq=False)
-class ToolMotion:
-    """A path that was given by poses of the tip, and how its joint values were found.
-
-    Attributes:
-        poses: how many were given.
-        complete: all of them were reached.
-        reached: number of the last pose reached, from 1, with the share of the way to the next.
-        reason: why it ended: "" where complete, else "singular", "limit" or "stuck".
-        joint: number of the joint that reaches its limit; 0 for other reasons.
-        sigma: σ_r where it ended [1].
-        next_reachable: a configuration within the joint limits was found for the pose after the end.
-        start: (n,) configuration at the first pose.
-        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
-        more: the arm is redundant, so that there are more.
-        place: (rows,) pose of each row, from 1, with shares.
-        off: the tip stays within this distance of its curve, proven [m].
-        turned: … and within this angle, as far as the task asks for orientations [rad].
-    """
-
-    poses: int
-    complete: bool
-    reached: float
-    reason: str
-    joint: int
-    sigma: float
-    next_reachable: bool
-    start: tuple[float, ...]
-    solutions: int
-    more: bool
-    place: Array
-    off: float
-    turned: float
-
-    @property
-    def chosen(self) -> str:
-        """Which branch of the inverse kinematics the path takes, in words."""
-        return text.branch_chosen(self)
-
-    def pose_at(self, place: Place) -> float:
-        """Number of the pose at a place of the path, with the share of the way to the next."""
-        return float(np.interp(place.position - 1, np.arange(len(self.place)), self.place))
-
-
-@dataclass(frozen=True, eq=False)
 class PathCheck(Result):
     """A checked path.
 
@@ -269,7 +208,7 @@ class PathCheck(Result):
     remarks: tuple[tuple[Remark, Any], ...]
     complete: bool
     profile: Profile
-    tool: ToolMotion | None = None
+    tool: Followed | None = None
     FILE: ClassVar[str] = "path"
 
     @property
@@ -291,8 +230,8 @@ class PathCheck(Result):
     @property
     def crossings(self) -> tuple[Stretch, ...]:
         """Where it reaches singularities, crossing or touching, in order along the path."""
-        met = [one for one in self.stretches if one.verdict in (CROSSING, TOUCHING)]
-        return tuple(sorted(met, key=lambda one: (one.start.row, one.start.share)))
+        met = (one for one in self.stretches if one.verdict in (CROSSING, TOUCHING))
+        return tuple(sorted(met, key=attrgetter("start")))
 
     @property
     def sentence(self) -> str:
@@ -313,10 +252,6 @@ class PathCheck(Result):
     def why_ended(self) -> str:
         """Why the tool path could not be followed to its end; "" where it was, or joints were given."""
         return "" if self.tool is None else text.why_ended(self.tool, self.robot)
-
-    def how(self, stretch: Stretch) -> str:
-        """How the verdict of a stretch is known, in words."""
-        return text.evidence_words(stretch, self)
 
     def sections(self, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
         """As sections of text; `full`: every crossing and every free stretch."""

@@ -8,7 +8,7 @@ direction it has there and comes back in the direction it goes on in. It stays h
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -20,28 +20,34 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
-from rankdrop.motion import text
-from rankdrop.motion.candidates import Parameter, Ranking, branches, null_spaces, shifts, tilts
+from rankdrop.motion.candidates import Candidate, Parameter, Ranking, branches, null_spaces, shifts, tilts, tool_path
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve
-from rankdrop.motion.follow import follow
-from rankdrop.motion.options import RemedyOptions
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
-from rankdrop.motion.tool_path import ToolPath, joints_at, tool_path
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.options import takes
+from rankdrop.questions import RemedyOptions
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
+from rankdrop.text import paths as text
 
 _CORNER = np.cos(np.radians(3.0))  # directions that differ by less are one
 _POINTS = 33  # of a parabola
 _SIZES = 8
 _LOOKS = 201
+_CHECKED = 4  # candidates of a kind that are checked, widest first
+_SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
 RETIME, NULL, FLIP, BLEND, TILT, SHIFT = "retime", "null-space", "flip", "blend", "tool tilt", "base shift"
 KINDS = (NULL, FLIP, BLEND, TILT, SHIFT, RETIME)
 """Those that leave the tool's path come first; retime changes the time only."""
+Progress = Callable[[str, int, int], None]
+"""progress(kind, done, all)."""
+Proposal = tuple[tuple[str, Any], tuple[Parameter, ...], Trajectory, tuple[float, float]]
+"""A changed path to be checked: what is done, with which numbers, its rows, how far off the tool is [m, rad]."""
+Failure = tuple[str, Any]
+"""A kind without a remedy, and what was tried: as `rankdrop.text.paths.remedy_note` reads it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +56,7 @@ class Remedy:
 
     Attributes:
         kind: one of `KINDS`.
-        words: what is done, as a sentence.
+        how: what is done, and a fact about it.
         parameters: what with.
         gains: distance, speed, duration -> the number before and after; inf or nan where not known. The distance is 0
             where the path reaches a singularity.
@@ -66,7 +72,7 @@ class Remedy:
     """
 
     kind: str
-    words: str
+    how: tuple[str, Any]
     parameters: tuple[Parameter, ...]
     gains: dict[str, tuple[float, float]]
     trajectory: Trajectory
@@ -76,6 +82,11 @@ class Remedy:
     off: tuple[float, float]
     retimed: bool
 
+    @property
+    def words(self) -> str:
+        """What is done, as a sentence."""
+        return text.remedy_words(*self.how)
+
 
 @dataclass(frozen=True, eq=False)
 class Mending(Result):
@@ -84,17 +95,22 @@ class Mending(Result):
     Attributes:
         before: the judgement of the path as it was.
         remedies: found and proven, in the order of `KINDS`.
-        notes: for each kind without one, what was tried and what came of it.
+        failures: for each kind without one, what was tried.
         needed: the path needs one: it is not proven free and far enough, or breaks limits.
         complete: False where it was interrupted; what was found until then holds.
     """
 
     before: PathCheck
     remedies: tuple[Remedy, ...]
-    notes: tuple[str, ...]
+    failures: tuple[Failure, ...]
     needed: bool
     complete: bool
     FILE: ClassVar[str] = "remedies"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """For each kind without a remedy, what was tried and what came of it."""
+        return tuple(text.remedy_note(kind, fact) for kind, fact in self.failures)
 
     @property
     def best(self) -> Remedy | None:
@@ -111,53 +127,39 @@ class Mending(Result):
         return text.remedies_sentence(self)
 
 
-Proposal = tuple[str, tuple[Parameter, ...], Trajectory, tuple[float, float]]
-"""A changed path to be checked: what is done, with which numbers, its rows, how far off the tool is [m, rad]."""
-
-
 def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
     """Paths with the corners nearest to where it reaches singularities cut, less first, the tool within `most` [m]."""
-    robot, path, scale = check.robot, check.curve, joint_scale(check.robot, check.task)
+    robot, path = check.robot, check.curve
     bad = [one for one in check.stretches if one.verdict != FREE]
     near = bad or [one for one in check.stretches if one.closest.distance < check.options.min_distance]
-    places = np.array([one.closest.place.position - 1.0 for one in near])
-    if path.degree != 1 or not len(places):
+    steps = np.diff(path.control, axis=1)[:, 0] / joint_scale(robot, check.task)
+    size = np.linalg.norm(steps, axis=1)
+    cosine = (steps[1:] * steps[:-1]).sum(axis=1) / np.maximum(size[1:] * size[:-1], 1e-300)
+    corners = np.flatnonzero(cosine < _CORNER) + 1  # rows at which the direction changes, from 0
+    if path.degree != 1 or not near or not len(corners):
         return
-    until, corners = _until(path, scale), _corners(path, scale)
-    if not len(corners):
-        return
-    at = np.interp(places, np.arange(len(until)), until)
-    nearest = np.abs(until[corners][None] - at[:, None]).argmin(axis=1)
-    cut = np.unique(nearest)
-    least = max(float(np.abs(at[nearest == k] - until[corners[k]]).max()) for k in cut)
+    until = np.concatenate([[0.0], np.cumsum(size)])
+    at = np.interp([one.closest.place.position - 1.0 for one in near], np.arange(len(until)), until)
+    away = np.abs(until[corners][None] - at[:, None])
+    cut, least = np.unique(away.argmin(axis=1)), float(away.min(axis=1).max())
     ends = np.concatenate([[0.0], until[corners], until[-1:]])
     room = min(min(ends[k + 1] - ends[k], ends[k + 2] - ends[k + 1]) for k in cut)
     room *= 0.5 if (np.diff(cut) == 1).any() else 1.0
     rows = ", ".join(str(int(corner) + 1) for corner in corners[cut])
-    words = f"the corner{'s' if len(cut) > 1 else ''} at row {rows} cut by a parabola"
+    tool = tool_path(robot, check.task, path)
     for radius in np.geomspace(max(1.05 * least, 1e-3 * room), room, _SIZES) if least < room else ():
         place, q, off = _cut(robot, path, until, corners[cut], float(radius))
         if off <= most:
-            tool = ToolPath(robot, check.task, path, place, q, np.zeros((0, 4, 4)), False)
             parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
-            yield words, parameters, tool.trajectory(q, "linear"), (off, np.nan)
-
-
-def _until(path: Curve, scale: Array) -> Array:
-    length = np.linalg.norm(np.diff(path.control, axis=1)[:, 0] / scale, axis=1)
-    return np.concatenate([[0.0], np.cumsum(length)])
-
-
-def _corners(path: Curve, scale: Array) -> Array:
-    """Rows, counted from 0, at which the direction changes."""
-    step = np.diff(path.control, axis=1)[:, 0] / scale
-    size = np.linalg.norm(step, axis=1)
-    cosine = (step[1:] * step[:-1]).sum(axis=1) / np.maximum(size[1:] * size[:-1], 1e-300)
-    return np.asarray(np.flatnonzero(cosine < _CORNER) + 1)
+            made = replace(tool, place=place).trajectory(q, "linear")
+            yield ("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan)
 
 
 def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float) -> tuple[Array, Array, float]:
     """Places and rows of a path with corners cut, and how far the tool point is from the old path at most [m]."""
+    def joints_at(place: Array) -> Array:
+        return path.at(*path.split(place))
+
     rows = np.arange(len(until), dtype=np.float64)
     keep = np.ones(len(rows), dtype=np.bool_)
     places, values, off = [], [], 0.0
@@ -165,28 +167,17 @@ def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float)
     for corner in corners.tolist():
         low, high = np.interp([until[corner] - radius, until[corner] + radius], until, rows)
         keep &= (rows < low) | (rows > high)
-        place = low + share * (high - low)
-        start, end = joints_at(path, np.array([low, high]))
-        middle = joints_at(path, np.array([float(corner)]))[0]
+        start, middle, end = joints_at(np.array([low, float(corner), high]))
         s = share[:, None]
         curve = (1 - s) ** 2 * start + 2 * s * (1 - s) * middle + s**2 * end
-        places.append(place)
+        places.append(low + share * (high - low))
         values.append(curve)
-        old = pose(robot, joints_at(path, np.linspace(low, high, _LOOKS)))[:, :3, 3]
+        old = pose(robot, joints_at(np.linspace(low, high, _LOOKS)))[:, :3, 3]
         new = pose(robot, curve)[:, :3, 3]
         off = max(off, float(np.linalg.norm(new[:, None] - old[None], axis=2).min(axis=1).max()))
     place = np.concatenate([rows[keep], *places])
-    q = np.concatenate([joints_at(path, rows[keep]), *values])
     order = np.argsort(place, kind="stable")
-    return place[order], q[order], off
-
-
-Progressed = Callable[[int, int], None]
-Progress = Callable[[str, int, int], None]
-"""progress(kind, done, all)."""
-
-_CHECKED = 4  # candidates of a kind that are checked, widest first
-_KEPT = 1e-9  # of a limit: above it by less is within it
+    return place[order], np.concatenate([joints_at(rows[keep]), *values])[order], off
 
 
 @takes(RemedyOptions)
@@ -235,16 +226,16 @@ def mend_path(
     """
     how = RemedyOptions.of(options, given)
     work = _Mender(found, analysis, _limits(found, acceleration), progress)
-    needed = not found.clear or work.breaks(found)
+    results: list[Remedy | Failure] = []
+    complete = True
     try:
-        if not found.clear:
-            work.path_kinds(how)
-        if work.breaks(found):
-            work.in_new_time()
+        for one in work.results(how):
+            results.append(one)  # what is made before Ctrl-C is kept
     except KeyboardInterrupt:
-        work.complete = False
-    order = sorted(work.remedies, key=lambda one: KINDS.index(one.kind))
-    return Mending(found, tuple(order), tuple(work.notes), needed, work.complete)
+        complete = False
+    remedies = sorted((one for one in results if isinstance(one, Remedy)), key=lambda one: KINDS.index(one.kind))
+    failures = tuple(one for one in results if not isinstance(one, Remedy))
+    return Mending(found, tuple(remedies), failures, not found.clear or work.breaks(found), complete)
 
 
 def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
@@ -262,96 +253,90 @@ class _Mender:
     analysis: Analysis | None
     limits: tuple[Array, Array]
     progress: Progress | None
-    remedies: list[Remedy] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    complete: bool = True
 
     def __post_init__(self) -> None:
         self.scale = joint_scale(self.found.robot, self.found.task)
         self.interpolate = self.found.options.interpolate
+        self.limited = bool(np.isfinite(self.limits[0]).any() or np.isfinite(self.limits[1]).any())
 
     def breaks(self, check: PathCheck) -> bool:
         """Whether a path in time breaks a limit."""
-        took = self._usage(check)
-        return took is not None and took.slower > 1.0 + _KEPT
+        took = self._usage(check.curve)
+        return took is not None and took.slower > _SLOWER
 
-    def _usage(self, check: PathCheck) -> Usage | None:
-        limited = bool(np.isfinite(self.limits[0]).any() or np.isfinite(self.limits[1]).any())
-        return usage(check.curve, *self.limits) if check.curve.times is not None and limited else None
+    def results(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """A remedy of each kind, or what was tried."""
+        if not self.found.clear:
+            yield from self._changed_paths(most)
+        if self.breaks(self.found):
+            yield self._in_new_time()
 
-    def path_kinds(self, most: RemedyOptions) -> None:
+    def _usage(self, path: Curve) -> Usage | None:
+        return usage(path, *self.limits) if path.times is not None and self.limited else None
+
+    def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
-        kinds: list[tuple[str, str, Callable[[Progressed], Ranking]]] = [
-            (NULL, "joint motion that leaves the tool where it is", lambda report: null_spaces(tool, report)),
-            (FLIP, "other posture at the first pose", lambda report: branches(tool, report)),
-            (TILT, "rotation in the task", lambda report: tilts(tool, most.tool_tilt, report)),
-            (SHIFT, "translation in the task", lambda report: shifts(tool, most.base_shift, report)),
-        ]
-        unwanted = {kind for kind, bound in ((TILT, most.tool_tilt), (SHIFT, most.base_shift)) if not bound}
+        kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
+            NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
+        }  # fmt: skip
+        if most.tool_tilt:
+            kinds[TILT] = partial(tilts, tool, most.tool_tilt)
+        if most.base_shift:
+            kinds[SHIFT] = partial(shifts, tool, most.base_shift)
         try:
-            follow(tool.robot, tool.poses[:1], tool.q[0], tool.task, limits=False)
+            tool.aim  # noqa: B018  # refuses a task that poses do not determine
         except TaskError as error:
-            self.notes.append(f"the tool's path cannot be followed: {error.what}")
-            unwanted = {kind for kind, _, _ in kinds}
+            yield "path", error.what
+            kinds = {}
         if most.blend > 0.0:
-            self._blend(most.blend)
-        for kind, what, rank in kinds:
-            if kind not in unwanted:
-                ranking = rank(partial(self._report, kind))
-                if not self._first(kind, self._proposals(ranking)):
-                    self.notes.append(f"{kind}: {text.not_found(ranking, what)}")
+            yield self._blend(most.blend)
+        for kind, rank in kinds.items():
+            found, ended = rank(partial(self._report, kind))
+            yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
 
     def _report(self, kind: str, done: int, count: int) -> None:
         if self.progress is not None:
             self.progress(kind, done, count)
 
-    def _proposals(self, ranking: Ranking) -> Iterator[Proposal]:
-        for other in ranking.found[:_CHECKED]:
+    def _proposals(self, candidates: list[Candidate]) -> Iterator[Proposal]:
+        for other in candidates[:_CHECKED]:
             tool, followed = other.tool.refined(other.run)
             if followed.complete:
                 made = tool.trajectory(followed.q, self.interpolate)
-                yield other.words, other.parameters, made, tool.deviation(made, self.interpolate)
+                yield (other.how, None), other.parameters, made, tool.deviation(made, self.interpolate)
 
-    def _first(self, kind: str, proposals: Iterable[Proposal]) -> bool:
-        """The first proposal that is proven free becomes the remedy of its kind."""
-        for words, parameters, plainly, off in proposals:
-            made, again = self._in_time(plainly)
-            check = self._checked_again(made)
-            if check.clear:
-                self._add(kind, words, parameters, made, check, off, again=again)
-                return True
-        return False
+    def _first(self, kind: str, proposals: Iterable[Proposal]) -> Remedy | None:
+        """The first proposal that is proven free; one in time that breaks a limit gets another time law."""
+        for proposal in proposals:
+            made = proposal[2]
+            took = self._usage(made.curve(self.interpolate)) if made.timed else None
+            again = took is not None and took.slower > _SLOWER
+            if again:
+                made = retimed(made.curve(self.interpolate), *self.limits, self.scale)
+            remedy = self._checked(kind, (*proposal[:2], made, proposal[3]), again=again)
+            if remedy.check.clear:
+                return remedy
+        return None
 
-    def _blend(self, most: float) -> None:
+    def _blend(self, most: float) -> Remedy | Failure:
         if self.interpolate != "linear":
-            self.notes.append(f"{BLEND}: only paths that are straight between their rows have corners")
-            return
+            return BLEND, None
         proposals = list(blends(self.found, most))
-        if not self._first(BLEND, proposals):
-            none = "no corner is near enough for the tool to stay within the bound"
-            self.notes.append(f"{BLEND}: {f'{len(proposals)} tried, none was proven free' if proposals else none}")
+        return self._first(BLEND, proposals) or (BLEND, len(proposals))
 
-    def in_new_time(self) -> None:
+    def _in_new_time(self) -> Remedy | Failure:
         """The path itself inside its limits."""
         self._report(RETIME, 0, 1)
         made = retimed(self.found.curve, *self.limits, self.scale)
-        if usage(made.curve(self.interpolate), *self.limits).slower > 1.0 + _KEPT:
-            self.notes.append(f"{RETIME}: the limits could not be kept everywhere")
-            return
-        words = "the same path in a new time, never faster than before and slower where a limit asks for it"
-        check = self._checked_again(made)
-        self._add(RETIME, words, (), made, check, (0.0, 0.0), again=True)
+        if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
+            return RETIME, None
+        remedy = self._checked(RETIME, (("retime", None), (), made, (0.0, 0.0)), again=True)
         self._report(RETIME, 1, 1)
+        return remedy
 
-    def _in_time(self, made: Trajectory) -> tuple[Trajectory, bool]:
-        """A path in time that breaks a limit gets another time law."""
-        limited = made.timed and bool(np.isfinite(np.concatenate(self.limits)).any())
-        if not limited or usage(made.curve(self.interpolate), *self.limits).slower <= 1.0 + _KEPT:
-            return made, False
-        return retimed(made.curve(self.interpolate), *self.limits, self.scale), True
-
-    def _checked_again(self, made: Trajectory) -> PathCheck:
+    def _checked(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
+        how, parameters, made, off = proposal
         check = check_path(
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
             accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
@@ -359,22 +344,13 @@ class _Mender:
         )  # fmt: skip
         if not check.complete:
             raise KeyboardInterrupt
-        return check
-
-    def _add(
-        self, kind: str, words: str, parameters: tuple[Parameter, ...], made: Trajectory, check: PathCheck,
-        off: tuple[float, float], *, again: bool,
-    ) -> None:  # fmt: skip
-        took = self._usage(check)
+        before, took = self._usage(self.found.curve), self._usage(check.curve)
         gains = {"distance": (_distance(self.found), _distance(check))}
-        before = self._usage(self.found)
         if before is not None and took is not None:
-            gains["speed"] = 1 / before.slower, 1 / took.slower
-            gains["duration"] = _duration(self.found), _duration(check)
-        self.remedies.append(
-            Remedy(kind, words, parameters, gains, replace(made, name="mended"), self.interpolate, check, took, off,
-                   again)
-        )  # fmt: skip
+            gains |= {"speed": (1 / before.slower, 1 / took.slower),
+                      "duration": (_duration(self.found), _duration(check))}  # fmt: skip
+        made = replace(made, name="mended")
+        return Remedy(kind, how, parameters, gains, made, self.interpolate, check, took, off, again)
 
 
 def _distance(check: PathCheck) -> float:

@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from rankdrop.motion.curve import Curve, halves, numbered
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.robot.model import Array
+from rankdrop.text.paths import BOUNDED
 
-STRAIGHT = "rates of straight stretches, accelerations of blends between their middles, from rest to rest"
-SMOOTH = "by control points of the derivatives, which enclose them"
 _STILL, _LEAST = 1e-3, 1e-9  # durations of stretches that no time and no rate holds back, at rest and moving [s]
 _PARTS = 200  # a straight path is cut into so many pieces at least, where accelerations are limited
 _PIECE = {3: 0.008, 5: 0.003}  # … and a smooth one into pieces no longer than this, by degree, for 1e-9 of it [rad]
@@ -38,12 +37,17 @@ class Usage:
     Attributes:
         rate: of the rate limits.
         acceleration: of the acceleration limits.
-        how: what was bounded, in words.
+        straight: between its rows; else it is smooth.
     """
 
     rate: float
     acceleration: float
-    how: str
+    straight: bool
+
+    @property
+    def how(self) -> str:
+        """What was bounded, in words."""
+        return BOUNDED[self.straight]
 
     @property
     def slower(self) -> float:
@@ -65,11 +69,11 @@ def usage(path: Curve, rates: Array, accelerations: Array) -> Usage:
         rest = np.zeros((1, speed.shape[1]))
         jump = np.abs(np.diff(np.concatenate([rest, speed, rest]), axis=0))
         long = np.concatenate([lasts[:1], lasts[:-1] + lasts[1:], lasts[-1:]]) / 2
-        return Usage(_share(np.abs(speed), rates), _share(jump / long, accelerations), STRAIGHT)
+        return Usage(_share(np.abs(speed), rates), _share(jump / long, accelerations), True)
     control, lasts = halves(halves(path.control)), np.repeat(lasts, 4, axis=0)[:, None] / 4
     first = path.degree * np.diff(control, axis=1) / lasts
     second = (path.degree - 1) * np.diff(first, axis=1) / lasts
-    return Usage(_share(np.abs(first), rates), _share(np.abs(second), accelerations), SMOOTH)
+    return Usage(_share(np.abs(first), rates), _share(np.abs(second), accelerations), False)
 
 
 def _share(values: Array, limits: Array) -> float:

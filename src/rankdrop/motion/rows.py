@@ -14,13 +14,12 @@ import numpy as np
 
 from rankdrop.codec import plain, record_of
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families.batch_distance import QUICK, Ruler
-from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.motion.record import VERDICTS
-from rankdrop.motion.survey import outer
+from rankdrop.motion.survey import measures
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.parts import known_families
+from rankdrop.results.explanation import known_families
+from rankdrop.text.paths import COLUMNS
 from rankdrop.units import in_metres, into_metres, task_in_metres
 from rankdrop.version import VERSION
 
@@ -72,33 +71,26 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     times = None if curve.times is None else curve.times[:count]
     families, _ = known_families(robot, task, analysis, check.tolerances)
     there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
-    known = families if there is robot else [family_in_metres(one, robot) for one in families]
-    near = outer(known, there, there_task, check.tolerances)
-    ruler = Ruler(near, there, there_task, limits=check.options.limits, starts=QUICK)
+    _, near, ruler = measures(robot, there_task, families, check.options, check.tolerances)
     measured = ruler.measure(moved, along=True)
     which, far = measured.nearest()
     rank = generic_rank(there, there_task)
     sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
     verdict, factor = _of_stretches(check, count)
-    parts: list[tuple[str, Any, str]] = [("row", np.arange(1, count + 1), "number of the sample, from 1")]
-    if times is not None:
-        parts.append(("time_s", times, "of the sample"))
-    if check.tool is not None:
-        parts.append(("pose", check.tool.place[:count], "number of the pose, from 1, with the share of the way on"))
-    for j, joint in enumerate(robot.variables):
-        parts.append((f"q_{joint.name}_{joint.unit}", q[:, j], f"value of {joint.name}"))
-    parts += [
-        ("verdict", verdict, "worst on the way from this row to the next"),
-        ("family", [near[k].id if k >= 0 else None for k in which.tolist()], "id of the nearest known family"),
-        ("family_name", [near[k].name if k >= 0 else None for k in which.tolist()], "its name"),
-        ("distance_rad", far, "to the nearest singular configuration known or found; slides by the length scale"),
-        ("at_least_rad", measured.at_least, "no singular configuration is nearer: proven"),
-        ("sigma", sigma, f"σ{rank}, translation divided by {check.length_scale:.6g} m"),
-    ]
-    if times is not None:
-        parts.append(("speed_factor", factor, "largest, at most 1, that keeps the velocity limits on its stretch"))
-    return PathRows({name: values for name, values, _ in parts}, {name: words for name, _, words in parts},
-                    robot.name, check.verdict)  # fmt: skip
+    joints = {f"q_{joint.name}_{joint.unit}": q[:, j] for j, joint in enumerate(robot.variables)}
+    ids, names = zip(*((near[k].id, near[k].name) if k >= 0 else (None, None) for k in which.tolist()), strict=True)
+    columns = {
+        "row": np.arange(1, count + 1), "time_s": times,
+        "pose": None if check.tool is None else check.tool.place[:count], **joints,
+        "verdict": verdict, "family": ids, "family_name": names, "distance_rad": far,
+        "at_least_rad": measured.at_least, "sigma": sigma, "speed_factor": None if times is None else factor,
+    }  # fmt: skip
+    columns = {name: values for name, values in columns.items() if values is not None}
+    about = COLUMNS | {
+        name: COLUMNS["joint"].format(joint.name) for name, joint in zip(joints, robot.variables, strict=True)
+    }  # fmt: skip
+    about["sigma"] = about["sigma"].format(rank, check.length_scale)
+    return PathRows(columns, {name: about[name] for name in columns}, robot.name, check.verdict)
 
 
 def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:

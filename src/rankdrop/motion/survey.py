@@ -1,57 +1,288 @@
-"""The stretches of a path: where it reaches a singularity, and between, which family is nearest and how near."""
+"""The parts of a path: where it reaches a singularity, and between, which family is nearest and how near.
+
+A sliver that is not proven free is decided by signs: where a determinant or a family's condition has opposite signs,
+beyond rounding, on both sides, the path crosses, by the intermediate value theorem. Where σ_r is within the tolerance
+and no sign changes it touches, which is a measurement: a path that passes at 1e-10, or crosses twice within as little,
+looks the same.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop.errors import RankdropError
-from rankdrop.families.batch_distance import QUICK, Ruler
+from rankdrop.families.distance import QUICK, Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
-from rankdrop.family.incidence import families_at
-from rankdrop.family.record import Family, family_in_metres
+from rankdrop.families.row import soundness
+from rankdrop.family.record import Family, families_at, family_in_metres
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.directions import words
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
-from rankdrop.motion.crossings import Crossing
-from rankdrop.motion.curve import Curve, Index, largest
-from rankdrop.motion.options import PathOptions
+from rankdrop.motion.curve import Curve, Index, Place, largest
+from rankdrop.motion.prove import Sliver
 from rankdrop.motion.record import (
+    CROSSING,
     FREE,
     LEADS,
+    TOUCHING,
     UNDECIDED,
     VERDICTS,
     Closest,
-    Place,
+    Evidence,
     Profile,
     Remark,
     Stretch,
+    Verdict,
     Violation,
 )
-from rankdrop.results.explanation.parts import lost_seen_from
+from rankdrop.problem import Problem
+from rankdrop.questions import PathOptions
+from rankdrop.results.explanation import lost_seen_from
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
-from rankdrop.units import counted_length, metre_exponent
+from rankdrop.units import counted_length, in_metres, metre_exponent
 
+_LOOKS = 65  # points of a sliver
+_DENSE = 1025  # points of a sliver that was not finished
+_CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of a determinant
+_CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
+_HALVINGS = 60
+_SAME = 1e-5  # zeros of two functions nearer to each other are one crossing: rounding blurs touching ones so far [rad]
+_LYING = 1e-3  # slivers longer than this, singular at every point evaluated, lie in the singular set [rad]
+_SPOTS = 12  # families fitted or named, and nearest points searched, without an atlas: some 0.1 s each
 _PLACES = 400  # of the profile, evenly along the length; as many rows besides
 _ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
 _BEYOND, _KEPT = 1e-9, 1.0 + 1e-9  # beyond a range [rad, m], and of a rate limit: below it rounding
-_SPOTS = 12  # families that are named, and nearest points that are searched, without an atlas: some 0.1 s each
 _LOST = 40  # crossings whose lost motions are worked out
 
+Signs = Callable[[Array], NDArray[np.int8]]
+"""(N, n) configurations -> +1, −1, or 0 where rounding could have made the sign."""
+SignFunctions = dict[str, Signs]
+"""Left-hand side of a condition, "" for the determinant -> its signs; a change of sign proves a crossing."""
 
-def _badness(stretch: Stretch) -> tuple[object, ...]:
-    """Worst first; free stretches that lead to a crossing say least and come last."""
-    leads = stretch.verdict == FREE and stretch.closest.distance < LEADS
-    return VERDICTS.index(stretch.verdict), leads, stretch.closest.distance, stretch.start.row, stretch.start.share
+
+def crossings(
+    robot: Robot, task: Task, path: Curve, slivers: Sequence[Sliver], families: Sequence[Family], tolerances: Tolerances
+) -> tuple[Stretch, ...]:
+    """What every sliver holds, in order along the path; where it is nearest to a singularity, the configuration.
+
+    Args:
+        robot, task: the arm and its task.
+        path: the curve.
+        slivers: from `prove`.
+        families: known ones; the sign of a single condition shows crossings.
+        tolerances: `singular`.
+    """
+    functions = signs(robot, task, families)
+    every: list[Stretch] = []
+    looks = _SPOTS
+    for sliver in slivers:
+        judge = _Judge(robot, task, path, sliver, functions, tolerances)
+        part = judge.crossings()
+        touched = [one for one in part if one.verdict == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        looks -= len(touched)
+        more = signs_at(robot, task, [one.closest.q for one in touched], tolerances)
+        if more.keys() - functions.keys():
+            functions = functions | more
+            part = replace(judge, functions=functions).crossings()
+        every += part
+    return tuple(every)
+
+
+def signs(robot: Robot, task: Task, families: Sequence[Family]) -> SignFunctions:
+    """The determinant, and conditions of families of one condition that passed their test."""
+    square = robot.n == task.m == generic_rank(robot, task)
+    found: SignFunctions = {"": _determinant(robot, task)} if square else {}
+    single = (one for one in families if one.dimension == robot.n - 1 and len(one.equations) == 1)
+    return found | {one.equations[0].text(): _condition(one) for one in single if one.soundness.holds}
+
+
+def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], tolerances: Tolerances) -> SignFunctions:
+    """As `signs`, of families of one condition that no list has: through configurations (n,) of corank 1.
+
+    The condition is fitted to the neighbourhood, and used where random solutions of it, anywhere, are singular.
+    """
+    found: SignFunctions = {}
+    problem = Problem(robot, task, 1, tolerances)
+    for q in configurations:
+        try:
+            family = name_on_the_spot(robot, q, task, 1, fit=True, tolerances=tolerances)
+        except RankdropError:  # rounding: singular to the tolerance and not to that of its neighbours
+            continue
+        single = family.dimension == robot.n - 1 and len(family.equations) == 1
+        if single and soundness(problem, family.system, 1, np.random.default_rng(0))[0].holds:
+            found[family.equations[0].text()] = _condition(family)
+    return found
+
+
+def _determinant(robot: Robot, task: Task) -> Signs:
+    def sign(q: Array) -> NDArray[np.int8]:
+        matrix = _core.jacobian(chain_of(robot), task_view(robot, task), np.ascontiguousarray(q))
+        sigma = _core.svd(matrix, False)
+        certain = sigma[:, -1] > _CERTAIN * sigma[:, 0]
+        return np.where(certain, np.sign(np.linalg.slogdet(matrix)[0]), 0).astype(np.int8)
+
+    return sign
+
+
+def _condition(family: Family) -> Signs:
+    equation = family.equations[0]
+
+    def sign(q: Array) -> NDArray[np.int8]:
+        value = equation(q)
+        return np.where(np.abs(value) > _CERTAIN_F, np.sign(value), 0).astype(np.int8)
+
+    return sign
+
+
+def _sigma(robot: Robot, task: Task, q: Array) -> Array:
+    """(...) σ_r at q (..., n); 0 of a task in which nothing moves."""
+    rank = generic_rank(robot, task)
+    return np.asarray(singular_values(robot, q, task)[..., rank - 1]) if rank else np.zeros(q.shape[:-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """One sliver; places on it are counted in stretches from its first one."""
+
+    robot: Robot
+    task: Task
+    path: Curve
+    sliver: Sliver
+    functions: SignFunctions
+    tolerances: Tolerances
+
+    def crossings(self) -> list[Stretch]:
+        (first, start), (last, end), finished = self.sliver
+        size, count = last - first, _LOOKS if finished else _DENSE
+        places = np.linspace(start, size + end, count)
+        if size < count:  # the samples between too while there are few
+            places = np.concatenate([places, np.arange(1, size + 1, dtype=np.float64)])
+        places = np.unique(np.clip(places, start, size + end))
+        wide = places
+        if finished:  # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
+            width = places[-1] - places[0]
+            wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
+        samples = self._at(wide)
+        parts = self._distinct([
+            self._part(CROSSING, low, high, (low + high) / 2, "condition" if condition else "determinant", condition)
+            for condition, function in self.functions.items()
+            for low, high in self._brackets(wide, function(samples), function)
+        ])  # fmt: skip
+        if not finished:
+            return self._between(parts, places)
+        return self._spread(parts) if parts else [self._still(places)]
+
+    def _spread(self, parts: list[Stretch]) -> list[Stretch]:
+        """Crossings that share the sliver: none of it is proven free."""
+        middles = [self._place((self._count(one.bracket[1]) + self._count(two.bracket[0])) / 2)
+                   for one, two in pairwise(parts)]  # fmt: skip
+        ends = [self.path.place(self.sliver[0]), *middles, self.path.place(self.sliver[1])]
+        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(parts)]
+
+    def _between(self, parts: list[Stretch], places: Array) -> list[Stretch]:
+        """The work ended early: crossings that were seen, and the parts between them, undecided."""
+        cuts = [float(places[0])]
+        for one in parts:
+            cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
+        cuts.append(float(places[-1]))
+        out = list(parts)
+        for low, high in zip(cuts[::2], cuts[1::2], strict=True):
+            inside = places[(places >= low) & (places <= high)]
+            if high > low:
+                at = self._least(inside)[0] if len(inside) else (low + high) / 2
+                out.append(self._part(UNDECIDED, low, high, at, "unfinished"))
+        return sorted(out, key=lambda one: (one.start, one.end))
+
+    def _count(self, place: Place) -> float:
+        return place.row - 1 - self.sliver[0][0] + place.share
+
+    def _split(self, places: Array) -> tuple[Index, Array]:
+        first, last = self.sliver[0][0], self.sliver[1][0]
+        whole = np.clip(np.floor(places), 0, last - first).astype(np.int64)
+        return first + whole, places - whole
+
+    def _at(self, places: Array) -> Array:
+        return self.path.at(*self._split(places))
+
+    def _place(self, place: float) -> Place:
+        stretch, share = self._split(np.array([place]))
+        return self.path.place((int(stretch[0]), float(share[0])))
+
+    def _brackets(self, places: Array, sign: NDArray[np.int8], function: Signs) -> list[tuple[float, float]]:
+        """Where the sign changes, between two points where it is certain, as narrow as it stays certain."""
+        certain = np.flatnonzero(sign)
+        turns = np.flatnonzero(np.diff(sign[certain].astype(int)))
+        low, high = places[certain[turns]].copy(), places[certain[turns + 1]].copy()
+        left = sign[certain[turns]]
+        active = np.arange(len(low))
+        for _ in range(_HALVINGS):
+            middle = (low[active] + high[active]) / 2
+            apart = (middle > low[active]) & (middle < high[active])
+            active, middle = active[apart], middle[apart]
+            if not len(active):
+                break
+            found = function(self._at(middle))
+            for side, target in ((found == left[active], low), (found == -left[active], high)):
+                target[active[side]] = middle[side]
+            active = active[found != 0]  # at the zero itself, as far as rounding tells
+        return list(zip(low.tolist(), high.tolist(), strict=True))
+
+    def _part(
+        self, verdict: Verdict, low: float, high: float, at: float, evidence: Evidence, condition: str = ""
+    ) -> Stretch:
+        q = self._at(np.array([at]))[0]
+        sigma = singular_values(self.robot, q, self.task)
+        rank = generic_rank(self.robot, self.task)
+        corank = 0 if verdict == UNDECIDED else rank - int((sigma[:rank] > self.tolerances.singular).sum())
+        q.flags.writeable = False
+        ends = self._place(low), self._place(high)
+        closest = Closest(self._place(at), q, 0.0, q, float(sigma[rank - 1]) if rank else 0.0, np.nan)
+        return Stretch(*ends, ends, verdict, closest, evidence, condition, corank, evidence == "singular throughout")
+
+    def _distinct(self, parts: list[Stretch]) -> list[Stretch]:
+        """One crossing for zeros of several functions at the same place; a zero where σ is not zero is none."""
+        scale = joint_scale(self.robot, self.task)
+        kept: list[Stretch] = []
+        for one in parts:
+            others = [other.closest.q for other in kept if other.condition != one.condition]
+            same = (np.linalg.norm((one.closest.q - q) / scale) < _SAME for q in others)
+            if one.corank and not any(same):
+                kept.append(one)
+        return sorted(kept, key=lambda one: one.closest.place)
+
+    def _still(self, places: Array) -> Stretch:
+        """No change of sign: the point of least σ."""
+        q = self._at(places)
+        length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
+        limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
+        if length > _LYING and bool((_sigma(self.robot, self.task, q) <= limit).all()):
+            return self._part(TOUCHING, low, high, (low + high) / 2, "singular throughout")
+        at, least = self._least(places)
+        if least <= limit:
+            return self._part(TOUCHING, low, high, at, "small sigma")
+        return self._part(UNDECIDED, low, high, at, "no enclosure")
+
+    def _least(self, places: Array) -> tuple[float, float]:
+        """The place of least σ, zoomed in around the least sample."""
+        best, least = 0.0, np.inf
+        for _ in range(13):
+            values = _sigma(self.robot, self.task, self._at(places))
+            k = int(values.argmin())
+            if values[k] < least:
+                best, least = float(places[k]), float(values[k])
+            places = np.linspace(places[max(k - 1, 0)], places[min(k + 1, len(places) - 1)], 9)
+        return best, least
 
 
 def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
@@ -60,6 +291,23 @@ def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tole
     higher = [one for one in families if one.corank > 1 and one.equations]
     apart = tuple(one for one in higher if not families_at(plain, robot, one.witness, task, tolerances))
     return (*apart, *plain)
+
+
+def measures(
+    asked: Robot, task: Task, families: Sequence[Family], options: PathOptions, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], tuple[Family, ...], Ruler]:
+    """The families in metres, those that are measured, and what measures them.
+
+    Args:
+        asked: the arm as it was given.
+        task: in metres.
+        families: of `asked`.
+        options, tolerances: of the check.
+    """
+    robot, scaled = in_metres(asked), bool(metre_exponent(asked))
+    every = tuple(family_in_metres(one, asked) if scaled else one for one in families)
+    near = outer(every, robot, task, tolerances)
+    return every, near, Ruler(near, robot, task, limits=options.limits, starts=QUICK)
 
 
 @dataclass
@@ -73,7 +321,8 @@ class Survey:
         asked: the arm as it was given.
         options, tolerances: how it is checked.
         remarks: what could not be worked out.
-        profile: numbers along the path, once `stretches` has been called.
+        families: in metres.
+        profile: numbers along the path.
     """
 
     robot: Robot
@@ -86,35 +335,22 @@ class Survey:
     tolerances: Tolerances
     remarks: tuple[tuple[Remark, Any], ...] = ()
     families: tuple[Family, ...] = ()
-    _spots: list[tuple[Family, Array]] = field(default_factory=list)
+    _spots: list[Family] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        if metre_exponent(self.asked):
-            self.families = tuple(family_in_metres(one, self.asked) for one in self.given)
-        else:
-            self.families = tuple(self.given)
-        self._rank = generic_rank(self.robot, self.task)
-        self._scale = joint_scale(self.robot, self.task)
-        self._limits = rate_limits(self.robot)
-        self._rates = self.path.rates
-        self._near = outer(self.families, self.robot, self.task, self.tolerances)
-        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.options.limits, starts=QUICK)
-        self._feet = np.empty((0, self.robot.n))
-        self.profile = self._profile()
-
-    def _profile(self) -> Profile:
+        robot, task = self.robot, self.task
+        self.families, self._near, self._ruler = measures(self.asked, task, self.given, self.options, self.tolerances)
+        self._rank, self._scale = generic_rank(robot, task), joint_scale(robot, task)
+        self._limits, self._rates = rate_limits(robot), self.path.rates
         positions = self._positions()
         stretch, share = self.path.split(positions)
         q = self.path.at(stretch, share)
         family, distance, self._feet = self._nearest(q, along=True)
-        sigma = singular_values(self.robot, q, self.task)
         rates = np.full(len(q), np.nan)
         if self._rates is not None and np.isfinite(self._limits).any():
             rates = self._share_of_limit(self._rates).max(axis=1)[stretch]
-        return Profile(
-            positions + 1.0, self.path.time(stretch, share), distance, family,
-            sigma[:, self._rank - 1] if self._rank else np.zeros(len(q)), rates, tuple(one.id for one in self._near),
-        )  # fmt: skip
+        self.profile = Profile(positions + 1.0, self.path.time(stretch, share), distance, family,
+                               _sigma(robot, task, q), rates, tuple(one.id for one in self._near))  # fmt: skip
 
     def _share_of_limit(self, rates: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -141,24 +377,23 @@ class Survey:
         feet[rows] = found.foot[rows, family[rows]]
         return family, np.where(np.isfinite(least), least, np.nan), feet
 
-    def stretches(self, crossings: Sequence[Crossing]) -> tuple[Stretch, ...]:
+    def stretches(self, crossings: Sequence[Stretch]) -> tuple[Stretch, ...]:
         """All parts of the path, worst first: by verdict, then by distance."""
         parts = [self._singular(one, with_lost=k < _LOST) for k, one in enumerate(crossings)]
         if len(crossings) > _LOST:
             self.remarks = (*self.remarks, ("lost", (_LOST, len(crossings))))
-        last = len(self.path.control) - 1
-        ends = [(0, 0.0), *(end for one in crossings for end in (one.start, one.end)), (last, 1.0)]
-        gaps = [(ends[i], ends[i + 1]) for i in range(0, len(ends), 2)]
-        free = [part for gap in gaps if self._position(gap[1]) > self._position(gap[0]) for part in self._split_up(gap)]
+        first, last = self.path.place((0, 0.0)), self.path.place((len(self.path.control) - 1, 1.0))
+        ends = [first, *(end for one in crossings for end in (one.start, one.end)), last]
+        gaps = zip(ends[::2], ends[1::2], strict=True)
+        free = [part for start, end in gaps if end.position > start.position for part in self._split_up(start, end)]
         if not crossings and not free:  # the arm stands still in one place
-            free = [((0, 0.0), (last, 1.0), int(self.profile.family[0]), 0)]
-        parts += self._free(free)
-        return tuple(sorted(parts, key=_badness))
+            free = [(first, last, int(self.profile.family[0]), 0)]
+        return tuple(sorted([*parts, *self._free(free)], key=_badness))
 
     def violations(self) -> tuple[Violation, ...]:
         """Joint limits that the path breaks, or may break: the worst rate, and every joint outside its range."""
         robot, control = self.robot, self.path.control
-        over = [self._too_fast(self.path.times)] if self.path.times is not None else []
+        over = [] if (fast := self._too_fast()) is None else [fast]
         reached, bound = largest(control, lambda q: np.maximum(q - robot.upper, robot.lower - q), _BEYOND)
         samples = np.concatenate([control[:, 0], control[-1:, -1]])
         outside = (samples < robot.lower - _BEYOND) | (samples > robot.upper + _BEYOND)
@@ -166,210 +401,174 @@ class Survey:
             proven = bool((reached[:, j] > _BEYOND).any())
             excess, rows = (reached if proven else bound)[:, j], np.flatnonzero(outside[:, j])
             first = int(rows[0] if len(rows) else excess.argmax())
-            place = (first, 0.0) if first < len(control) else (first - 1, 1.0)
-            worst = float(excess.max())
-            over.append(Violation("range", j + 1, self._place_of(place), worst, len(rows), proven, "", np.inf))
-        return tuple(one for one in over if one is not None)
+            place = self.path.place((first, 0.0) if first < len(control) else (first - 1, 1.0))
+            over.append(Violation("range", j + 1, place, float(excess.max()), len(rows), proven, "", np.inf))
+        return tuple(over)
 
-    def _too_fast(self, times: Array) -> Violation | None:
+    def _too_fast(self) -> Violation | None:
         """The largest rate as a multiple of its limit, where it exceeds it."""
-        if not np.isfinite(self._limits).any() or self._rates is None:
+        if self._rates is None or self.path.times is None or not np.isfinite(self._limits).any():
             return None
-        bound = self._share_of_limit(self._rates)
-        reached = bound
+        reached = bound = self._share_of_limit(self._rates)
         if self.path.degree > 1:
-            steps = self.path.degree * np.diff(self.path.control, axis=1) / np.diff(times)[:, None, None]
+            lasts = np.diff(self.path.times)[:, None, None]
+            steps = self.path.degree * np.diff(self.path.control, axis=1) / lasts
             reached, bound = largest(steps, lambda rate: self._share_of_limit(np.abs(rate)), _KEPT)
         proven = bool((reached > _KEPT).any())
         shares = reached if proven else bound
-        stretch, joint = np.unravel_index(int(shares.argmax()), shares.shape)
-        if shares[stretch, joint] <= _KEPT:
+        stretch, joint = (int(k) for k in np.unravel_index(int(shares.argmax()), shares.shape))
+        amount, middle = float(shares[stretch, joint]), np.array([0.5])
+        if amount <= _KEPT:
             return None
-        place = (int(stretch), 0.5)
-        family, distance, _ = self._nearest(self.path.at(np.array([stretch]), np.array([0.5])))
-        known = family[0] >= 0
-        return Violation(
-            "rate", int(joint) + 1, self._place_of(place), float(shares[stretch, joint]), 0, proven,
-            self._near[family[0]].name if known else "", float(distance[0]) if known else np.inf,
-        )  # fmt: skip
+        family, distance, _ = self._nearest(self.path.at(np.array([stretch]), middle))
+        name, far = (self._near[family[0]].name, float(distance[0])) if family[0] >= 0 else ("", np.inf)
+        return Violation("rate", joint + 1, self.path.place((stretch, 0.5)), amount, 0, proven, name, far)
 
-    @staticmethod
-    def _position(place: tuple[int, float]) -> float:
-        return place[0] + place[1]
-
-    def _split_up(
-        self, gap: tuple[tuple[int, float], tuple[int, float]]
-    ) -> Iterator[tuple[tuple[int, float], tuple[int, float], int, int]]:
+    def _split_up(self, start: Place, stop: Place) -> Iterator[tuple[Place, Place, int, int]]:
         """A free part cut where the nearest family changes: start, end, family, index of the nearest place inside."""
-        at, low, high = self.profile.position - 1.0, self._position(gap[0]), self._position(gap[1])
+        at, low, high = self.profile.position, start.position, stop.position
         inside = np.flatnonzero((at >= low) & (at <= high))
         if not len(inside):
             inside = np.array([int(np.abs(at - (low + high) / 2).argmin())])
         family = self.profile.family[inside]
         cuts = [0, *(np.flatnonzero(np.diff(family)) + 1).tolist(), len(inside)]
-        start = gap[0]
         for first, after in pairwise(cuts):
             mine = inside[first:after]
-            if after < len(inside):
-                stretch, share = self.path.split(np.array([(at[inside[after - 1]] + at[inside[after]]) / 2]))
-                end = (int(stretch[0]), float(share[0]))
-            else:
-                end = gap[1]
+            end = stop if after == len(inside) else self._place((at[inside[after - 1]] + at[inside[after]]) / 2 - 1.0)
             far = self.profile.distance[mine]
             values = np.where(np.isnan(far), np.inf, far) if np.isfinite(far).any() else self.profile.sigma[mine]
             yield start, end, int(family[first]), int(mine[int(np.argmin(values))])
             start = end
 
-    def _free(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> list[Stretch]:
+    def _free(self, parts: list[tuple[Place, Place, int, int]]) -> Iterator[Stretch]:
         best = self._zoomed(parts)
-        found = []
         without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
         searched = {k for _, k in without[:_SPOTS]}
         if len(without) > _SPOTS:
             self.remarks = (*self.remarks, ("distances", (_SPOTS, len(without))))
         for k, (start, end, family, row) in enumerate(parts):
             place = self._place(best[k])
-            q = self.path.at(np.array([place[0]]), np.array([place[1]]))[0]
-            name, number, foot, distance = "", "", np.zeros(0), np.inf
+            q, _ = self.path.here(place)
+            number, name, foot, distance = "", "", np.zeros(0), np.inf
             if family >= 0:
                 foot = self._ruler.feet(q[None], family, self._feet[row][None])[0]
                 distance = float(np.linalg.norm((foot - q) / self._scale))
                 number, name = self._near[family].id, self._near[family].name
             elif k in searched:
                 number, name, foot, distance = self._searched(q)
-            closest = Closest(self._place_of(place), q, distance, foot, self._sigma(q), self._weak(place, q))
-            part = Crossing(FREE, start, end, (start, end), place, q, np.zeros(0), 0, False, "covered")
-            found.append(self._stretch(part, number, name, closest))
-        return found
+            sigma = float(_sigma(self.robot, self.task, q))
+            closest = Closest(place, q, distance, foot, sigma, self._shares(place, q, 0)[0])
+            free = Stretch(start, end, (start, end), FREE, closest, "covered", family=number, name=name)
+            yield replace(free, **self._speeds(free))
 
-    def _zoomed(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> Array:
-        """Positions of the closest approaches: grids around the nearest place, finer and finer."""
+    def _zoomed(self, parts: list[tuple[Place, Place, int, int]]) -> Array:
+        """Positions of the closest approaches, from 0: grids around the nearest place, finer and finer."""
         at = self.profile.position - 1.0
-        best = np.array([np.clip(at[k], self._position(a), self._position(b)) for a, b, _, k in parts])
-        low = np.array([max(at[max(k - 1, 0)], self._position(a)) for a, _, _, k in parts])
-        high = np.array([min(at[min(k + 1, len(at) - 1)], self._position(b)) for _, b, _, k in parts])
-        near = self._feet[[k for _, _, _, k in parts]]  # (parts, n)
-        for family in {part[2] for part in parts}:
-            mine = np.flatnonzero([part[2] == family for part in parts])
+        starts = np.array([start.position - 1.0 for start, _, _, _ in parts])
+        ends = np.array([end.position - 1.0 for _, end, _, _ in parts])
+        rows = np.array([part[3] for part in parts], dtype=np.int64)
+        families = np.array([part[2] for part in parts], dtype=np.int64)
+        best = np.clip(at[rows], starts, ends)
+        low = np.maximum(at[np.maximum(rows - 1, 0)], starts)
+        high = np.minimum(at[np.minimum(rows + 1, len(at) - 1)], ends)
+        for family in set(families.tolist()):
+            mine = np.flatnonzero(families == family)
+            near, each = self._feet[rows[mine]].repeat(_NEAR, axis=0), np.arange(len(mine))
             for _ in range(_ZOOMS):
                 grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
                 q = self.path.at(*self.path.split(grid.reshape(-1)))
-                feet = self._ruler.feet(q, family, near[mine].repeat(_NEAR, axis=0))
-                values = np.linalg.norm((feet - q) / self._scale, axis=1)
+                values = np.linalg.norm((self._ruler.feet(q, family, near) - q) / self._scale, axis=1)
                 if np.isnan(values).all():
-                    values = singular_values(self.robot, q, self.task)[:, self._rank - 1]
+                    values = _sigma(self.robot, self.task, q)
                 k = np.where(np.isnan(values), np.inf, values).reshape(grid.shape).argmin(axis=1)
-                rows = np.arange(len(mine))
-                best[mine] = grid[rows, k]
-                low[mine], high[mine] = grid[rows, np.maximum(k - 1, 0)], grid[rows, np.minimum(k + 1, _NEAR - 1)]
+                best[mine] = grid[each, k]
+                low[mine], high[mine] = grid[each, np.maximum(k - 1, 0)], grid[each, np.minimum(k + 1, _NEAR - 1)]
         return best
 
     def _searched(self, q: Array) -> tuple[str, str, Array, float]:
-        """Name, foot and distance of the nearest singular configuration that a search finds."""
+        """Id, name, foot and distance of the nearest singular configuration that a search finds."""
         try:
             nearest = nearest_singularity(
                 self.robot, q, self.task, limits=self.options.limits, tolerances=self.tolerances
             )
         except RankdropError as error:
             self.remarks = (*self.remarks, ("no distance", error.what))
-            return "", "", np.zeros(0), np.inf
+            nearest = None
         if nearest is None:
             return "", "", np.zeros(0), np.inf
         foot = np.array(nearest.q)
-        number, name = self._name_singularity(foot, nearest.corank)
-        return number, name, foot, nearest.distance
+        return *self._name_singularity(foot, nearest.corank), foot, nearest.distance
 
-    def _singular(self, part: Crossing, *, with_lost: bool) -> Stretch:
-        name, number, null = "", "", np.nan
-        lost: tuple[str, ...] = ()
+    def _singular(self, part: Stretch, *, with_lost: bool) -> Stretch:
+        """A part that reaches a singularity, or may, with its family and what is lost."""
+        place, q = part.closest.place, part.closest.q
+        weak, null = self._shares(place, q, part.corank)
+        more: dict[str, Any] = self._speeds(part) | {"null_share": null}
+        closest = replace(part.closest, weak=weak)
         if part.corank:
-            number, name = self._name_singularity(part.q, part.corank)
-            null = self._null_share(part)
+            more["family"], more["name"] = self._name_singularity(q, part.corank)
             if with_lost:
-                framed = lost_seen_from(self.robot, part.q, self.task, part.corank, self.options.frame)
-                lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
-        distance, foot = 0.0, part.q
-        if part.kind == UNDECIDED:
-            family, far, feet = self._nearest(part.q[None])
-            distance, foot = np.inf, np.zeros(0)
+                framed = lost_seen_from(self.robot, q, self.task, part.corank, self.options.frame)
+                length = counted_length(self.asked)
+                more["lost"] = tuple(words(row, framed.name, length) for row in framed.directions)
+        if part.verdict == UNDECIDED:
+            family, far, feet = self._nearest(q[None])
+            closest = replace(closest, distance=np.inf, foot=np.zeros(0))
             if family[0] >= 0:
-                distance, foot = float(far[0]), feet[0]
-                number, name = self._near[family[0]].id, self._near[family[0]].name
-        closest = Closest(
-            self._place_of(part.at), part.q, distance, foot, self._sigma(part.q), self._weak(part.at, part.q)
-        )
-        return self._stretch(part, number, name, closest, lost, null)
+                closest = replace(closest, distance=float(far[0]), foot=feet[0])
+                more["family"], more["name"] = self._near[family[0]].id, self._near[family[0]].name
+        return replace(part, closest=closest, **more)
 
-    def _stretch(
-        self, part: Crossing, family: str, name: str, closest: Closest, lost: tuple[str, ...] = (),
-        null_share: float = np.nan,
-    ) -> Stretch:  # fmt: skip
-        rates, factor, slowest = np.zeros(0), np.nan, 0
-        start, end = part.start, part.end
-        if self._rates is not None:
-            after = end[0] + (end[1] > 0.0 or end[0] == start[0])
-            rates = self._rates[start[0] : max(after, start[0] + 1)].max(axis=0)
-            if np.isfinite(self._limits).any():
-                shares = self._share_of_limit(rates)
-                factor = 1.0 / max(1.0, float(shares.max()))
-                slowest = int(shares.argmax()) + 1 if factor < 1.0 else 0
-        low, high = part.bracket
-        return Stretch(
-            self._place_of(start), self._place_of(end), (self._place_of(low), self._place_of(high)), part.kind, family,
-            name, closest, part.corank, part.lies, part.evidence, part.condition, lost, null_share, rates, factor,
-            slowest,
-        )  # fmt: skip
+    def _speeds(self, part: Stretch) -> dict[str, Any]:
+        """Largest joint rates of a part, and what they mean for the limits."""
+        if self._rates is None:
+            return {}
+        first, last = part.start.row - 1, part.end.row - (part.end.share == 0.0)
+        first = min(first, len(self._rates) - 1)
+        rates = self._rates[first : max(last, first + 1)].max(axis=0)
+        if not np.isfinite(self._limits).any():
+            return {"rates": rates}
+        shares = self._share_of_limit(rates)
+        factor = 1.0 / max(1.0, float(shares.max()))
+        return {"rates": rates, "speed_factor": factor, "slowest": int(shares.argmax()) + 1 if factor < 1.0 else 0}
 
     def _name_singularity(self, q: Array, corank: int) -> tuple[str, str]:
         """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
-        tolerances = self.tolerances
-        found = families_at(self.families, self.robot, q, self.task, tolerances, self.source)
+        found = families_at(self.families, self.robot, q, self.task, self.tolerances, self.source)
         if found and found[0].family.corank >= corank:
-            family = found[0].family
-            return family.id, family.name
-        spots = [local for local, _ in self._spots]
-        again = families_at(spots, self.robot, q, self.task, tolerances)
+            return found[0].family.id, found[0].family.name
+        again = families_at(self._spots, self.robot, q, self.task, self.tolerances)
         if again and again[0].family.corank >= corank:
             return "", again[0].family.name
+        name = found[0].family.name if found else ""
         if len(self._spots) >= _SPOTS:
-            return "", found[0].family.name if found else ""
+            return "", name
         try:
             local = name_on_the_spot(self.robot, q, self.task, corank)
         except RankdropError:  # rounding: q is singular to the tolerance and not to that of its neighbours
-            return "", found[0].family.name if found else ""
-        self._spots.append((local, q))
+            return "", name
+        self._spots.append(local)
         return "", local.name
 
-    def _place_of(self, place: tuple[int, float]) -> Place:
-        """A place for people: the end of a stretch is the beginning of the next."""
-        stretch, share = place
-        time = self.path.time(np.array([stretch]), np.array([share]))
-        stretch, share = (stretch + 1, 0.0) if share == 1.0 else (stretch, share)
-        return Place(stretch + 1, share, None if time is None else float(time[0]))
-
-    def _place(self, position: float) -> tuple[int, float]:
+    def _place(self, position: float) -> Place:
+        """The place at a position counted in stretches from 0."""
         stretch, share = self.path.split(np.array([position]))
-        return int(stretch[0]), float(share[0])
+        return self.path.place((int(stretch[0]), float(share[0])))
 
-    def _sigma(self, q: Array) -> float:
-        return float(singular_values(self.robot, q, self.task)[self._rank - 1]) if self._rank else 0.0
+    def _shares(self, place: Place, q: Array, corank: int) -> tuple[float, float]:
+        """Of the tool's travel along the direction that is lost first; of the joints' motion that does not move it."""
+        travel = self.path.here(place)[1]
+        parts = decompose(self.robot, q, self.task)
+        moved = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0] @ travel
+        size, joints, weak, null = float(np.linalg.norm(moved)), float(np.linalg.norm(travel)), np.nan, np.nan
+        if self._rank and size > 0.0:
+            weak = float(abs(parts.u[:, self._rank - 1] @ moved) / size)
+        if corank and joints > 0.0:
+            null = float(np.linalg.norm(parts.v[:, self._rank - corank : self._rank].T @ travel) / joints)
+        return weak, null
 
-    def _travel(self, place: tuple[int, float]) -> Array:
-        """(n,) direction of the joints' motion."""
-        return np.asarray(self.path.slope(np.array([place[0]]), np.array([place[1]]))[0])
 
-    def _weak(self, place: tuple[int, float], q: Array) -> float:
-        jacobian = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0]
-        travel = jacobian @ self._travel(place)
-        size = float(np.linalg.norm(travel))
-        if not self._rank or size == 0.0:
-            return np.nan
-        return float(abs(decompose(self.robot, q, self.task).u[:, self._rank - 1] @ travel) / size)
-
-    def _null_share(self, part: Crossing) -> float:
-        motion = self._travel(part.at)
-        size = float(np.linalg.norm(motion))
-        if size == 0.0:
-            return np.nan
-        still = decompose(self.robot, part.q, self.task).v[:, self._rank - part.corank : self._rank]
-        return float(np.linalg.norm(still.T @ motion) / size)
+def _badness(stretch: Stretch) -> tuple[object, ...]:
+    """Worst first; free stretches that lead to a crossing say least and come last."""
+    leads = stretch.verdict == FREE and stretch.closest.distance < LEADS
+    return VERDICTS.index(stretch.verdict), leads, stretch.closest.distance, stretch.start

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -38,14 +38,13 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.motion.inverse import Aim, check_axes, rotation
-from rankdrop.motion.text import joint_cells, joint_heads
 from rankdrop.motion.trajectory import csv_text
 from rankdrop.problem import Mask
-from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.solve import newton
-from rankdrop.task import ROWS, Task, resolve_task
+from rankdrop.task import Task, resolve_task
+from rankdrop.text import paths as text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -112,50 +111,16 @@ class Through(Result):
     @property
     def sentence(self) -> str:
         """In words."""
-        k = self.order
-        if self.kind == PASSES:
-            return (f"Trackable through the singularity with s = c t^{k}: the path stands still there for an instant; "
-                    f"at constant speed joint rates grow as |s|^(−{(k or 1) - 1}/{k}).")  # fmt: skip
-        side = "ahead of it" if self.side > 0 else "before it"
-        return {
-            REGULAR: "Not singular: trackable with any smooth time law.",
-            TANGENT: "Trackable through the singularity at any speed: the path is in the image of J to second order.",
-            CORNER: f"Trackable through the singularity with a stop at it, where the joints change direction: s = ± c "
-            f"t^{2 * (k or 1)}.",
-            TURNS: f"Not trackable through: the path is within reach only {side}. With s = c t^{k} the arm reaches the "
-            "singularity and comes back on the path in another posture, at finite joint rates.",
-            NOT: "Not trackable: no joint motion from this configuration follows the path, on either side of it.",
-            UNDECIDED: f"Undecided: nothing is settled by terms up to order {HIGHEST}.",
-        }[self.kind]
+        return text.through_sentence(self, HIGHEST)
 
     def sections(self, *, deg: bool = False) -> Iterator[Section]:
         """For people: the verdict first and last."""
-        yield Section(self.sentence)
-        rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(self.task.rows, self.along, strict=True))
-        lines = [f"path along {rows} [m, rad], {100 * abs(self.outside):.3g} % of it lost to first order"]
-        if len(self.s):
-            ends = f"s = {self.s[0]:.4g} to {self.s[-1]:.4g}"
-            lines.append(f"followed from {ends}: off the path by {self.off:.1e} at most")
-            law = "at path speed 1" if self.kind == TANGENT else f"under the law, in {self.times[-1] * 2:.3g} s"
-            lines.append(f"joint rates {law}: {self.rate:.3g} rad/s at most")
-        if self.exponent:
-            lines.append(f"joint rates at constant path speed grow as |s|^{self.exponent:.3f} (measured)")
-        yield Section(f"{self.robot.name}, {self.task.name}", lines=tuple(minus(x) for x in lines))
-        if len(self.s):
-            yield self._table(deg=deg)
-        yield Section(self.sentence)
+        return text.through_sections(self, deg=deg)
 
     def path_csv(self) -> str:
         """The motion with its times as a file that `rankdrop path` reads [s; rad, m]; empty where there is none."""
         names = [joint.name for joint in self.robot.variables]
         return csv_text(names, self.joints, self.times - self.times[0]) if len(self.s) else ""
-
-    def _table(self, *, deg: bool) -> Section:
-        some = range(0, len(self.s), max(1, len(self.s) // 8))
-        rows = tuple((minus(f"{self.times[i]:.3f}"), minus(f"{self.s[i]:.3e}"),
-                      *joint_cells(self.robot, self.joints[i], deg=deg)) for i in some)  # fmt: skip
-        head = ("t [s]", "s", *joint_heads(self.robot, deg=deg))
-        return Section("The motion", columns=head, rows=rows, texts=())
 
 
 def through(
@@ -195,7 +160,8 @@ def through(
     check_axes(resolved)
     at = one_configuration(robot, q)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
-    length = out_of_metres_factor(robot, resolved, there_task)
+    ratio = float(there_task.scale(there) / resolved.scale(robot))  # rows of a twist in metres and rad
+    length = np.array([ratio if row < 3 else 1.0 for row in resolved.rows])
     direction, curved = (_vector(name, value, resolved) for name, value in (("along", along), ("bend", bend)))
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
@@ -204,23 +170,16 @@ def through(
     return replace(found, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
 
 
-def out_of_metres_factor(robot: Robot, task: Task, there: Task) -> Array:
-    """(m,) by which the rows of a twist in the robot's unit are multiplied to get them in metres and rad."""
-    ratio = float(there.scale(in_metres(robot)) / task.scale(robot))
-    return np.array([ratio if row < 3 else 1.0 for row in task.rows])
-
-
 class _Path:
     """A path at a configuration, everything in scaled joints and scaled rows."""
 
     def __init__(self, robot: Robot, task: Task, q: Array, along: Array, bend: Array) -> None:
         self.robot, self.task, self.q = robot, task, q
         self.scale = joint_scale(robot, task)
-        self.unit = np.array([1.0 / task.scale(robot) if row < 3 else 1.0 for row in task.rows])
+        unit = np.array([1.0 / task.scale(robot) if row < 3 else 1.0 for row in task.rows])
         self.along, self.bend, self.home = along, bend, pose(robot, q)
-        self.xi, self.curve = along * self.unit, bend * self.unit
-        size = float(np.linalg.norm(self.xi))
-        self.size = size
+        self.xi, self.curve = along * unit, bend * unit
+        self.size = float(np.linalg.norm(self.xi))
         self.aim = Aim(robot, task)
         u, sigma, vt = np.linalg.svd(task_jacobian(robot, q, task) * self.scale)
         self.rank = int((sigma > DEFAULT.singular).sum())
@@ -229,7 +188,7 @@ class _Path:
             raise ConfigurationError("the configuration is of corank 2 or more, or the arm is singular everywhere",
                                      got=f"rank {self.rank} of {task.m}", allowed="corank 1 at most")  # fmt: skip
         self.u, self.kernel = u[:, self.rank:][:, :1], vt[self.rank:].T
-        lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
+        lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / self.size)
         self.outside = lost if abs(lost) > _NOTHING else 0.0
 
     def _through(self, kind: str, *rest: Any) -> Through:
@@ -243,24 +202,23 @@ class _Path:
 
     def _leaving(self) -> Through:
         """u·ξ ≠ 0: along the kernel."""
-        q2 = self._quadric() / (2.0 * self.outside * self.size)
-        values, vectors = np.linalg.eigh(q2)
+        values, vectors = np.linalg.eigh(self._quadric / (2.0 * self.outside * self.size))
         if values[0] < -_NOTHING and values[-1] > _NOTHING:
             return self._corner(vectors[:, 0], vectors[:, -1])
-        e = vectors[:, np.argmax(np.abs(values))]
-        sigma, s, joints, off = self._followed(e)
+        sigma, s, joints, off = self._followed(vectors[:, np.argmax(np.abs(values))])
         order = _order(sigma, s, self.size)
         alone = self._alone(values, vectors)  # else other directions of the kernel may do what this one does not
         if order is None:
-            still = float(np.abs(s).max()) * self.size < _CLOSE * 1e3
-            return self._through(NOT if still and alone else UNDECIDED)
+            return self._through(NOT if alone and self._still(s) else UNDECIDED)
         if order % 2 == 0 and not alone:
             return self._through(UNDECIDED)
-        exponent = _exponent(s, joints / self.scale)
-        rate = float(np.abs(np.gradient(joints / self.scale, sigma, axis=0)).max())
-        kind = PASSES if order % 2 else TURNS
-        side = 0 if order % 2 else int(np.sign(s[-1]))
-        return self._through(kind, order, side, sigma, s, joints, off, rate, exponent)
+        rate = float(np.abs(np.gradient(joints, sigma, axis=0)).max())
+        kind, side = (PASSES, 0) if order % 2 else (TURNS, int(np.sign(s[-1])))
+        return self._through(kind, order, side, sigma, s, joints * self.scale, off, rate, _exponent(s, joints))
+
+    def _still(self, s: Array) -> bool:
+        """The tool stays where it is."""
+        return float(np.abs(s).max()) * self.size < _CLOSE * 1e3
 
     def _alone(self, values: Array, vectors: Array) -> bool:
         """Whether the terms of second order, or a kernel of one dimension, say how s goes in every direction.
@@ -271,125 +229,111 @@ class _Path:
         flat = np.flatnonzero(np.abs(values) <= _NOTHING)
         if len(values) == 1 or not len(flat):
             return True
-        if len(flat) > 1:
-            return False
-        _, s, _, _ = self._followed(vectors[:, flat[0]])
-        return float(np.abs(s).max()) * self.size < _CLOSE * 1e3
+        return len(flat) == 1 and self._still(self._followed(vectors[:, flat[0]])[1])
 
     def _corner(self, behind: Array, ahead: Array) -> Through:
         """In along one direction of the kernel, out along another; σ = t², so that the joints rest between."""
-        halves = []
-        for e in (behind, ahead):
-            sigma, s, joints, off = self._followed(e)
-            keep = sigma >= 0.0
-            halves.append((np.sqrt(sigma[keep]), s[keep], joints[keep], off))
-        (t0, s0, q0, off0), (t1, s1, q1, off1) = halves
-        times, s = np.concatenate([-t0[::-1], t1[1:]]), np.concatenate([s0[::-1], s1[1:]])
+        (_, s0, q0, off0), (sigma, s1, q1, off1) = map(self._followed, (behind, ahead))
+        keep = sigma >= 0.0
+        t = np.sqrt(sigma[keep])
+        s0, q0, s1, q1 = s0[keep], q0[keep], s1[keep], q1[keep]
+        times, s = np.concatenate([-t[::-1], t[1:]]), np.concatenate([s0[::-1], s1[1:]])
         joints = np.concatenate([q0[::-1], q1[1:]])
-        rate = float(np.abs(np.diff(joints / self.scale, axis=0) / np.diff(times)[:, None]).max())
-        return self._through(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
+        rate = float(np.abs(np.diff(joints, axis=0) / np.diff(times)[:, None]).max())
+        return self._through(CORNER, 2, 0, times, s, joints * self.scale, max(off0, off1), rate, _exponent(s1, q1))
 
     def _tangent(self) -> Through:
         """u·ξ = 0: the quadric decides."""
         jacobian = task_jacobian(self.robot, self.q, self.task) * self.scale
         particular = np.linalg.lstsq(jacobian, self.xi, rcond=DEFAULT.singular)[0]
-        bracket = self._second()
-        linear = 0.5 * (np.einsum("ik,i->k", np.einsum("ijk,j->ik", bracket, particular), self.u[:, 0])
-                        + np.einsum("ij,i->j", np.einsum("ijk,k->ij", bracket, particular), self.u[:, 0]))  # fmt: skip
-        b = self.kernel.T @ linear
-        g = float(self.u[:, 0] @ (np.einsum("ijk,j,k->i", bracket, particular, particular) - self.curve))
-        for mu in _on_quadric(self._quadric(), b, g):
+        bent = np.einsum("ijk,i->jk", self._second, self.u[:, 0])
+        b = self.kernel.T @ (0.5 * (bent + bent.T) @ particular)
+        g = float(particular @ bent @ particular - self.u[:, 0] @ self.curve)
+        points = _on_quadric(self._quadric, b, g)
+        for mu in points:
             found = self._at_speed(particular + self.kernel @ mu)
             if found is not None:
                 return found
-        return self._through(NOT if _none(self._quadric(), b, g) else UNDECIDED)
+        return self._through(UNDECIDED if points else NOT)
 
     def _at_speed(self, slope: Array) -> Through | None:
         """The path followed at constant speed from a first guess of dq/ds; None where it is not followed."""
+        n = self.robot.n
         span = _SPAN / max(1.0, float(np.linalg.norm(slope)))
-        steps = span * np.arange(1, _POINTS + 1) / _POINTS
-        sides = []
-        for sign in (-1.0, 1.0):
-            rows: list[Array] = []
-            q, before, last = self.q / self.scale, slope * sign, 0.0
-            for step in steps:
-                solved = self._solved(q + (step - last) * before, sign * step)
-                if solved is None:
-                    return None
-                q, before, last = solved, (solved - q) / (step - last), step
-                rows.append(q)
-            sides.append(np.array(rows))
-        joints = np.concatenate([sides[0][::-1], self.q[None] / self.scale, sides[1]])
-        s = np.concatenate([-steps[::-1], [0.0], steps])
+        only_s = np.append(np.zeros(n), 1.0)[None]
+        s, y, solved = self._curve(span, only_s, np.array([self.size]), np.append(slope, self.size))
+        joints = y[:, :n]
         rates = np.diff(joints, axis=0) / np.diff(s)[:, None]
-        if np.abs(np.diff(rates, axis=0)).max() > 0.5 * (1.0 + np.abs(rates).max()):
-            return None  # another branch was caught
-        return self._through(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()))
-
-    def _solved(self, q: Array, s: float) -> Array | None:
-        """Configuration at s near a first guess, by Newton's method with least change."""
-        target = self._target(s)
-
-        def missed(q: Array) -> tuple[Mask, Array, Array]:
-            e = self.aim.error(target, q * self.scale)
-            slope = task_jacobian(self.robot, q * self.scale, self.task) * self.scale
-            return np.linalg.norm(e, axis=1) > _CLOSE, -e, slope
-
-        found = newton(missed, q[None], iterations=_MOST, step=np.inf, cut=1e-12)
-        return None if missed(found)[0][0] else np.asarray(found[0])
+        if not solved or np.abs(np.diff(rates, axis=0)).max() > 0.5 * (1.0 + np.abs(rates).max()):
+            return None  # not followed, or another branch was caught
+        off, rate = self._off(joints, s), float(np.abs(rates).max())
+        return self._through(TANGENT, 1, 0, s, s, joints * self.scale, off, rate)
 
     def _followed(self, e: Array) -> tuple[Array, Array, Array, float]:
-        """σ, s, joints on the curve whose kernel part is σ e, and the deviation from the path; s(0) = 0."""
-        steps = _SPAN * np.arange(1, _POINTS + 1) / _POINTS
-        sides = []
-        for sign in (-1.0, 1.0):
-            y, rows = np.append(self.q / self.scale, 0.0), []
-            for step in steps:
-                y = self._corrected(y, sign * step * e)
-                rows.append(y)
-            sides.append(np.array(rows))
-        y = np.concatenate([sides[0][::-1], np.append(self.q / self.scale, 0.0)[None], sides[1]])
-        sigma = np.concatenate([-steps[::-1], [0.0], steps])
+        """σ, s, scaled joints on the curve whose kernel part is σ e, and the deviation from the path; s(0) = 0."""
+        rows = np.hstack([self.kernel.T, np.zeros((self.kernel.shape[1], 1))])
+        sigma, y, _ = self._curve(_SPAN, rows, e, np.zeros(self.robot.n + 1))
         joints, s = y[:, :-1], y[:, -1] / self.size
-        return sigma, s, joints * self.scale, self._off(joints, s)
+        return sigma, s, joints, self._off(joints, s)
 
-    def _corrected(self, y: Array, wanted: Array) -> Array:
-        """Newton's method on: the tool is on the path at s, and the kernel part of q − q(0) is as wanted."""
-        n = self.robot.n
+    def _curve(self, span: float, rows: Array, way: Array, slope: Array) -> tuple[Array, Array, bool]:
+        """The path followed to both sides, y = (scaled joints, s |ξ|), with C (y − y(0)) = σ w.
 
-        def missed(rows: Array) -> tuple[Mask, Array, Array]:
-            y = rows[0]
-            q, s = y[:n] * self.scale, y[n] / self.size
-            e = np.concatenate([self.aim.error(self._target(s), q[None])[0],
-                                wanted - self.kernel.T @ (y[:n] - self.q / self.scale)])  # fmt: skip
-            slope = -(self.xi + s * self.curve)[:, None] / self.size
-            top = np.hstack([task_jacobian(self.robot, q, self.task) * self.scale, slope])
-            bottom = np.hstack([self.kernel.T, np.zeros((self.kernel.shape[1], 1))])
-            return np.array([np.linalg.norm(e) > _CLOSE]), -e[None], np.vstack([top, bottom])[None]
+        Args:
+            span: of σ to either side.
+            rows, way: C and w.
+            slope: first guess of dy/dσ; zero: each point is begun at the one before it.
 
-        return np.asarray(newton(missed, y[None], iterations=_MOST, step=np.inf, cut=1e-13)[0])
+        Returns:
+            (K,) σ and (K, n + 1) y, and whether every point was reached.
+        """
+        start = np.append(self.q / self.scale, 0.0)
+        steps = span * np.arange(1, _POINTS + 1) / _POINTS
+        sides, solved = [], True
+        for sign in (-1.0, 1.0):
+            y, before, last, side = start, sign * slope, 0.0, []
+            for step in steps.tolist():
+                missed = partial(self._missed, rows, rows @ start + sign * step * way)
+                made = newton(missed, (y + (step - last) * before)[None], iterations=_MOST, step=np.inf, cut=1e-13)[0]
+                solved = solved and not missed(made[None])[0][0]
+                before = (made - y) / (step - last) if slope.any() else before
+                y, last = made, step
+                side.append(y)
+            sides.append(side)
+        sigma = np.concatenate([-steps[::-1], [0.0], steps])
+        return sigma, np.array([*sides[0][::-1], start, *sides[1]]), solved
+
+    def _missed(self, rows: Array, wanted: Array, guesses: Array) -> tuple[Mask, Array, Array]:
+        """What is missing at y (1, n + 1): the tool is on the path at s, and C y is as wanted."""
+        y = guesses[0]
+        q, s = y[:-1] * self.scale, np.array([y[-1] / self.size])
+        e = np.concatenate([self.aim.error(self._target(s), q[None])[0], wanted - rows @ y])
+        slope = -(self.xi + s * self.curve)[:, None] / self.size
+        top = np.hstack([task_jacobian(self.robot, q, self.task) * self.scale, slope])
+        return np.array([np.linalg.norm(e) > _CLOSE]), -e[None], np.vstack([top, rows])[None]
 
     def _off(self, joints: Array, s: Array) -> float:
         """Largest distance of the tool from the path, in the rows of the task."""
-        gaps = (self.aim.error(self._target(float(x)), (q * self.scale)[None])[0]
-                for q, x in zip(joints, s, strict=True))  # fmt: skip
-        return max(float(np.linalg.norm(gap)) for gap in gaps)
+        return float(np.linalg.norm(self.aim.error(self._target(s), joints * self.scale), axis=1).max())
 
-    def _target(self, s: float) -> Array:
-        six = np.zeros(6)
-        six[list(self.task.rows)] = s * self.along + 0.5 * s * s * self.bend
-        found = self.home.copy()
-        found[:3, 3] += six[:3]
-        found[:3, :3] = rotation(six[None, 3:])[0] @ self.home[:3, :3]
+    def _target(self, s: Array) -> Array:
+        """(N, 4, 4) poses of the path."""
+        six, s = np.zeros((len(s), 6)), s[:, None]
+        six[:, list(self.task.rows)] = s * self.along + 0.5 * s * s * self.bend
+        found = np.repeat(self.home[None], len(s), axis=0)
+        found[:, :3, 3] += six[:, :3]
+        found[:, :3, :3] = rotation(six[:, 3:]) @ self.home[:3, :3]
         return found
 
+    @cached_property
     def _second(self) -> Array:
         """(m, n, n) dJ[:, j]/dq_k in scaled rows and joints."""
         return np.asarray(task_jacobian_derivative(self.robot, self.q, self.task) * self.scale[:, None] * self.scale)
 
+    @cached_property
     def _quadric(self) -> Array:
         """Q, symmetric, on the kernel."""
-        whole = np.einsum("ijk,i->jk", self._second(), self.u[:, 0])
+        whole = np.einsum("ijk,i->jk", self._second, self.u[:, 0])
         return np.asarray(self.kernel.T @ (0.5 * (whole + whole.T)) @ self.kernel)
 
 
@@ -407,18 +351,6 @@ def _on_quadric(q: Array, b: Array, g: float) -> list[Array]:
         return [centre]
     fitting = [i for i in np.flatnonzero(there) if values[i] * left < 0.0]
     return [centre + sign * np.sqrt(-left / values[i]) * vectors[:, i] for i in fitting for sign in (1.0, -1.0)]
-
-
-def _none(q: Array, b: Array, g: float) -> bool:
-    """Whether it is clear that the quadric has no real point."""
-    values, vectors = np.linalg.eigh(q)
-    there = np.abs(values) > _NOTHING
-    if not there.any():
-        return bool(np.linalg.norm(b) <= _NOTHING < abs(g))
-    part = (vectors[:, there].T @ b) / values[there]
-    left = g - float(part**2 @ values[there])
-    flat = float(np.linalg.norm(vectors[:, ~there].T @ b))
-    return bool(flat <= _NOTHING < abs(left) and (values[there] * left > 0.0).all())
 
 
 def _order(sigma: Array, s: Array, size: float) -> int | None:

@@ -351,23 +351,17 @@ class Arm:
         The joint before the link is fixed in it; on that side a joint carries those before it, not itself.
         """
         f = self._f
-        zero, reach, at, total = f.arb(0), [], [f.arb(0)] * 3, f.arb(0)
-        for i in side:
-            out = self._travel(i, region)
-            total = total + _norm([x - y for x, y in zip(points[i], at, strict=True)]) + (out if sign < 0 else zero)
-            at = points[i]
-            reach.append(total)
-            total = total + (out if sign > 0 else zero)
+        zero = f.arb(0)
+        reach = self._reach(side, sign, points, region)
         grown = []
         for place, i in enumerate(side):
             times = place + 1 if sign > 0 else place
-            column = over[0][i].entries()
             if self.links[i].kind == SLIDE:
                 wide = [times * angle / self._length] * 3 + [zero] * 3
             else:
                 around = reach[place] + (times + moves) * shift + self._foot(i, points[i]) + self._pitch(i)
                 wide = [times * (shift + angle * around) + moves * shift] * 3 + [times * angle] * 3
-            grown.append(f.arb_mat(6, 1, [x + _ball(f.arb, zero, y) for x, y in zip(column, wide, strict=True)]))
+            grown.append(over[0][i] + f.arb_mat(6, 1, [_ball(f.arb, zero, x) for x in wide]))
         for place, i in enumerate(side):
             beyond = range(place if sign > 0 else place + 1, len(side))
             if not len(beyond):
@@ -382,9 +376,17 @@ class Arm:
             yield self._motions_at(points[i], motion, slack + 2 * self._foot(i, points[i])), carried
         if moves and side:
             every = _sum([grown[k] * weights[side[k]] for k in range(len(side))])
-            none, one = [zero] * 6, f.arb(1)
-            units = [[one if r == k else zero for r in range(6)] for k in range(3)]
-            yield [none, none, none, *units], every
+            yield [[zero] * 6] * 3 + self.unit().tolist()[:3], every
+
+    def _reach(self, side: list[int], sign: int, points: list[list[Interval]], region: Region) -> list[Interval]:
+        """How far the point of each joint of a side can be from the link's point, along the polygon of the points."""
+        reach, at, total = [], [self._f.arb(0)] * 3, self._f.arb(0)
+        for i in side:
+            out = self._travel(i, region)
+            total += _norm([x - y for x, y in zip(points[i], at, strict=True)])
+            reach.append(total if sign > 0 else total + out)
+            at, total = points[i], total + out
+        return reach
 
     def _travel(self, i: int, region: Region) -> Interval:
         """How far a joint carries along its axis, in lengths."""

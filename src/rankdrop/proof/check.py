@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.proof.arm import BITS, Arm, Interval, Region, flint
-from rankdrop.proof.covers import Boxes, corank_of
+from rankdrop.proof.covers import corank_of, verify_covering
 from rankdrop.proof.existence import verify_existence
 from rankdrop.proof.minors import verify_in_minors
 from rankdrop.proof.record import (
@@ -220,13 +220,12 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         sentence += f"; joint{many} may stand anywhere" if fixed else ""
         lines += [f"q = {_values(claim.entries['q'])}", *_state_scale(claim)]
     elif claim.kind == COVERING:
-        boxes = Boxes(check)
-        how = boxes.verify()
-        if not boxes.tree.free_boxes:
+        tree, how = verify_covering(check)
+        if not tree.free_boxes:
             raise Unproven("the covering leaves out no box: nothing is claimed")
         where = "joint limits" if claim.entries["limits"] else "joint space"
         sentence = (f"every configuration of the {where} with a rank below {claim.rank} is in one of the "
-                    f"{boxes.tree.leaves:,} boxes of {claim.entries['file']}")  # fmt: skip
+                    f"{tree.leaves:,} boxes of {claim.entries['file']}")  # fmt: skip
         lines += _state_ranges(claim)
     else:
         others = verify_path(check)

@@ -109,128 +109,129 @@ def corank_of(claim: Claim) -> int:
     return int(claim.entries.get("corank", 1))  # certificates of 0.2.0 do not have it
 
 
-class Boxes:
-    """The boxes that a covering leaves out.
+def verify_covering(check: Check) -> tuple[BitTree, str]:
+    """All boxes that a covering leaves out are free; the covering, and how many were proven in which way, in words.
 
-    Attributes:
-        plan, tree: the covering.
+    Raises:
+        Unproven: a box that is not confirmed, or boxes that were not looked at.
+        Refused: the journal cannot be read, or is that of another certificate.
     """
+    plan, tree = open_covering(check.claim)
+    check_ranges(check.claim, check.arm.moving)
+    work, count = check.work, tree.free_boxes
+    sample = work.sample
+    if sample is None or sample >= count:
+        return tree, _verify_all(check, plan, tree)
+    for place, box in enumerate(_choose(tree, sample)):
+        work.report(place, sample)
+        _check_box(check, plan, *box)
+    raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not looked at")
 
-    def __init__(self, check: Check) -> None:
-        self._check = check
-        self.plan, self.tree = open_covering(check.claim)
-        check_ranges(check.claim, check.arm.moving)
 
-    def verify(self) -> str:
-        """All boxes are free; how many were proven in which way, in words.
+def _choose(tree: BitTree, sample: int) -> Iterator[tuple[int, list[int]]]:
+    count = tree.free_boxes
+    numbers = np.sort(np.random.default_rng(0).choice(count, min(sample, count), replace=False))
+    begin = 0
+    for level, cells in tree.free():
+        inside = numbers[(numbers >= begin) & (numbers < begin + len(cells))] - begin
+        yield from ((level, cell) for cell in cells[inside].tolist())
+        begin += len(cells)
 
-        Raises:
-            Unproven: a box that is not confirmed, or boxes that were not looked at.
-            Refused: the journal cannot be read, or is that of another certificate.
-        """
-        work, count = self._check.work, self.tree.free_boxes
-        sample = work.sample
-        if sample is None or sample >= count:
-            return self._all()
-        for place, box in enumerate(self._chosen(sample)):
-            work.report(place, sample)
-            self._check_box(*box)
-        raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not looked at")
 
-    def _chosen(self, sample: int) -> Iterator[tuple[int, list[int]]]:
-        count = self.tree.free_boxes
-        numbers = np.sort(np.random.default_rng(0).choice(count, min(sample, count), replace=False))
-        begin = 0
-        for level, cells in self.tree.free():
-            inside = numbers[(numbers >= begin) & (numbers < begin + len(cells))] - begin
-            yield from ((level, cell) for cell in cells[inside].tolist())
-            begin += len(cells)
+def _is_free(check: Check, plan: Plan, level: int, cell: list[int], parts: int = _PARTS) -> bool:
+    """Is a box free, whole or in so many parts?"""
+    depth = plan.depth
+    start = Cell(tuple(cell), tuple(min(level, most) for most in depth))
+    return prove_free(
+        lambda part: check.keeps_rank(region_of(plan, check.claim.variables, part)), start,
+        lambda part: min(range(len(depth)), key=lambda j: part.level[j] - depth[j]), parts=parts, deepest=_DEEPEST,
+    )  # fmt: skip
 
-    def _free(self, check: Check, level: int, cell: list[int], parts: int = _PARTS) -> bool:
-        """Is a box free, whole or in so many parts?"""
-        depth = self.plan.depth
-        start = Cell(tuple(cell), tuple(min(level, most) for most in depth))
-        return prove_free(
-            lambda part: check.keeps_rank(self._region(part)), start,
-            lambda part: min(range(len(depth)), key=lambda j: part.level[j] - depth[j]), parts=parts, deepest=_DEEPEST,
-        )  # fmt: skip
 
-    def _region(self, cell: Cell) -> Region:
-        f, variables = flint(), self._check.claim.variables
-        centre: list[Interval] = [f.arb(0)] * variables
-        half: list[Interval] = [f.arb(0)] * variables
-        for place, j in enumerate(self.plan.variables):
-            low, high = f.arb(self.plan.lower[place]), f.arb(self.plan.upper[place])
-            width = (high - low) / 2 ** (cell.level[place] + 1)
-            centre[j - 1] = low + (2 * cell.index[place] + 1) * width
-            half[j - 1] = width + _SEAM
-        return Region(centre, half)
+def region_of(plan: Plan, variables: int, cell: Cell) -> Region:
+    """The configurations of a box, a little wider: a whole turn of doubles is shorter than 2π."""
+    f = flint()
+    centre: list[Interval] = [f.arb(0)] * variables
+    half: list[Interval] = [f.arb(0)] * variables
+    for place, j in enumerate(plan.variables):
+        low, high = f.arb(plan.lower[place]), f.arb(plan.upper[place])
+        width = (high - low) / 2 ** (cell.level[place] + 1)
+        centre[j - 1] = low + (2 * cell.index[place] + 1) * width
+        half[j - 1] = width + _SEAM
+    return Region(centre, half)
 
-    def _check_box(self, level: int, cell: list[int]) -> None:
-        if not self._free(self._check, level, cell):
-            raise Unproven("a box that the covering leaves out could not be proven free again")
 
-    def _across(self) -> str:
-        """How many of some boxes, chosen at random, few enclosures prove as well."""
-        few = Check(self._check.arm, self._check.claim, Work(ACROSS * _FEW * 3))
-        free = [self._free(few, *box, _FEW) for box in self._chosen(ACROSS)]
-        self._check.work.done += few.work.done
-        return f"{sum(free)} of {len(free)} chosen at random by {few.work.done:,} enclosures too"
+def _check_box(check: Check, plan: Plan, level: int, cell: list[int]) -> None:
+    if not _is_free(check, plan, level, cell):
+        raise Unproven("a box that the covering leaves out could not be proven free again")
 
-    def _all(self) -> str:
-        check, plan, work, count = self._check, self.plan, self._check.work, self.tree.free_boxes
-        claim, split = check.claim, None
-        if claim.tolerance is None and applies(check.arm, claim.whole_rows, claim.rank):
-            places = [j - 1 for j in plan.variables]
-            split = Determinant(check.arm, claim.whole_rows, places, plan.lower, plan.upper, _SEAM)
-        elif count > work.most and not work.every:
-            hours = count * _MILLISECONDS / 3.6e6
-            raise Unproven(
-                f"not begun: {count:,} free boxes take more than the {work.most:,} enclosures allowed, "
-                f"about {hours:,.1f} hours; ask for all of them (--all), or for some (--sample)"
-            )
-        if work.every:
-            work.most = max(work.most, 1 << 62)
-        journal = None if work.journal is None else _Journal(work.journal, claim.record["sha256"], count)
-        try:
-            earlier, remaining = self._prove(split, journal)
-        finally:
-            if journal is not None:
-                journal.file.close()
-        ways = [f"{earlier:,} of them in an earlier run, as the journal says"] if earlier else []
-        if split is not None:
-            rest = f" and {remaining:,} by enclosures" if remaining else ""
-            ways += [f"{count - earlier - remaining:,} by the determinant in Bernstein form{rest}"]
-        across = f"; {self._across()}" if split is not None else ""
-        return f"{count:,} free boxes proven again{': ' * bool(ways)}{', '.join(ways)}{across}"
 
-    def _prove(self, split: Determinant | None, journal: _Journal | None) -> tuple[int, int]:
-        """Prove every box that a journal does not have: how many it had, and how many were left to enclosures."""
-        work, depth = self._check.work, self.plan.depth
-        known = 0 if journal is None else journal.known
-        begin, earlier, remaining = 0, 0, 0
-        for level, cells in self.tree.free():
-            end = begin + len(cells)
-            if end <= known:
-                begin, earlier = end, end
-                continue
-            work.report(begin, self.tree.free_boxes)
+def _check_across(check: Check, plan: Plan, tree: BitTree) -> str:
+    """How many of some boxes, chosen at random, few enclosures prove as well."""
+    few = Check(check.arm, check.claim, Work(ACROSS * _FEW * 3))
+    free = [_is_free(few, plan, *box, _FEW) for box in _choose(tree, ACROSS)]
+    check.work.done += few.work.done
+    return f"{sum(free)} of {len(free)} chosen at random by {few.work.done:,} enclosures too"
+
+
+def _verify_all(check: Check, plan: Plan, tree: BitTree) -> str:
+    work, count, claim = check.work, tree.free_boxes, check.claim
+    split = None
+    if claim.tolerance is None and applies(check.arm, claim.whole_rows, claim.rank):
+        places = [j - 1 for j in plan.variables]
+        split = Determinant(check.arm, claim.whole_rows, places, plan.lower, plan.upper, _SEAM)
+    elif count > work.most and not work.every:
+        hours = count * _MILLISECONDS / 3.6e6
+        raise Unproven(
+            f"not begun: {count:,} free boxes take more than the {work.most:,} enclosures allowed, "
+            f"about {hours:,.1f} hours; ask for all of them (--all), or for some (--sample)"
+        )
+    if work.every:
+        work.most = max(work.most, 1 << 62)
+    journal = None if work.journal is None else _Journal(work.journal, claim.record["sha256"], count)
+    try:
+        earlier, remaining = _prove_boxes(check, plan, tree, split, journal)
+    finally:
+        if journal is not None:
+            journal.file.close()
+    ways = [f"{earlier:,} of them in an earlier run, as the journal says"] if earlier else []
+    across = ""
+    if split is not None:
+        rest = f" and {remaining:,} by enclosures" if remaining else ""
+        ways += [f"{count - earlier - remaining:,} by the determinant in Bernstein form{rest}"]
+        across = f"; {_check_across(check, plan, tree)}"
+    return f"{count:,} free boxes proven again{': ' * bool(ways)}{', '.join(ways)}{across}"
+
+
+def _prove_boxes(
+    check: Check, plan: Plan, tree: BitTree, split: Determinant | None, journal: _Journal | None
+) -> tuple[int, int]:
+    """Prove every box that a journal does not have: how many it had, and how many were left to enclosures."""
+    work = check.work
+    known = 0 if journal is None else journal.known
+    begin, earlier, remaining = 0, 0, 0
+    for level, cells in tree.free():
+        end = begin + len(cells)
+        if end <= known:
+            begin, earlier = end, end
+            continue
+        work.report(begin, tree.free_boxes)
+        if split is None:
+            free = np.arange(begin, end) < known
+            earlier += int(free.sum())
+        else:
+            free = split.free([min(level, most) for most in plan.depth], cells.astype(np.int64))
+            remaining += int((~free).sum())
+        for number, place in enumerate(np.flatnonzero(~free).tolist(), start=1):
+            _check_box(check, plan, level, cells[place].tolist())
             if split is None:
-                free = np.arange(begin, end) < known
-                earlier += int(free.sum())
-            else:
-                free = split.free([min(level, most) for most in depth], cells.astype(np.int64))
-                remaining += int((~free).sum())
-            for number, place in enumerate(np.flatnonzero(~free).tolist(), start=1):
-                self._check_box(level, cells[place].tolist())
-                if split is None:
-                    work.report(begin + place + 1, self.tree.free_boxes)
-                    if journal is not None and number % _OFTEN == 0:
-                        journal.add(begin + place + 1)
-            begin = end
-            if journal is not None:
-                journal.add(begin)
-        return earlier, remaining
+                work.report(begin + place + 1, tree.free_boxes)
+                if journal is not None and number % _OFTEN == 0:
+                    journal.add(begin + place + 1)
+        begin = end
+        if journal is not None:
+            journal.add(begin)
+    return earlier, remaining
 
 
 class _Journal:

@@ -30,6 +30,7 @@ _TRIED = 8  # configurations at which the polynomial is held against the determi
 _DEGREE = 2
 _HALVINGS, _PARTS = 4, 1 << 18  # of boxes that are not proven free whole: along every variable, and of all of them
 _MOST = 1 << 22  # numbers of a table made at one go
+_FINEST = 14  # halvings of a range, at most: a table holds every part of it
 
 
 def applies(arm: Arm, rows: list[int], rank: int) -> bool:
@@ -84,7 +85,9 @@ class Determinant:
         return found
 
     def _prove_whole_boxes(self, levels: list[int], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
-        if not len(cells) or not all(self._half(j, level) < _WIDEST for j, level in enumerate(levels)):
+        if not len(cells) or max(levels) > _FINEST:
+            return np.zeros(len(cells), dtype=np.bool_)
+        if not all(self._half(j, level) < _WIDEST for j, level in enumerate(levels)):
             return np.zeros(len(cells), dtype=np.bool_)
         least, most, lost = self.bounds(levels, cells)
         return np.asarray((least > lost) | (most < -lost))
@@ -185,12 +188,18 @@ def _coefficients(arm: Arm, rows: list[int], places: list[int], degrees: list[in
     for degree in degrees:  # one variable after the other: it goes from the front to the back
         size = 2 * degree + 1
         table = f.arb_mat(size, len(values) // size, values)
-        nodes = _nodes(degree)
-        waves = [[f.arb(1) / size] * size]
-        for k in range(1, degree + 1):
-            waves += [[2 * (k * x).cos() / size for x in nodes], [2 * (k * x).sin() / size for x in nodes]]
-        values = (f.arb_mat(waves) * table).transpose().entries()
+        waves = f.arb_mat([_waves(x, degree, 0.5) for x in _nodes(degree)]) * (f.arb(2) / size)
+        values = (table.transpose() * waves).entries()
     return list(values)
+
+
+def _waves(x: Interval, degree: int, first: float = 1.0) -> list[Interval]:
+    """1, cos, sin, cos 2, sin 2 of an angle; `first` in place of 1."""
+    found = [flint().arb(first)]
+    for k in range(1, degree + 1):
+        sine, cosine = (k * x).sin_cos()
+        found += [cosine, sine]
+    return found
 
 
 def _check(arm: Arm, rows: list[int], places: list[int], degrees: list[int], coefficients: list[Interval]) -> None:
@@ -205,11 +214,8 @@ def _check(arm: Arm, rows: list[int], places: list[int], degrees: list[int], coe
         values = coefficients
         for place, degree in zip(places, degrees, strict=True):
             size = 2 * degree + 1
-            waves = [f.arb(1)]
-            for k in range(1, degree + 1):
-                waves += [(k * q[place]).cos(), (k * q[place]).sin()]
             table = f.arb_mat(size, len(values) // size, values)
-            values = (f.arb_mat([waves]) * table).entries()
+            values = (f.arb_mat([_waves(q[place], degree)]) * table).entries()
         if not values[0].overlaps(arm.determinant(q, rows)):
             raise Unproven("the determinant of this arm is no trigonometric polynomial of the degree looked for")
 

@@ -164,17 +164,14 @@ class _Exact(Arm):
             for x in points
         ]  # fmt: skip
         inverse = f.fmpq_mat([[x**k for k in range(degree + 1)] for x in points]).inv()
-        divisor = None
+        divisor = f.fmpz_poly([0])
         for rows, columns in product(*(combinations(range(n), rank) for n in (len(self._claim.rows), len(given)))):
             values = [f.fmpq_mat([[table[r][c] for c in columns] for r in rows]).det() * size
                       for table, size in zip(tables, scale, strict=True)]  # fmt: skip
-            if not any(values):
-                continue
-            wave = f.fmpq_poly((inverse * f.fmpq_mat([[one] for one in values])).entries()).numer()
-            divisor = wave if divisor is None else divisor.gcd(wave)
+            divisor = divisor.gcd(f.fmpq_poly((inverse * f.fmpq_mat([[one] for one in values])).entries()).numer())
             if divisor.degree() == 0:
                 return None
-        if divisor is None or divisor(f.fmpq(0)) == 0:
+        if divisor(f.fmpq(0)) == 0:
             return 0.0
         return self._root(divisor, float(square.p) / float(square.q), radius)
 

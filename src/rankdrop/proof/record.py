@@ -162,53 +162,32 @@ def seal(record: Record) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def text(value: Any, where: str) -> str:
-    """A text of reasonable length, without signs that break a line or steer a terminal."""
-    if not isinstance(value, str) or len(value) > 1000 or not value.isprintable():
-        raise ValueError(f"{where}: a text of one line")
-    return value
+def require(allowed: str, test: Callable[[Any], bool], made: Callable[[Any], Any] = lambda value: value) -> Reader:
+    """What passes a test; `allowed` says which values do, `made` is what becomes of them."""
 
-
-def flag(value: Any, where: str) -> bool:
-    """True or false."""
-    if not isinstance(value, bool):
-        raise ValueError(f"{where}: true or false")
-    return value
-
-
-def one_of(*allowed: str) -> Reader:
-    """One of some words."""
-
-    def read(value: Any, where: str) -> str:
-        if not isinstance(value, str) or value not in allowed:
-            raise ValueError(f"{where}: one of {', '.join(allowed)}")
-        return value
+    def read(value: Any, where: str) -> Any:
+        if not test(value):
+            raise ValueError(f"{where}: {allowed}")
+        return made(value)
 
     return read
+
+
+def one_of(*words: str) -> Reader:
+    """One of some words."""
+    return require(f"one of {', '.join(words)}", lambda value: isinstance(value, str) and value in words)
 
 
 def number(low: float = -_BIGGEST, high: float = _BIGGEST, above: float | None = None) -> Reader:
     """A finite number from `low` to `high`, or above a bound."""
-
-    def read(value: Any, where: str) -> float:
-        good = isinstance(value, int | float) and not isinstance(value, bool) and low <= value <= high
-        if not good or (above is not None and not value > above):
-            begin = f"from {low:g}" if above is None else f"above {above:g}"
-            raise ValueError(f"{where}: a number {begin} to {high:g}")
-        return float(value)
-
-    return read
+    begin, least = (f"from {low:g}", low) if above is None else (f"above {above:g}", np.nextafter(above, high))
+    return require(f"a number {begin} to {high:g}",
+                lambda value: type(value) in (int, float) and least <= value <= high, float)  # fmt: skip
 
 
 def whole(low: int, high: int) -> Reader:
     """A whole number from `low` to `high`."""
-
-    def read(value: Any, where: str) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-            raise ValueError(f"{where}: a whole number from {low} to {high}")
-        return value
-
-    return read
+    return require(f"a whole number from {low} to {high}", lambda value: type(value) is int and low <= value <= high)
 
 
 def maybe(reader: Reader) -> Reader:
@@ -270,20 +249,18 @@ def _place(value: Any, where: str) -> tuple[int, float]:
     return whole(0, 1 << 40)(stretch, where), number(0.0, 1.0)(share, where)
 
 
-def _tree(value: Any, where: str) -> str:
-    if not isinstance(value, str) or len(value) > TREE:
-        raise ValueError(f"{where}: a text of at most {TREE:,} letters")
-    return value
-
-
+_line = require(
+    "a text of one line", lambda value: isinstance(value, str) and len(value) <= 1000 and value.isprintable()
+)
+_tree = require(f"a text of at most {TREE:,} letters", lambda value: isinstance(value, str) and len(value) <= TREE)
+_flag = require("true or false", lambda value: isinstance(value, bool))
 _limit, _vector = maybe(number()), listed(number(), 3)
 _joint = entries(
-    {"name": text, "kind": one_of(TURN, SLIDE, SCREW), "screw": listed(number(), 6),
-     "variable": whole(1, _MOST_JOINTS), "follows": maybe(text), "multiplier": number(), "offset": number()},
+    {"name": _line, "kind": one_of(TURN, SLIDE, SCREW), "screw": listed(number(), 6),
+     "variable": whole(1, _MOST_JOINTS), "follows": maybe(_line), "multiplier": number(), "offset": number()},
     lower=_limit, upper=_limit,
 )  # fmt: skip
 _span = entries({"from": _place, "to": _place, "kind": one_of(CLEAR, CROSSING, OPEN)}, bracket=listed(_place, 2))
-_hash = text
 _radius, _joints = number(0.0, 4.0, above=0.0), listed(number(), 1, _MOST_JOINTS)
 _scale = listed(number(1e-9, _BIGGEST), 1, _MOST_JOINTS)
 _nothing = entries({})
@@ -292,12 +269,12 @@ _KINDS = {
     PATH: (
         entries({"verdict": one_of(CLEAR, "met"), "degree": whole(1, 9), "points": numbers,
                  "spans": listed(_span, 0, 1_000_000)},
-                min_distance=_radius, scale=_scale, path=entries({"file": text, "sha256": _hash})),
+                min_distance=_radius, scale=_scale, path=entries({"file": _line, "sha256": _line})),
         _nothing,
     ),
     COVERING: (
-        entries({"file": text, "sha256": _hash, "variables": listed(whole(1, _MOST_JOINTS), 1, 6),
-                 "lower": _joints, "upper": _joints, "turns": listed(flag, 1, 6), "limits": flag},
+        entries({"file": _line, "sha256": _line, "variables": listed(whole(1, _MOST_JOINTS), 1, 6),
+                 "lower": _joints, "upper": _joints, "turns": listed(_flag, 1, 6), "limits": _flag},
                 corank=whole(1, 6)),
         _nothing,
     ),
@@ -305,18 +282,18 @@ _KINDS = {
 }  # fmt: skip
 _certificate = entries(
     {
-        "schema": one_of(SCHEMA), "kind": one_of(*_KINDS), "version": text,
-        "arm": entries({"name": text, "joints": listed(_joint, 1, _MOST_JOINTS), "home": _pose, "last": _pose,
-                        "fingerprint": text}),
-        "task": entries({"name": text, "rows": listed(whole(0, 5), 1, 6),
+        "schema": one_of(SCHEMA), "kind": one_of(*_KINDS), "version": _line,
+        "arm": entries({"name": _line, "joints": listed(_joint, 1, _MOST_JOINTS), "home": _pose, "last": _pose,
+                        "fingerprint": _line}),
+        "task": entries({"name": _line, "rows": listed(whole(0, 5), 1, 6),
                          "frame": entries({"axes": whole(-1, _MOST_JOINTS + 1), "origin": whole(-1, _MOST_JOINTS + 1),
                                            "point": _vector})}),
         "rank": whole(1, 6), "view": entries({"link": whole(0, _MOST_JOINTS), "point": _vector,
                                               "length": number(1e-9, _BIGGEST)}),
         "tolerance": maybe(entries({"length": number(0.0, _BIGGEST), "angle": number(0.0, 1.0), "points": numbers})),
-        "claim": lambda value, where: value, "proof": lambda value, where: value, "sha256": text,
+        "claim": lambda value, where: value, "proof": lambda value, where: value, "sha256": _line,
     },
-    units=entries(dict.fromkeys(("angle", "length", "time", "joint", "distance"), text)),
+    units=entries(dict.fromkeys(("angle", "length", "time", "joint", "distance"), _line)),
 )  # fmt: skip
 
 

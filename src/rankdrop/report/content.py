@@ -24,11 +24,13 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.families import (
+    NearShare,
     Slice,
     Solid,
     Sweep,
     Workspace,
     posed,
+    slow_share,
     solids,
     sweeps,
     telling_slices,
@@ -46,12 +48,24 @@ from rankdrop.local import (
     skeleton,
     start_posture,
 )
-from rankdrop.problem import wrap
-from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, motion, of_analysis, short
+from rankdrop.problem import Problem
+from rankdrop.report.chart import pieces
+from rankdrop.results import Analysis, Conditions, known_conditions
 from rankdrop.robot import Array, Mesh, Robot, lost_told, reach
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text import JOINT, columns, conditions_of, inside_limits, joint_symbol, one_line
+from rankdrop.text import (
+    JOINT,
+    Verdict,
+    columns,
+    conditions_of,
+    inside_limits,
+    joint_symbol,
+    motion,
+    of_analysis,
+    one_line,
+    short,
+)
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 
 _SINGLE = 3  # joints alone that are offered, the best first
@@ -113,6 +127,7 @@ class Content:
         ways: per family, the ways out of its witness; of the first 60 families.
         beside: what was moved to make the arm ideal, and what the arm itself does; empty for any other arm.
         meshes: shapes of the links, where the arm's file has them.
+        slow: share of the configurations inside the limits at which some straight motion of the tool is slow.
     """
 
     analysis: Analysis
@@ -127,6 +142,7 @@ class Content:
     ways: tuple[tuple[Way, ...], ...] = ()
     beside: tuple[Section, ...] = ()
     meshes: tuple[Mesh, ...] = ()
+    slow: NearShare | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -194,6 +210,7 @@ def content(
         ways=tuple(ways_out(robot, task, family) for family in families[:_WITH_WAYS]),
         beside=beside,
         meshes=meshes,
+        slow=slow_share(Problem(robot, task), seed=seed)[0],
     )
 
 
@@ -255,18 +272,17 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
         most: triangles of all of them together.
     """
     meshes = [one for one in meshes if len(one.faces)]
-    every = sum(len(one.faces) for one in meshes)
-    if not every:
+    if not meshes:
         return ()
     corners = np.concatenate([one.vertices[one.faces] for one in meshes])  # (F, 3, 3)
     area = np.linalg.norm(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1)), axis=1).sum() / 2
     span = max(float(np.ptp(one.vertices, axis=0).max(initial=0.0)) for one in meshes)
-    cell = 1e-6 * span if every <= most else max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
-    while True:
-        found = [_clustered(one, cell) for one in meshes]
-        if sum(len(one.faces) for one in found) <= most:
-            return tuple(one for one in found if len(one.faces))
+    cell = 1e-6 * span if len(corners) <= most else max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
+    small = [_clustered(one, cell) for one in meshes]
+    while sum(len(one.faces) for one in small) > most:
         cell *= _GROWS
+        small = [_clustered(one, cell) for one in meshes]
+    return tuple(one for one in small if len(one.faces))
 
 
 def _clustered(mesh: Mesh, cell: float) -> Mesh:
@@ -433,13 +449,6 @@ def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:
         "vertices": solid.vertices.round(_DIGITS).tolist(),
         "triangles": solid.triangles.tolist(),
     }
-
-
-def pieces(line: Array) -> list[Array]:
-    """A curve that runs on past ±π, cut and brought back into the cube."""
-    inside = wrap(line)
-    jumps = np.flatnonzero((np.abs(np.diff(inside, axis=0)) > pi).any(axis=1)) + 1
-    return [piece for piece in np.split(inside, jumps) if len(piece) > 1]
 
 
 def families_csv(content: Content) -> str:

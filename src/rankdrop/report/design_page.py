@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.designs import UNITS, Designs, Parameter, measure_text, shown
+from rankdrop.designs import UNITS, Designs
 from rankdrop.errors import OptionError
+from rankdrop.report.chart import Chart, plain_ticks
 from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
-from rankdrop.report.svg import Chart, plain_ticks
 from rankdrop.robot import Array
 from rankdrop.sections import Section, html
 from rankdrop.version import VERSION
@@ -44,18 +44,13 @@ def axes_of(designs: Designs, names: tuple[str, ...]) -> tuple[int, int]:
     return chosen[0], chosen[1]
 
 
-def in_shown_units(parameter: Parameter, values: Array) -> Array:
-    """Values of a parameter as people read them: degrees, metres."""
-    return np.degrees(values) if parameter.measure == "angle" else values
+def maps_of(designs: Designs, over: tuple[str, ...]) -> list[tuple[str, Array, tuple[Array, Array], tuple[str, str]]]:
+    """What is drawn: the measures that differ, and the number of the set of families.
 
-
-def label(parameter: Parameter) -> str:
-    """Its name and the unit it is drawn in."""
-    return f"{parameter.name} [{'°' if parameter.measure == 'angle' else 'm'}]"
-
-
-def maps_of(designs: Designs) -> list[tuple[str, Array]]:
-    """(name, (V,) values) of what is drawn: the measures that differ, and the number of the set of families."""
+    Returns:
+        Name, (V,) values, (V,) places along both axes in degrees or metres, names of the axes; over one parameter alone
+        the values are the second axis.
+    """
     maps = []
     for name in designs.measures:
         values = np.array([np.nan if x is None else float(x) for x in designs.values(name)])
@@ -67,7 +62,23 @@ def maps_of(designs: Designs) -> list[tuple[str, Array]]:
         for number, one in enumerate(designs.structures, 1):
             sets[list(one.variants)] = number
         maps.append(("set of families", sets))
-    return maps
+    places, labels = _places(designs, over)
+    single = len(places) == 1
+    return [
+        (name, values, (places[0], values if single else places[1]), (labels[0], name if single else labels[1]))
+        for name, values in maps
+    ]
+
+
+def _places(designs: Designs, over: tuple[str, ...]) -> tuple[list[Array], list[str]]:
+    """(V,) values of the one or two parameters of a map in degrees or metres, and the names of their axes."""
+    places, labels = [], []
+    for k in dict.fromkeys(axes_of(designs, over)):
+        values = np.array([one["values"][k] for one in designs.records])
+        angle = designs.parameters[k].measure == "angle"
+        places.append(np.degrees(values) if angle else values)
+        labels.append(f"{designs.parameters[k].name} [{'°' if angle else 'm'}]")
+    return places, labels
 
 
 def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
@@ -81,24 +92,19 @@ def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
         OptionError: no such parameter.
         MissingExtraError: matplotlib is not installed.
     """
-    first, second = axes_of(designs, over)
-    x, y = (in_shown_units(designs.parameters[k], np.array([one["values"][k] for one in designs.records]))
-            for k in (first, second))  # fmt: skip
-    maps = maps_of(designs)
-    rows = max(1, ceil(len(maps) / _ROW))
-    drawn = new_figure((3.4 * min(_ROW, max(1, len(maps))), 2.9 * rows + 0.3), "a figure of a sweep")
-    for place, (name, values) in enumerate(maps, 1):
-        axes: Any = drawn.add_subplot(rows, min(_ROW, len(maps)), place)
-        single = first == second
-        high = values if single else y
-        mark = "s" if designs.kind == "grid" else "o"
-        dots = axes.scatter(x, high, c=values, s=_size(len(x)), marker=mark, cmap="viridis")
+    maps = maps_of(designs, over)
+    columns, rows = min(_ROW, max(1, len(maps))), max(1, ceil(len(maps) / _ROW))
+    drawn = new_figure((3.4 * columns, 2.9 * rows + 0.3), "a figure of a sweep")
+    for place, (name, values, (x, y), labels) in enumerate(maps, 1):
+        axes: Any = drawn.add_subplot(rows, columns, place)
+        mark = "s" if designs.spec.kind == "grid" else "o"
+        dots = axes.scatter(x, y, c=values, s=_size(len(x)), marker=mark, cmap="viridis")
         best = [i for i in designs.pareto if np.isfinite(values[i])]
-        axes.scatter(x[best], high[best], s=1.8 * _size(len(x)), facecolors="none", edgecolors="#D55E00", lw=1.0)
+        axes.scatter(x[best], y[best], s=1.8 * _size(len(x)), facecolors="none", edgecolors="#D55E00", lw=1.0)
         drawn.colorbar(dots, ax=axes).ax.tick_params(labelsize=6)
         axes.set_title(name, fontsize=8)
-        axes.set_xlabel(label(designs.parameters[first]), fontsize=7)
-        axes.set_ylabel(name if single else label(designs.parameters[second]), fontsize=7)
+        axes.set_xlabel(labels[0], fontsize=7)
+        axes.set_ylabel(labels[1], fontsize=7)
         axes.tick_params(labelsize=6)
     drawn.suptitle(f"{designs.robot}: {len(designs.records):,} variants", fontsize=9)
     drawn.tight_layout()
@@ -128,14 +134,14 @@ def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:
     """
     css, title = "good" if designs.holds else "bad", f"{escape(designs.robot)}: designs"
     facts = [
-        ("variants", f"{len(designs.records):,} ({designs.kind})"),
+        ("variants", f"{len(designs.records):,} ({designs.spec.kind})"),
         ("parameters", ", ".join(one.name for one in designs.parameters)),
-        ("task", f"{designs.task}, σ with lengths divided by {designs.length_scale:.4g} m"),
-        ("better", ", ".join(f"{want} {name}" for name, want in designs.goals.items()) or "nothing was said"),
+        ("task", f"{designs.spec.task.name}, σ with lengths divided by {designs.spec.task.length_scale:.4g} m"),
+        ("better", ", ".join(f"{want} {name}" for name, want in designs.spec.goals.items()) or "nothing was said"),
     ]
     sections = list(designs.sections())
     body = (
-        f'{header(title, css, designs.sentence, facts)}<main>'
+        f"{header(title, css, designs.sentence, facts)}<main>"
         f'<section id="maps"><h2>Maps</h2>{_maps(designs, over)}</section>'
         f'<section id="words"><h2>In words</h2><div class="scroll">{html(sections[1:-1])}</div></section>'
         f'<section id="variants"><h2>Every variant</h2><div class="scroll">{_table(designs)}</div></section></main>'
@@ -144,33 +150,29 @@ def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:
 
 
 def _maps(designs: Designs, over: tuple[str, ...]) -> str:
-    first, second = axes_of(designs, over)
-    values = np.array([one["values"] for one in designs.records], dtype=np.float64)
-    charts = []
-    for name, numbers in maps_of(designs):
-        x = in_shown_units(designs.parameters[first], values[:, first])
-        y = numbers if first == second else in_shown_units(designs.parameters[second], values[:, second])
-        names = (label(designs.parameters[first]), name if first == second else label(designs.parameters[second]))
-        charts.append(f"<figure><figcaption>{escape(name)}</figcaption>{_map(designs, x, y, numbers, names)}</figure>")
+    charts = "".join(
+        f"<figure><figcaption>{escape(name)}</figcaption>{_map(designs, values, *places, names)}</figure>"
+        for name, values, places, names in maps_of(designs, over)
+    )
     told = '<p class="small">Every dot is a variant; the Pareto-optimal ones are ringed.</p>'
-    return f'<div class="cards">{"".join(charts)}</div>{told}' if charts else "<p>Nothing was measured.</p>"
+    return f'<div class="cards">{charts}</div>{told}' if charts else "<p>Nothing was measured.</p>"
 
 
-def _map(designs: Designs, x: Array, y: Array, numbers: Array, names: tuple[str, str]) -> str:
+def _map(designs: Designs, numbers: Array, x: Array, y: Array, names: tuple[str, str]) -> str:
     there = np.flatnonzero(np.isfinite(numbers) & np.isfinite(y))[:_DRAWN]
-    ends = tuple(_padded(values[there]) for values in (x, y))
-    chart = Chart(ends[0], ends[1])
+    ends = (_padded(x[there]), _padded(y[there]))
+    chart = Chart(*ends, names=names, ticks=(plain_ticks(*ends[0]), plain_ticks(*ends[1])))
     low, high = float(numbers[there].min()), float(numbers[there].max())
     radius = float(np.clip(260.0 / max(len(there), 1) ** 0.5 / 2, 1.5, 14.0))
-    parts = [chart.axes(names, (plain_ticks(*ends[0]), plain_ticks(*ends[1])))]
-    best = set(designs.pareto)
+    parts, best = [], set(designs.pareto)
     for i, (across, down) in zip(there.tolist(), chart.place(np.stack([x[there], y[there]], axis=1)), strict=True):
         ring = ' stroke="#D55E00" stroke-width="2"' if i in best else ""
         tone = _tone((numbers[i] - low) / (high - low) if high > low else 0.5)
         parts.append(f'<circle cx="{across:.1f}" cy="{down:.1f}" r="{radius:.1f}" fill="{tone}"{ring}>'
                      f"<title>variant {i + 1}: {numbers[i]:.5g}</title></circle>")  # fmt: skip
-    scale = f'<p class="small">{_swatch(0.0)} {low:.4g} &ensp; {_swatch(1.0)} {high:.4g}</p>'
-    return chart.svg(parts, f"{names[0]}, {names[1]}") + scale
+    scale = " &ensp; ".join(f'<i class="dot" style="background:{_tone(share)}"></i> {value:.4g}'
+                            for share, value in ((0.0, low), (1.0, high)))  # fmt: skip
+    return f'{chart.svg(f"{names[0]}, {names[1]}", parts)}<p class="small">{scale}</p>'
 
 
 def _padded(values: Array) -> tuple[float, float]:
@@ -180,25 +182,16 @@ def _padded(values: Array) -> tuple[float, float]:
 
 
 def _tone(share: float) -> str:
-    place = float(np.clip(share, 0.0, 1.0)) * (len(_RAMP) - 1)
-    k = min(int(place), len(_RAMP) - 2)
-    mixed = [round(a + (b - a) * (place - k)) for a, b in zip(_RAMP[k], _RAMP[k + 1], strict=True)]
-    return f"#{mixed[0]:02x}{mixed[1]:02x}{mixed[2]:02x}"
-
-
-def _swatch(share: float) -> str:
-    return f'<i class="dot" style="background:{_tone(share)}"></i>'
+    steps = np.linspace(0.0, 1.0, len(_RAMP))
+    return "#" + "".join(f"{round(np.interp(share, steps, channel)):02x}" for channel in zip(*_RAMP, strict=True))
 
 
 def _table(designs: Designs) -> str:
-    names = designs.measures
-    heads = ["variant", *(one.name for one in designs.parameters), *names, ""]
+    heads = ["variant", *(one.name for one in designs.parameters), *designs.measures, ""]
     rows, best = [], set(designs.pareto)
     for record in designs.records[:_LISTED]:
-        values = [shown(x, one) for x, one in zip(record["values"], designs.parameters, strict=True)]
-        told = [measure_text(name, record["measures"].get(name)) for name in names]
         note = record["error"] or ("Pareto-optimal" if record["number"] in best else "")
-        rows.append((str(record["number"] + 1), *values, *told, note))
+        rows.append((str(record["number"] + 1), *designs.row(record), note))
     left = len(designs.records) - _LISTED
     more = (f"and {left:,} more, in the JSON and the Parquet files",) if left > 0 else ()
     return html([Section("", columns=tuple(heads), rows=tuple(rows), after=more)])

@@ -7,7 +7,8 @@ What drawings of arms are made of, for matplotlib: joints as cylinders and boxes
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from io import BytesIO
 from math import pi
 from typing import TYPE_CHECKING, Any
@@ -20,11 +21,10 @@ from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
-from rankdrop.report.content import Content, pieces
-from rankdrop.report.svg import angle_ticks, axis_name
+from rankdrop.report.chart import COLOURS, joint_axes, pieces, slice_chart, sweep_chart, workspace_chart
+from rankdrop.report.content import Content
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach
-from rankdrop.text import joint_symbol
 from rankdrop.viewer.scene import arrows, barrel_mesh
 
 if TYPE_CHECKING:
@@ -107,25 +107,36 @@ def _add(axes: Any, shape: tuple[Array, NDArray[np.uint32]], colour: str) -> Non
 
 KINDS = ("arm", "slice", "solid", "workspace", "image", "lines")
 """What figures there are; each but the workspace is of one family: arm-k1.f1."""
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B07D00", "#56B4E9", "#6B6B6B", "#7A4FB5")
-"""Of the families, after Okabe and Ito."""
 _DPI = 200
 _DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}  # same input, same file
 
 
+def every_figure(content: Content) -> dict[str, Callable[[], Figure]]:
+    """Name of each figure -> what draws it."""
+    analysis, colours, section = content.analysis, content.colours, content.workspace
+    robot, families = analysis.robot, analysis.families
+    arms = {f"arm-{family.id}": partial(arm_figure, analysis, family, blamed)
+            for family, blamed in zip(families, content.blamed, strict=True)}  # fmt: skip
+    slices = {f"slice-{one.family}": partial(slice_figure, robot, one, colours) for one in content.slices}
+    solids = {f"solid-{one.family}": partial(solid_figure, robot, one, colours[one.family]) for one in content.solids}
+    images = {f"image-{one}": partial(workspace_figure, section, one, colours[one])
+              for one, points in section.images if len(points)}  # fmt: skip
+    lines = {f"lines-{family.id}": partial(lines_figure, analysis, family, swept)
+             for family, swept in zip(families, content.sweeps, strict=True)}  # fmt: skip
+    return {**arms, **slices, **solids, "workspace": partial(workspace_figure, section), **images, **lines}
+
+
 def figure_names(content: Content, wanted: Sequence[str] = ()) -> list[str]:
-    """Names of the figures that there are, or of those of them that are wanted ("lines", "lines-k1.f1")."""
-    ids = [family.id for family in content.analysis.families]
-    names = [f"arm-{one}" for one in ids]
-    names += [f"slice-{plane.family}" for plane in content.slices]
-    names += [f"solid-{one.family}" for one in content.solids]
-    names += ["workspace", *(f"image-{one}" for one, points in content.workspace.images if len(points))]
-    names += [f"lines-{one}" for one in ids]
-    kept = [name for name in names if not wanted or name in wanted or name.split("-")[0] in wanted]
+    """Names of the figures that there are, or of those of them that are wanted ("lines", "lines-k1.f1").
+
+    Raises:
+        OptionError: one that is wanted does not exist for this arm.
+    """
+    names = {name: (name, name.split("-")[0]) for name in every_figure(content)}
     for one in wanted:
-        if one not in names and not any(name.split("-")[0] == one for name in names):
+        if not any(one in known for known in names.values()):
             raise OptionError("this arm has no such figure", where="--figure", got=one, allowed=", ".join(names))
-    return kept
+    return [name for name, known in names.items() if not wanted or set(known) & set(wanted)]
 
 
 def check_figures(analysis: Analysis, wanted: Sequence[str]) -> None:
@@ -166,37 +177,13 @@ def figure(content: Content, name: str) -> Figure:
     Raises:
         MissingExtraError: matplotlib is not installed.
     """
-    kind, _, which = name.partition("-")
-    analysis, colours = content.analysis, content.colours
-    index = [family.id for family in analysis.families].index(which) if which else 0
-    if kind == "arm":
-        return arm_figure(analysis, analysis.families[index], content.blamed[index])
-    if kind == "slice":
-        plane = next(one for one in content.slices if one.family == which)
-        return slice_figure(analysis.robot, plane, colours)
-    if kind == "solid":
-        one = next(one for one in content.solids if one.family == which)
-        return solid_figure(analysis.robot, one, colours[which])
-    if kind == "lines":
-        return lines_figure(analysis, analysis.families[index], content.sweeps[index])
-    return workspace_figure(content.workspace, which or None, colours.get(which, 0))
+    return every_figure(content)[name]()
 
 
 def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
     """σ_r shaded, the families as curves and points."""
     drawn = new_figure((3.6, 3.4))
-    axes = drawn.add_subplot()
-    extent = (plane.x[0], plane.x[-1], plane.y[0], plane.y[-1])
-    axes.imshow(plane.sigma.T, origin="lower", extent=extent, cmap="Greys_r", aspect="auto", alpha=0.75)
-    for trace in plane.traces:
-        tone = COLOURS[colours[trace.family] % len(COLOURS)]
-        for k, line in enumerate(trace.curves):
-            axes.plot(*line.T, color=tone, lw=1.8, label=trace.family if k == 0 else None)
-        if len(trace.points):
-            axes.plot(*trace.points.T, "o", color=tone, ms=4, label=None if trace.curves else trace.family)
-    _name_axes(robot, axes, plane.joints)
-    if plane.traces:
-        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
+    slice_chart(robot, plane, colours).draw(drawn.add_subplot())
     return drawn
 
 
@@ -210,34 +197,21 @@ def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
             axes.plot(*piece.T, color=tone, lw=1.8)
     if len(solid.triangles):
         axes.plot_trisurf(*solid.vertices.T, triangles=solid.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
-    for k, set_name in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)):
-        joint = robot.variables[solid.joints[k] - 1]
-        set_name(axis_name(joint_symbol(solid.joints[k], str(joint.kind)), joint.unit))
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+    names, _ = joint_axes(robot, solid.joints, [(-pi, pi)] * 3)
+    for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), names, strict=True):
+        axis.set_label_text(name)
         axis.set_ticks([-pi, 0, pi], ["−180°", "0°", "180°"])
     axes.set(xlim=(-pi, pi), ylim=(-pi, pi), zlim=(-pi, pi))
     axes.set_box_aspect((1, 1, 1), zoom=0.85)
     return drawn
 
 
-def workspace_figure(section: Workspace, family: str | None = None, index: int = 0) -> Figure:
+def workspace_figure(section: Workspace, family: str = "", index: int = 0) -> Figure:
     """The workspace in section with its walls, or with the image of one family."""
     drawn = new_figure((3.8, 4.4))
     axes = drawn.add_subplot()
-    shade = np.where(
-        section.tips > 0, 0.15 + 0.35 * np.sqrt(np.minimum(section.tips / max(section.tips.max(), 1), 1)), 0
-    )
-    extent = (section.x[0], section.x[-1], section.y[0], section.y[-1])
-    axes.imshow(shade.T, origin="lower", extent=extent, cmap="Greys", vmin=0, vmax=1)
-    if family is None:
-        passed, barred = section.walls[~section.one_sided], section.walls[section.one_sided]
-        axes.plot(*passed.T, ".", ms=1.2, color=COLOURS[1], label="passed in another posture", rasterized=True)
-        axes.plot(*barred.T, ".", ms=1.4, color="black", label="not crossed", rasterized=True)
-    else:
-        points = dict(section.images)[family]
-        axes.plot(*points.T, ".", ms=1.6, color=COLOURS[index % len(COLOURS)], label=family, rasterized=True)
-    axes.set(xlabel=section.section.labels[0], ylabel=section.section.labels[1], aspect="equal")
-    axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), markerscale=5, frameon=False)
+    workspace_chart(section, 320.0, family, index).draw(axes)
+    axes.set_aspect("equal")
     return drawn
 
 
@@ -246,38 +220,14 @@ def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> 
     columns = min(4, len(swept))
     rows = -(-len(swept) // columns)
     drawn = new_figure((2.1 * columns, 1.6 * rows + 0.3))
-    rank = analysis.generic_rank
-    for k, sweep in enumerate(swept):
-        axes = drawn.add_subplot(rows, columns, k + 1)
-        for i in range(max(0, rank - family.corank - 1), rank):
-            lost = i >= rank - family.corank
-            tone, width = (COLOURS[1], 1.7) if lost else (COLOURS[0], 1.0)
-            axes.plot(sweep.values, sweep.sigma[:, i], color=tone, lw=width, label=f"σ{i + 1}")
-        axes.axvline(sweep.at, color="black", lw=0.7, ls=":")
-        axes.set_title(
-            joint_symbol(sweep.number, str(analysis.robot.variables[sweep.number - 1].kind)), fontsize=8, pad=2
-        )
+    for k, sweep in enumerate(swept, start=1):
+        axes = drawn.add_subplot(rows, columns, k)
+        sweep_chart(analysis.robot, sweep, family.corank).draw(axes)
         axes.tick_params(labelsize=6)
-        axes.set_ylim(bottom=0)
-        if analysis.robot.periodic[sweep.number - 1]:
-            axes.set_xticks([-pi, 0, pi], ["−180°", "0°", "180°"])
-        if k == 0:
-            axes.legend(fontsize=6)
-    drawn.suptitle(f"{family.id}: {family.name}", fontsize=8)
+    vanish = " … ".join(sorted({f"σ{analysis.generic_rank - family.corank + 1}", f"σ{analysis.generic_rank}"}))
+    drawn.suptitle(f"{family.id}: {family.name}; {vanish} in orange, the next one in blue", fontsize=8)
     drawn.tight_layout()
     return drawn
-
-
-def _name_axes(robot: Robot, axes: Any, joints: tuple[int, int]) -> None:
-    ends = (axes.get_xlim(), axes.get_ylim())
-    for k, (number, set_name, set_ticks) in enumerate(
-        zip(joints, (axes.set_xlabel, axes.set_ylabel), (axes.set_xticks, axes.set_yticks), strict=True)
-    ):
-        joint = robot.variables[number - 1]
-        set_name(axis_name(joint_symbol(number, str(joint.kind)), joint.unit))
-        if joint.unit == "rad":
-            ticks = angle_ticks(*ends[k])
-            set_ticks([value for value, _ in ticks], [word for _, word in ticks])
 
 
 def new_figure(size: tuple[float, float], what: str = "a figure for papers") -> Figure:

@@ -21,13 +21,16 @@ from rankdrop.kinematics import link_poses
 from rankdrop.local import blame, lost_directions, singular_values, start_posture
 from rankdrop.report.content import Content, first_view, limit_range, page_data, robot_data, slider_range, standing
 from rankdrop.report.sections import (
+    STANDING,
+    corank_tables,
+    exact_section,
     line_section,
+    scrolled,
     slice_section,
     solid_section,
     verification_section,
     workspace_section,
 )
-from rankdrop.report.tables import STANDING, corank_tables, exact_section, scrolled
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, near_ideal
 from rankdrop.sections import html
@@ -118,6 +121,17 @@ def _header(content: Content) -> str:
         ("length scale", f"{settings.length_scale:.4g} m"),
         ("made by", f"rankdrop {settings.version}, seed {settings.seed}"),
     ]
+    if content.slow is not None:
+        share = f"{'at least ' * content.slow.bound}{100 * content.slow.share:.2g} %"
+        facts.insert(3, ("slow", f"below 25 mm/s or 5°/s in some direction: {share} of configurations inside limits"))
+    title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
+    about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
+    return header(title, css, " ".join(verdict.beside(analysis.answer)), facts, about, _notes(content))
+
+
+def _notes(content: Content) -> str:
+    """Source of the numbers, notes of the analysis and of the arm."""
+    analysis, robot = content.analysis, content.analysis.robot
     source = robot.source.reference or robot.source.origin
     told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
     notes = told if source else ""
@@ -125,9 +139,7 @@ def _header(content: Content) -> str:
     near = None if content.beside else near_ideal(robot)
     small = [*robot.notes, *([] if near is None else [near.line])]
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
-    title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
-    about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
-    return header(title, css, verdict.sentence, facts, about, notes)
+    return notes
 
 
 def _arm(content: Content) -> str:

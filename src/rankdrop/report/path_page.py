@@ -12,12 +12,13 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
-from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch, free_words
+from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
 from rankdrop.report.content import LIVE, first_view, robot_data
 from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html
+from rankdrop.text import free_words
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -38,47 +39,37 @@ def path_figure(check: PathCheck) -> Figure:
     Raises:
         MissingExtraError: matplotlib is not installed.
     """
-    profile = check.profile
-    x = profile.position if profile.time is None else profile.time
-    panels: list[tuple[str, Array]] = [("distance [rad]", profile.distance), ("σ", profile.sigma)]
-    if np.isfinite(profile.rates).any():
-        panels.append(("rate / limit", profile.rates))
-    panels = [(name, values) for name, values in panels if np.isfinite(values).any()]
-    drawn = new_figure((6.4, 0.6 + 1.3 * len(panels)), "a figure of a path")
-    for k, (name, values) in enumerate(panels):
-        axes = drawn.add_subplot(len(panels), 1, k + 1)
+    at, _, series = _series(check)
+    bounds = {"distance": check.options.min_distance, "rate / limit": 1.0}
+    drawn = new_figure((6.4, 0.6 + 1.3 * len(series)), "a figure of a path")
+    for k, (name, unit, values) in enumerate(series):
+        axes = drawn.add_subplot(len(series), 1, k + 1)
         _colour(axes, check, legend=k == 0)
-        axes.plot(x, values, color="black", lw=1.0)
-        if name == "distance [rad]" and check.options.min_distance > 0.0:
-            axes.axhline(check.options.min_distance, color="black", lw=0.7, ls=":")
-        if name == "rate / limit":
-            axes.axhline(1.0, color="black", lw=0.7, ls=":")
-        axes.set_ylabel(name, fontsize=8)
-        axes.set_ylim(bottom=0)
-        axes.set_xlim(x[0], x[-1] if x[-1] > x[0] else x[0] + 1)
-        axes.tick_params(labelsize=7)
-        if k < len(panels) - 1:
-            axes.set_xticklabels([])
-    if panels:
-        axes.set_xlabel("row" if profile.time is None else "time [s]", fontsize=8)
+        axes.plot(at, values, color="black", lw=1.0)
+        if bounds.get(name):
+            axes.axhline(bounds[name], color="black", lw=0.7, ls=":")
+        axes.set_ylabel(f"{name} [{unit}]" if unit else name, fontsize=8)
+        axes.set(ylim=(0, None), xlim=(at[0], max(at[-1], at[0] + 1e-9)))
+        axes.tick_params(labelsize=7, labelbottom=k == len(series) - 1)
+    if series:
+        axes.set_xlabel("row" if check.profile.time is None else "time [s]", fontsize=8)
     drawn.suptitle(f"{check.robot.name}: {check.verdict}", fontsize=9)
     drawn.tight_layout()
     return drawn
 
 
 def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
-    named: set[str] = set()
+    seen: set[str] = set()
     for one in check.stretches:
-        low, high = _x(one.start), _x(one.end)
-        axes.axvspan(low, high, color=TONES[one.verdict], alpha=0.18, lw=0)
-        mark = _MARKS.get(one.verdict)
-        if mark is not None:
-            label = None if one.verdict in named else one.verdict
-            tone = TONES[one.verdict]
-            axes.plot([(low + high) / 2], [0.0], mark, color=tone, ms=6, clip_on=False, zorder=5, label=label)
-            named.add(one.verdict)
-    if legend and named:
-        axes.legend(fontsize=7, loc="upper right")
+        (low, high), tone = (_x(one.start), _x(one.end)), TONES[one.verdict]
+        axes.axvspan(low, high, color=tone, alpha=0.18, lw=0)
+        if one.verdict in _MARKS:
+            label = None if one.verdict in seen else one.verdict
+            axes.plot([(low + high) / 2], [0.0], _MARKS[one.verdict], color=tone, ms=6, clip_on=False, zorder=5,
+                      label=label)  # fmt: skip
+            seen.add(one.verdict)
+    if legend and seen:
+        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False)
 
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
@@ -178,10 +169,7 @@ def _data(check: PathCheck) -> dict[str, Any]:
         "at": _listed(at),
         "family": family,
         "min_distance": check.options.min_distance,
-        "series": [
-            {"name": name, "unit": unit, "values": _listed(values)}
-            for name, unit, values in series if np.isfinite(values).any()
-        ],
+        "series": [{"name": name, "unit": unit, "values": _listed(values)} for name, unit, values in series],
         "stretches": [
             {
                 "start": _x(one.start), "end": _x(one.end), "closest": _x(one.closest.place), "verdict": one.verdict,
@@ -199,15 +187,20 @@ def _series(check: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, 
     known = [one for one in check.stretches if np.isfinite(one.closest.distance)]
     place = np.array([_x(one.closest.place) for one in known])
     order = np.argsort(np.concatenate([at, place]), kind="stable")
-    ids = [None if i < 0 else profile.ids[i] for i in profile.family.tolist()]
-    ids += [one.family or None for one in known]
+    ids = [*_ids(check), *(one.family or None for one in known)]
     values = (
         ("distance", "rad", profile.distance, [one.closest.distance for one in known]),
         ("σ", "", profile.sigma, [one.closest.sigma for one in known]),
         ("rate / limit", "", profile.rates, np.interp(place, at, profile.rates) if len(known) else []),
     )
-    series = [(name, unit, np.concatenate([all_, more])[order]) for name, unit, all_, more in values]
+    series = [(name, unit, np.concatenate([every, more])[order]) for name, unit, every, more in values
+              if np.isfinite(every).any()]  # fmt: skip
     return np.concatenate([at, place])[order], [ids[k] for k in order.tolist()], series
+
+
+def _ids(check: PathCheck) -> list[str | None]:
+    """The nearest family at each place of the profile."""
+    return [None if i < 0 else check.profile.ids[i] for i in check.profile.family.tolist()]
 
 
 def _x(place: Place) -> float:

@@ -1,33 +1,216 @@
-"""The lower sections of the page: joint space, workspace, σ along lines, verification.
+"""The sections of the page: tables of families, exact conditions, joint space, workspace, σ along lines, verification.
 
-How the numbers were checked is told in sentences with counts, seeds and tolerances.
-
-The charts of a report as SVG: slices, sets in three joints, workspace, σ along lines.
+There is a table for each corank, as AM print them (Tables 3–5). Sentences say how the numbers were checked, with
+counts, seeds and tolerances.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
-from math import degrees, pi
+from math import degrees
 
 import numpy as np
 
-from rankdrop.families import Slice, Solid, Sweep, Workspace
-from rankdrop.report.content import Content, pieces
-from rankdrop.report.svg import Chart, angle_ticks, axis_name, plain_ticks
-from rankdrop.report.tables import scrolled
-from rankdrop.results import sampled, unseen
-from rankdrop.robot import Array, Robot, count
-from rankdrop.text import joint_symbol
+from rankdrop.exact import ExactFamily, typeset
+from rankdrop.families import Slice, Workspace
+from rankdrop.family import CorankSummary, ExactRow, Family
+from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
+from rankdrop.report.content import Content
+from rankdrop.results import Analysis, Conditions
+from rankdrop.robot import Array, Joint, Robot, count, witness_text
+from rankdrop.sections import html
+from rankdrop.text import (
+    COUPLED,
+    FREE,
+    JOINT,
+    NOTHING,
+    WORDS,
+    Column,
+    at_witness,
+    broken,
+    columns,
+    conditions_of,
+    explained,
+    joint_symbol,
+    legend,
+    letters_text,
+    lines_of,
+    near_overview,
+    nothing_found,
+    number_of,
+    sampled,
+    starts,
+    title,
+    unseen,
+    within,
+)
 
-COLOURS = 8
-_SMALL = 130.0
+_SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
+_LONG = 420  # a longer one is folded
+_LINES = 3  # of what was left unfinished
+_NO_SHIFT = 1e-12  # [rad]
 
 
-def colour(index: int) -> str:
-    """The style of one family: its colour, the same everywhere on the page."""
-    return f"stroke:var(--f{1 + index % COLOURS})"
+def exact_section(content: Content) -> str:
+    """The conditions, exactly, typeset."""
+    head = '<section id="exact"><h2>Exact conditions</h2>'
+    joined, derived = content.analysis.exact, content.exact
+    if joined is not None and joined.families:
+        letters = letters_text(joined.letters)
+        told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
+        families: Sequence[ExactFamily | ExactRow] = joined.families
+        after = _paragraphs([f"Disagreement: {_cut(one)}" for one in joined.disagreements], "bad")
+    elif derived is None:
+        return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
+    else:
+        families, after = derived.families, _open_ends(derived)
+        told = _paragraphs(_derivation(derived))
+    return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, families))}</div>{after}</section>'
+
+
+def _paragraphs(texts: Iterable[str], css: str = "") -> str:
+    """Paragraphs of HTML; empty ones are left out."""
+    kind = f' class="{css}"' if css else ""
+    return "".join(f"<p{kind}>{text}</p>" for text in texts if text)
+
+
+def _derivation(derived: Conditions) -> Iterator[str]:
+    """How the conditions were derived and checked, as HTML."""
+    yield (
+        f"Derived over the rational numbers with lengths as letters, by the method “{escape(derived.method)}”. "
+        "s<sub>i</sub> is sin θ<sub>i</sub>, c<sub>23</sub> is cos(θ<sub>2</sub> + θ<sub>3</sub>)."
+    )
+    numbers = letters_text(derived.letters)
+    shifts = ", ".join(f"θ{i} = q{i} {'−' if x < 0 else '+'} {abs(x):.4g}"
+                       for i, x in enumerate(derived.shifts, start=1) if abs(x) > _NO_SHIFT)  # fmt: skip
+    yield escape(f"Lengths: {numbers}.") if numbers else ""
+    yield escape(f"Offsets: {shifts}.") if shifts else ""
+    if derived.families:
+        yield (
+            f"The rank was checked modulo a prime at random points of every family, and {derived.explained.agree:,} of "
+            f"{derived.explained.tested:,} singular configurations found numerically lie on one (seed "
+            f"{derived.settings.seed})."
+        )
+    elif derived.verified:
+        yield f"No family: the rank is {derived.generic_rank} at every configuration."
+    else:
+        yield "No family was derived."
+
+
+def _open_ends(derived: Conditions) -> str:
+    """What was left unfinished, disagrees, is remarked, or has no real point, as HTML."""
+    unfinished = [f"Not finished: {_cut(one)}" for one in derived.left[:_LINES]]
+    if len(derived.left) > _LINES:
+        unfinished.append(f"… and {len(derived.left) - _LINES} more.")
+    if derived.complete:  # a point on none of the families says nothing about an unfinished derivation
+        unfinished += [f"Disagreement: {_cut(one)}" for one in derived.disagreements]
+    told = _paragraphs(unfinished, "bad") + _paragraphs(map(escape, derived.remarks), "small")
+    if not derived.not_real:
+        return told
+    unreal = _paragraphs(map(escape, derived.not_real), "small")
+    return f"{told}<details><summary>{len(derived.not_real)} sets without a real point</summary>{unreal}</details>"
+
+
+def _cut(text: str) -> str:
+    return escape(text if len(text) < _LONG else text[:_LONG] + " …")
+
+
+def _exact_family(family: ExactFamily | ExactRow) -> str:
+    side_by_side = [f"<span>{typeset(one)}</span>" for one in family.latex if len(one) <= _SHORT]
+    short = '<span class="comma">,</span> '.join(side_by_side)
+    lines = f'<div class="condition">{short}</div>' if short else ""
+    for one in family.latex:
+        text = f'<div class="condition longer">{typeset(one)}</div>'
+        folded = f"<details><summary>a condition of {len(one):,} characters</summary>{text}</details>"
+        lines += folded if len(one) > _LONG else text if len(one) > _SHORT else ""
+    real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
+    return (
+        f'<div class="exact"><h3>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
+        f"</h3>{lines}{real}</div>"
+    )
+
+
+STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none found": "none found inside the limits"}
+"""How a family stands to the joint limits, where that needs saying (`content.standing`)."""
+
+
+def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
+    """All tables, each with its title and what its starts did.
+
+    Args:
+        analysis: the families.
+        derived: their exact conditions, where these do not stand in the analysis.
+    """
+    key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
+    near = "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
+    return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + near
+
+
+def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSummary) -> str:
+    rows = analysis.of_corank(summary.corank)
+    heading = f"<h3>{title(summary, analysis.generic_rank)}</h3>"
+    ends = f'<p class="small">{starts(summary)}</p>'
+    if not rows:
+        return f"{heading}<p>{nothing_found(summary).capitalize()}.</p>{ends}"
+    share = summary.completeness
+    css = "good" if share.agree == share.tested else "bad"
+    complete = f'<p>{number_of(rows)}, <span class="{css}">{explained(share)}</span>.</p>'
+    body = "".join(_rows(analysis, derived, row) for row in rows)
+    joints = iter(analysis.robot.variables)
+    head = "".join(_heading(one, joints) for one in columns(analysis.robot, summary.corank))
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f"{heading}{complete}{_SWIPE}{scrolled(table, f'families of corank {summary.corank}')}{ends}"
+
+
+_SWIPE = '<p class="swipe small">The table is wider than the screen: swipe it sideways.</p>'
+
+
+def scrolled(table: str, name: str) -> str:
+    """A table in a box that scrolls sideways, by the keyboard too."""
+    return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(name)}">{table}</div>'
+
+
+def _heading(column: Column, joints: Iterator[Joint]) -> str:
+    if column.key == "id":
+        return '<th><span class="hidden">id</span></th>'
+    if column.holds == JOINT:
+        return f'<th title="{escape(next(joints).name)}">{column.title[0]}<sub>{column.title[1:]}</sub></th>'
+    return f"<th{_WORDS * (column.holds == WORDS)}>{column.title}</th>"
+
+
+_WORDS = ' class="words"'
+
+
+def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
+    robot = analysis.robot
+    conditions = conditions_of(row, analysis.exact, () if derived is None else derived.families)
+    row, outside = within(row, robot, limits=analysis.settings.limits)
+    every = columns(robot, row.corank)
+    first = f"<tr>{''.join(_cell(one, row) for one in every)}</tr>"
+    notes = [
+        f'<i class="{"bad" if label in (COUPLED, "limits") else "good"}">{label}</i>&ensp;{escape(text)}'
+        for label, text in (*([("limits", outside)] if outside else []), *conditions)
+    ]
+    notes += [f"witness {witness_text(robot, row.witness)}"] * at_witness(row)
+    return first + "".join(
+        f'<tr class="note"><td></td><td class="words" colspan="{len(every) - 1}">{text}</td></tr>' for text in notes
+    )
+
+
+def _cell(column: Column, row: Family) -> str:
+    if column.key == "id":
+        button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'
+        return f"<td>{button}</td>"
+    bad = " bad" * column.failed(row)
+    if column.holds == JOINT:
+        text = broken(column, row)
+        css = {FREE: "free", COUPLED: "coupled", NOTHING: "free"}.get(text, "pinned")
+        return f'<td class="{css}">{escape(text)}</td>'
+    text = "<br>".join(map(escape, lines_of(column, row)))
+    if column.key == "name":
+        return f'<td class="words"><span class="{bad.strip()}">{text}</span></td>'
+    return f'<td class="{"words lost" if column.holds == WORDS else "num" + bad}">{text}</td>'
 
 
 def names_of(robot: Robot) -> list[str]:
@@ -35,93 +218,10 @@ def names_of(robot: Robot) -> list[str]:
     return [joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
 
 
-def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> str:
-    """σ_r as a grey map (dark: small), the families as curves and dots."""
-    chart = Chart((plane.x[0], plane.x[-1]), (plane.y[0], plane.y[-1]))
-    units = [robot.variables[number - 1].unit for number in plane.joints]
-    ranges = ((plane.x[0], plane.x[-1]), (plane.y[0], plane.y[-1]))
-    ticks = [(angle_ticks if unit == "rad" else plain_ticks)(*ends) for unit, ends in zip(units, ranges, strict=True)]
-    top = max(float(plane.sigma.max()), 1e-12)
-    parts = [chart.image(0.75 * (1 - plane.sigma[::2, ::2] / top) ** 3)]
-    names = names_of(robot)
-    labels = tuple(axis_name(names[number - 1], unit) for number, unit in zip(plane.joints, units, strict=True))
-    parts.append(chart.axes((labels[0], labels[1]), (ticks[0], ticks[1])))
-    for trace in plane.traces:
-        style = colour(colours[trace.family])
-        parts.append(chart.path(trace.curves, "curve", style))
-        parts.append(chart.dots(trace.points, "", 4.0, style))
-    seen = ", ".join(trace.family for trace in plane.traces) or "no family"
-    return chart.svg(parts, f"Slice of joint space, {labels[0]} across and {labels[1]} up: curves or dots of {seen}")
-
-
-def projections(robot: Robot, solid: Solid, index: int) -> list[str]:
-    """Curves in the cube of three joints seen along each axis (AM Figure 5a)."""
-    names = [names_of(robot)[number - 1] for number in solid.joints]
-    found = []
-    for a, b in ((0, 1), (1, 2), (0, 2)):
-        ends = (-pi * 1.04, pi * 1.04)
-        chart = Chart(ends, ends, width=250, height=250)
-        lines = [piece[:, [a, b]] for line in solid.curves for piece in pieces(line)]
-        parts = [chart.axes((names[a], names[b]), (angle_ticks(*ends), angle_ticks(*ends)))]
-        parts.append(chart.path(lines, "curve", colour(index)))
-        seen = f"{solid.family}: the curves seen along the third joint, {names[a]} across and {names[b]} up"
-        found.append(chart.svg(parts, seen))
-    return found
-
-
-def workspace_chart(section: Workspace, size: float, marks: Sequence[tuple[Array, str, float, str]], seen: str) -> str:
-    """Where the tip can be (grey), under dots: (points, class, radius, style) of each kind."""
-    chart = _map_chart(section, size)
-    few = [max(2, round(side / 70)) for side in (chart.width, chart.height)]
-    axes = chart.axes(section.section.labels, (plain_ticks(*chart.x, few[0]), plain_ticks(*chart.y, few[1])))
-    parts = [_tips(chart, section), axes, *(chart.dots(*mark) for mark in marks)]
-    return chart.svg(parts, f"Workspace in section: {seen}")
-
-
 def spread(section: Workspace, points: Array) -> float:
     """Share of the workspace's cells in which a family has a tip, of as many as it could have met."""
-    cells = len(
-        np.unique(np.stack([np.digitize(points[:, 0], section.x), np.digitize(points[:, 1], section.y)]), axis=1).T
-    )
-    return cells / max(1, min(len(points), int((section.tips > 0).sum())))
-
-
-def _map_chart(section: Workspace, size: float) -> Chart:
-    x, y = ((float(edges[0]), float(edges[-1])) for edges in (section.x, section.y))
-    longer = max(x[1] - x[0], y[1] - y[0])
-    return Chart(x, y, width=size * (x[1] - x[0]) / longer, height=size * (y[1] - y[0]) / longer)
-
-
-def _tips(chart: Chart, section: Workspace) -> str:
-    kept = section.tips
-    most = max(float(np.quantile(kept[kept > 0], 0.95)) if (kept > 0).any() else 1.0, 1.0)
-    dark = np.where(kept > 0, 0.12 + 0.33 * np.minimum(kept / most, 1.0) ** 0.5, 0.0)
-    return chart.image(dark)
-
-
-def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
-    """σ_r (bold) and the next ones as one joint moves; the dashed line is the witness."""
-    shown = sweep.sigma[:, ::-1][:, : corank + 1 if corank > 1 else 2]
-    high = max(float(shown.max()) * 1.05, 1e-9)
-    chart = Chart(
-        (float(sweep.values[0]), float(sweep.values[-1])), (0.0, high), width=_SMALL, height=0.62 * _SMALL, left=36,
-        bottom=20, top=16, right=6,
-    )  # fmt: skip
-    name = names_of(robot)[sweep.number - 1]
-    parts = [f'<text class="name" x="{chart.left}" y="11">{name}</text>']
-    parts.append(
-        f'<rect class="frame" x="{chart.left}" y="{chart.top}" width="{chart.width}" height="{chart.height}"/>'
-    )
-    ends = ("−180°", "180°") if robot.periodic[sweep.number - 1] else tuple(f"{x:.2g}" for x in chart.x)
-    base = chart.top + chart.height + 14
-    parts.append(f'<text x="{chart.left}" y="{base}">{ends[0]}</text>')
-    parts.append(f'<text x="{chart.left + chart.width}" y="{base}" text-anchor="end">{ends[1]}</text>')
-    parts.append(f'<text x="{chart.left - 3}" y="{chart.top + 9}" text-anchor="end">{high:.2g}</text>')
-    parts.append(chart.upright(sweep.at, "here"))
-    for k in range(shown.shape[1] - 1, -1, -1):
-        lost = k < corank
-        parts.append(chart.path([np.stack([sweep.values, shown[:, k]], axis=1)], "s0" if lost else "s1"))
-    return chart.svg(parts, f"Singular values as {name} moves through the witness")
+    cells = np.unique([np.digitize(points[:, 0], section.x), np.digitize(points[:, 1], section.y)], axis=1)
+    return float(cells.shape[1] / max(1, min(len(points), int((section.tips > 0).sum()))))
 
 
 _WIDE = 0.5  # a family whose tips are in more than this share of the cells that they could meet fills a region
@@ -129,9 +229,8 @@ _WIDE = 0.5  # a family whose tips are in more than this share of the cells that
 
 def slice_section(content: Content) -> str:
     """Planes of joint space."""
-    robot = content.analysis.robot
     figures = "".join(
-        f"<figure>{slice_chart(robot, plane, content.colours)}<figcaption>{_slice_words(content, plane)}</figcaption>"
+        f"<figure>{_slice_svg(content, plane)}<figcaption>{_slice_words(content, plane)}</figcaption>"
         "</figure>"
         for plane in content.slices
     )
@@ -144,6 +243,12 @@ def slice_section(content: Content) -> str:
         "stronger where it is small. Curves and dots: the families, solved from their conditions; every point drawn "
         f'was checked in the Jacobian.</p><div class="figures">{figures}</div></section>'
     )
+
+
+def _slice_svg(content: Content, plane: Slice) -> str:
+    chart = slice_chart(content.analysis.robot, plane, content.colours)
+    seen = ", ".join(trace.family for trace in plane.traces) or "no family"
+    return chart.svg(f"Slice of joint space, {chart.names[0]} across and {chart.names[1]} up: curves or dots of {seen}")
 
 
 def _slice_words(content: Content, plane: Slice) -> str:
@@ -164,8 +269,7 @@ def _held(robot: Robot, q: Iterable[float], moving: Sequence[int]) -> str:
 
 
 def _key(content: Content, family: str) -> str:
-    index = content.colours[family] % COLOURS
-    return f'<span class="dot" style="background:var(--f{1 + index})"></span><b>{family}</b>'
+    return f'<span class="dot" style="background:var(--{look_of(content.colours[family])})"></span><b>{family}</b>'
 
 
 def solid_section(content: Content) -> str:
@@ -187,8 +291,11 @@ def solid_section(content: Content) -> str:
             f"{'; held: ' + escape(held) if held else ''}.<span class='screen'> Drag to turn.</span></figcaption>"
             "</figure>"
         )
-        for text in projections(robot, one, content.colours[one.family]) if one.curves else []:
-            figures.append(f"<figure>{text}<figcaption>{_key(content, one.family)} projected.</figcaption></figure>")
+        for chart in projections(robot, one, content.colours[one.family]) if one.curves else []:
+            across, up = chart.names
+            seen = f"{one.family}: the curves seen along the third joint, {across} across and {up} up"
+            text = f"<figcaption>{_key(content, one.family)} projected.</figcaption>"
+            figures.append(f"<figure>{chart.svg(seen)}{text}</figure>")
     return (
         '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves '
         'or surfaces in the cube of these joints, −180° … 180°.</p>'
@@ -202,9 +309,8 @@ def workspace_section(content: Content) -> str:
     figures = []
     if len(section.walls):
         share = f"{int(section.one_sided.sum()):,} of {len(section.walls):,}"
-        passed, barred = section.walls[~section.one_sided], section.walls[section.one_sided]
         seen = "where the tip can be; walls, dark where not crossed, orange where passed by posture"
-        chart = workspace_chart(section, 440.0, [(passed, "pass", 0.9, ""), (barred, "wall", 1.1, "")], seen)
+        chart = workspace_chart(section, 440.0).svg(f"Workspace in section: {seen}")
         figures.append(
             f"<figure>{chart}<figcaption>Grey: where the tip can be ({section.count:,} random "
             "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to "
@@ -219,8 +325,9 @@ def workspace_section(content: Content) -> str:
             continue
         fills = spread(section, points) > _WIDE
         words = "can occur wherever there are dots, it depends on the posture" if fills else "occurs at these places"
-        image = [(points, "", 1.0, colour(content.colours[family]))]
-        chart = workspace_chart(section, 320.0, image, "where the tip is while the arm is in this family")
+        chart = workspace_chart(section, 320.0, family, content.colours[family]).svg(
+            "Workspace in section: where the tip is while the arm is in this family"
+        )
         figures.append(
             f"<figure>{chart}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
@@ -242,7 +349,8 @@ def line_section(content: Content) -> str:
         return ""
     parts = []
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
-        charts = "".join(sweep_chart(analysis.robot, one, family.corank) for one in swept)
+        drawn = [sweep_chart(analysis.robot, one, family.corank) for one in swept]
+        charts = "".join(one.svg(f"Singular values as {one.title} moves through the witness") for one in drawn)
         parts.append(f"<h3>{family.id}&ensp;<small>{escape(family.name)}</small></h3><div class='lines'>{charts}</div>")
     return (
         '<section id="lines"><h2>σ along lines</h2><p>Each joint turns in full, or slides its travel, through the '
@@ -291,21 +399,24 @@ def checks(content: Content) -> Iterator[str]:
 
 
 def _drawn(content: Content) -> Iterator[str]:
-    curves = sum(len(line) for plane in content.slices for trace in plane.traces for line in trace.curves)
-    points = sum(len(trace.points) for plane in content.slices for trace in plane.traces)
+    traces = [trace for plane in content.slices for trace in plane.traces]
+    curves = sum(len(line) for trace in traces for line in (*trace.curves, trace.points))
     solid = sum(len(one.vertices) + sum(map(len, one.curves)) for one in content.solids)
     images = sum(len(points) for _, points in content.workspace.images)
     singular = content.analysis.settings.tolerances.singular
     yield (
-        f"Drawn: {curves + points:,} points of slices, {solid:,} of sets in three joints and {images:,} members of "
+        f"Drawn: {curves:,} points of slices, {solid:,} of sets in three joints and {images:,} members of "
         f"families in the workspace, each with σ ≤ {singular:g} in the Jacobian (seed {content.workspace.seed})."
     )
     if content.exact is not None and content.exact.families:
-        ranks = [family.rank_check for family in content.exact.families]
-        agree, tested = sum(one.agree for one in ranks), sum(one.tested for one in ranks)
-        word = "nothing was left unfinished" if content.exact.complete else "not finished within its time limit"
-        yield (
-            f"Exact conditions: the rank modulo a prime is as claimed at {agree:,} of {tested:,} random points, and "
-            f"{content.exact.explained.agree:,} of {content.exact.explained.tested:,} singular configurations lie on a "
-            f"family; {word}."
-        )
+        yield _rank_checks(content.exact)
+
+
+def _rank_checks(derived: Conditions) -> str:
+    agree = sum(family.rank_check.agree for family in derived.families)
+    tested = sum(family.rank_check.tested for family in derived.families)
+    word = "nothing was left unfinished" if derived.complete else "not finished within its time limit"
+    return (
+        f"Exact conditions: the rank modulo a prime is as claimed at {agree:,} of {tested:,} random points, and "
+        f"{derived.explained.agree:,} of {derived.explained.tested:,} singular configurations lie on a family; {word}."
+    )

@@ -1,6 +1,8 @@
 """The result of an analysis: a frozen record that goes to JSON and back unchanged and can re-check itself.
 
-How an analysis was checked, in sentences that the terminal and the report share; every number is in the JSON too.
+And its file: what JSON says beside the fields (the joints as a reader wants them, the terms of an equation, shares with
+their intervals), and how it is read. Infinities (limits that the source does not give) are null; joints are numbered
+from 1.
 """
 
 from __future__ import annotations
@@ -8,30 +10,27 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar, get_type_hints
 
+import msgspec
 import numpy as np
 
-from rankdrop.codec import Result, check_record, record_of, shown
-from rankdrop.errors import ResultFileError
+from rankdrop.codec import Record as Record
+from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
+from rankdrop.codec import json_text as json_text
+from rankdrop.codec import plain as plain
+from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
+from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.local.block import singular_values
-from rankdrop.results.codec import (
-    Record,
-    corank_from_dict,
-    family_from_dict,
-    read_record,
-    restored,
-    robot_from_dict,
-    task_from_dict,
-)
 from rankdrop.results.validate import at, check_analysis
-from rankdrop.results.verdict import Verdict, of_analysis
+from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.families import inside_limits, overview, share_text
+from rankdrop.text.conditions import Verdict, of_analysis, opening
+from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
 
@@ -113,6 +112,11 @@ class Analysis(Result):
     def verdict(self) -> Verdict:
         """What may be claimed, in one sentence; the exit code follows it."""
         return of_analysis(self)
+
+    @property
+    def answer(self) -> str:
+        """What the arm has, in one sentence."""
+        return opening(self.robot, self.generic_rank, self.families)
 
     @property
     def verified(self) -> bool:
@@ -201,12 +205,11 @@ class Analysis(Result):
         )
 
     def sections(self) -> tuple[Section, ...]:
-        """One section for each corank."""
-        return tuple(overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
-                              limits=self.settings.limits))  # fmt: skip
-
-    def __str__(self) -> str:
-        return f"{self.robot.name}: {self.verdict.sentence}\n\n{super().__str__()}"
+        """The answer, then one section for each corank."""
+        first, second = self.verdict.beside(self.answer)
+        return (Section(first, lines=(second,)), *overview(
+            self.robot, self.generic_rank, self.coranks, self.families, self.exact, limits=self.settings.limits
+        ))  # fmt: skip
 
     def latex(self) -> str:
         """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.text.latex.latex_tables`."""
@@ -229,6 +232,71 @@ class Analysis(Result):
             ) from error
 
 
+def read_record(path: str | Path) -> Any:
+    """The data in a JSON file.
+
+    Raises:
+        ResultFileError: the file cannot be read, is too large, or is not JSON; NaN and infinities are none.
+    """
+    try:
+        Path(path).stat()
+        return msgspec.json.decode(read_text(Path(path)))
+    except OSError as error:
+        raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
+    except RankdropError as error:
+        raise ResultFileError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
+    except RecursionError:
+        what = "the file cannot be read as JSON: its lists and objects are nested too deeply"
+        raise ResultFileError(what, where=str(path)) from None
+    except (ValueError, msgspec.MsgspecError) as error:
+        raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)[:200]) from error
+
+
+def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
+    """The arm as analysed: what a reader wants first, then `chain`, from which the robot is built again."""
+    return encode(table_of("robot"), (robot, task, generic_rank))
+
+
+def robot_from_dict(record: Record) -> Robot:
+    """The robot of a record made by `robot_to_dict`."""
+    lengths = list(record.get("lengths", {}).items())
+    chain = [{key: value for key, value in joint.items() if value is not None} for joint in record["chain"]]
+    robot: Robot = restored(Robot, record | {"joints": chain, "task": record["made_for"], "lengths": lengths})
+    return robot
+
+
+def task_from_dict(record: Record, length_scale: float) -> Task:
+    """The task of a record made by `robot_to_dict`; its length scale [m] stands among the settings."""
+    task: Task = restored(Task, {**record, "name": record["task"], "length_scale": length_scale})
+    return task
+
+
+def _check(record: Record, agree: str) -> Record:
+    return {"tested": record["tested"], "agree": record[agree]}
+
+
+def corank_from_dict(record: Record) -> CorankSummary:
+    """The summary of a record made by `SUMMARY`."""
+    completeness = _check(record["completeness"], "explained")
+    summary: CorankSummary = restored(CorankSummary, record | {"completeness": completeness})
+    return summary
+
+
+def family_from_dict(record: Record) -> Family:
+    """The family of a record made by `FAMILY`.
+
+    Raises:
+        ResultFileError: an equation whose text and terms say different things.
+    """
+    checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
+    kinds, own = get_type_hints(Family), record.keys() - {"equations"}
+    given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
+    family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
+    if plain(family.equations) != record["equations"]:
+        raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
+    return family
+
+
 def _derivation(record: Record) -> Derivation:
     """The entry `exact`; up to 0.2 derived families were matched with fitted rows and might have their own numbers."""
     derivation: Derivation = restored(Derivation, record)
@@ -236,30 +304,3 @@ def _derivation(record: Record) -> Derivation:
         return derivation
     same = {one["row"] for one in record["matches"] if one["families"] == [one["row"]] and not one["parts"]}
     return replace(derivation, families=tuple(one for one in derivation.families if one.id in same))
-
-
-def sampled(analysis: Analysis) -> str:
-    """How many solutions of the rows' conditions are singular, how many fresh points the rows explain; "" for none."""
-    if not analysis.families:
-        return ""
-    solved = sum(row.soundness.tested for row in analysis.families)
-    singular = sum(row.soundness.agree for row in analysis.families)
-    fresh = sum(row.completeness.tested for row in analysis.coranks)
-    explained = sum(row.completeness.agree for row in analysis.coranks)
-    return (
-        f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
-        f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
-        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows "
-        f"({share_text(explained, fresh)})."
-    )
-
-
-def unseen(analysis: Analysis) -> str:
-    """What the searches may have missed, at the corank where that is most; "" where nothing converged."""
-    found = [row for row in analysis.coranks if row.converged]
-    if not found:
-        return ""
-    worst = max(found, key=lambda row: row.unseen.upper)
-    share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
-    how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
-    return f"What sampling may have missed: {share} of its searches, worst at corank {worst.corank}. {how}."

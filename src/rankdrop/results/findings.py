@@ -29,12 +29,11 @@ from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Record
 from rankdrop.errors import MissingExtraError
-from rankdrop.families.search_record import History, Outcome, Search
-from rankdrop.families.searching import check_numbers, refine
+from rankdrop.families.searching import MOST_STARTS, History, Outcome, Search, refine
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.kinematics import check_robot
+from rankdrop.kinematics import LARGEST_SEED, check_robot, whole_number
 from rankdrop.local.block import generic_rank, sampling_box
-from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
+from rankdrop.results.analysis import robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_units, out_of_units, task_in_units
@@ -161,7 +160,7 @@ def store_cloud(
     """
     check_robot(robot)
     _, parquet = _pyarrow()
-    starts, seed, _ = check_numbers(starts, seed, 0)
+    starts, seed = whole_number("starts", starts, 1, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED)
     resolved = resolve_task(task, robot)
     rank = generic_rank(robot, resolved)
     refine(robot, np.zeros((0, robot.n)), corank, task=resolved)  # refuses what cannot be asked for

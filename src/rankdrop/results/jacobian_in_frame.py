@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -182,8 +182,7 @@ def _table(title: str, left: Sequence[str], above: Sequence[str], entries: Seque
     """A matrix as a table where it is narrow, else entry by entry, zeros left out."""
     widths = [max(len(head), *(len(row[i]) for row in entries)) for i, head in enumerate(above)]
     if sum(widths) + 2 * len(widths) + max(map(len, left)) <= _WIDTH:
-        rows = tuple((name, *row) for name, row in zip(left, entries, strict=True))
-        return Section(title, "", (), ("", *above), rows, texts=tuple(range(len(above) + 1)))
+        return _as_table(title, left, above, entries, texts=tuple(range(len(above) + 1)))
     lines = tuple(
         f"{name}, {head}: {entry}"
         for name, row in zip(left, entries, strict=True)
@@ -193,24 +192,31 @@ def _table(title: str, left: Sequence[str], above: Sequence[str], entries: Seque
     return Section(title, "", (*lines, "all other entries are 0"))
 
 
+def _as_table(
+    title: str, left: Sequence[str], above: Sequence[str], entries: Iterable[Sequence[str]],
+    texts: tuple[int, ...] = (0,),
+) -> Section:  # fmt: skip
+    rows = tuple((name, *row) for name, row in zip(left, entries, strict=True))
+    return Section(title, "", (), ("", *above), rows, texts=texts)
+
+
+def _written(matrix: Array) -> Iterator[list[str]]:
+    """The numbers of a matrix, row by row."""
+    for row in np.where(np.abs(matrix) < 1e-15, 0.0, matrix):
+        yield [f"{x + 0.0:.6g}".replace("-", "−") for x in row]
+
+
 def _numbers(numbers: Numbers, rows: Sequence[str], joints: Sequence[str]) -> Iterator[Section]:
-    def written(matrix: Array) -> list[list[str]]:
-        return [[f"{x + 0.0:.6g}".replace("-", "−") for x in np.where(np.abs(row) < 1e-15, 0.0, row)] for row in matrix]
-
-    def table(title: str, left: Sequence[str], above: Sequence[str], matrix: Array) -> Section:
-        cells = tuple((name, *row) for name, row in zip(left, written(matrix), strict=True))
-        return Section(title, "", (), ("", *above), cells)
-
     q = ", ".join(f"{x:.6g}" for x in numbers.q).replace("-", "−")
-    yield table(f"At q = ({q}) [rad, m]", rows, joints, numbers.matrix)
+    yield _as_table(f"At q = ({q}) [rad, m]", rows, joints, _written(numbers.matrix))
     lines = [f"singular values, lengths in metres: {', '.join(f'{x:.4g}' for x in numbers.sigma)}"]
     if numbers.determinant is not None:
         lines.insert(0, f"determinant {numbers.determinant:.6g}".replace("-", "−"))
-    if numbers.determinant is not None and not regular(numbers.matrix):
-        lines.append("no inverse: the configuration is singular")
+        if not regular(numbers.matrix):
+            lines.append("no inverse: the configuration is singular")
     yield Section("", "", tuple(lines))
     if numbers.inverse is not None:
-        yield table("Inverse at q", joints, rows, numbers.inverse)
+        yield _as_table("Inverse at q", joints, rows, _written(numbers.inverse))
 
 
 def _matrix(entries: Sequence[Sequence[str]]) -> str:

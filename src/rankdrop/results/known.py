@@ -26,6 +26,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.algebra.polynomial import Polynomial, flint, root_values, with_inner
 from rankdrop.exact.algebra.ring import Ring
@@ -36,8 +37,8 @@ from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family, family_from_metres
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words
-from rankdrop.results.codec import Record, restored
-from rankdrop.results.conditions import SCHEMA, Conditions, ConditionSettings
+from rankdrop.questions import ConditionsOptions
+from rankdrop.results.conditions import SCHEMA, Conditions
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
@@ -298,7 +299,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         interrupted=record["interrupted"],
         left=tuple(record["left"]),
         seconds=0.0,
-        settings=replace(restored(ConditionSettings, record["settings"]), version=VERSION),
+        settings=restored(ConditionsOptions, record["settings"]),
         anew=anew,
     )
 

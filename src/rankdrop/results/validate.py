@@ -6,13 +6,14 @@ directions at the witness. What cannot be computed again without searching (shar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.family.record import Family, Pin
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.family.record import Derivation, ExactRow, Family, Pin
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.files import RANGE, allowed_range
@@ -38,10 +39,15 @@ def damaged(what: str, where: str, got: object = None, allowed: object = None) -
                            mend="analyse the arm again")  # fmt: skip
 
 
-def require(holds: bool | np.bool, what: str, where: str, got: object = None, allowed: object = None) -> None:
-    """Raise the error of an element that cannot be believed, unless it holds."""
-    if not holds:
-        raise damaged(what, where, got, allowed)
+Claim = tuple[bool | np.bool, str, str, object, object]
+"""Whether something holds; else what is wrong, at which element, what stands there, and what is allowed."""
+
+
+def require(*claims: Claim) -> None:
+    """Raise the error of the first claim that does not hold."""
+    for holds, what, where, got, allowed in claims:
+        if not holds:
+            raise damaged(what, where, got, allowed)
 
 
 def at(where: str, make: Callable[[], T]) -> T:
@@ -71,146 +77,124 @@ def check_analysis(analysis: Analysis, record: dict[str, Any]) -> None:
         ResultFileError: with the path of the first element that contradicts the arm, or another element.
     """
     robot, task = analysis.robot, analysis.task
-    _check_tolerances(analysis)
+    for name, value in analysis.settings.tolerances.to_dict().items():
+        most = _LOOSEST_SINGULAR if name == "singular" else _LOOSEST
+        where = f"$.settings.tolerances.{name}"
+        require((value <= most, "the tolerance is too large", where, value, f"up to {most:g}"))
     _check_robot(robot, record["robot"])
     at("$.robot.task", lambda: _check_task(task, robot))
     rank = at("$.robot", lambda: generic_rank(robot, task))
-    require(
-        rank == analysis.generic_rank,
-        "the arm has another generic rank", "$.robot.generic_rank", analysis.generic_rank, rank,
-    )
+    require((rank == analysis.generic_rank, "the arm has another generic rank", "$.robot.generic_rank",
+             analysis.generic_rank, rank))  # fmt: skip
     _check_coranks(analysis)
     ids = [family.id for family in analysis.families]
     for i, family in enumerate(analysis.families):
         where = f"$.families[{i}]"
-        require(
-            family.id not in ids[:i] and family.id.startswith(f"k{family.corank}."),
-            "the id is that of another family", f"{where}.id", family.id,
-        )
+        _check_id(family, ids[:i], where)
         at(where, lambda one=family, place=where: _check_family(analysis, one, place))  # type: ignore[misc]
-    _check_near(analysis, ids)
-    _check_exact(analysis, ids)
+    if analysis.near is not None:
+        require(
+            ([one.id for one in analysis.near.families] == ids, "the families are not those of the analysis",
+             "$.near.families", None, ", ".join(ids)),
+            *((row.near <= row.samples, "more configurations are near than there are", "$.near", row.near,
+               f"up to {row.samples}") for row in (*analysis.near.families, analysis.near.any)),
+        )  # fmt: skip
+    if analysis.exact is not None:
+        _check_exact(analysis, analysis.exact, ids)
 
 
-def _check_tolerances(analysis: Analysis) -> None:
-    for name, value in analysis.settings.tolerances.to_dict().items():
-        most = _LOOSEST_SINGULAR if name == "singular" else _LOOSEST
-        require(value <= most, "the tolerance is too large", f"$.settings.tolerances.{name}", value, f"up to {most:g}")
+def _check_id(family: Family | ExactRow, before: Sequence[str], where: str) -> None:
+    own = family.id not in before and family.id.startswith(f"k{family.corank}.")
+    require((own, "the id is that of another family", f"{where}.id", family.id, None))
 
 
 def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
-    require(record["n"] == robot.n, "the chain has another number of variables", "$.robot.n", record["n"], robot.n)
+    require((record["n"] == robot.n, "the chain has another number of variables", "$.robot.n", record["n"], robot.n))
     at("$.robot.home", lambda: rigid(robot.home, ""))
-    for i, joint in enumerate(robot.joints):
-        where = f"$.robot.chain[{i}]"
+    for i, (joint, written) in enumerate(zip(robot.joints, record["chain"], strict=True)):
+        where, measure, mimic = f"$.robot.chain[{i}]", "length" if joint.unit == "m" else "angle", joint.mimic
         at(f"{where}.frame", lambda one=joint: rigid(one.frame, ""))  # type: ignore[misc]
-        _check_screw(joint, np.array(record["chain"][i]["screw"], dtype=np.float64), f"{where}.screw")
-        most = RANGE["length" if joint.unit == "m" else "angle"]
-        for key in ("lower", "upper", "velocity"):
-            value = record["chain"][i][key]
-            if value is not None and abs(value) > most:
-                allowed = allowed_range("length" if joint.unit == "m" else "angle")
-                raise damaged("the limit is too large", f"{where}.{key}", value, allowed)
+        _check_screw(joint, np.array(written["screw"], dtype=np.float64), f"{where}.screw")
         require(
-            joint.velocity > 0.0,
-            "the largest velocity is not positive", f"{where}.velocity", joint.velocity, "above 0",
-        )
-        mimic = joint.mimic
-        if mimic is not None and not 0.0 < abs(mimic.multiplier) <= RANGE["angle"]:
-            raise damaged("the joint follows at no rate", f"{where}.mimic.multiplier", mimic.multiplier)
-    told = [(one["name"], one["number"], one["kind"], one["lower"], one["upper"]) for one in record["joints"]]
+            *((written[key] is None or abs(written[key]) <= RANGE[measure], "the limit is too large",
+               f"{where}.{key}", written[key], allowed_range(measure)) for key in ("lower", "upper", "velocity")),
+            (joint.velocity > 0.0, "the largest velocity is not positive", f"{where}.velocity", joint.velocity,
+             "above 0"),
+            (mimic is None or 0.0 < abs(mimic.multiplier) <= RANGE["angle"], "the joint follows at no rate",
+             f"{where}.mimic.multiplier", mimic and mimic.multiplier, None),
+        )  # fmt: skip
+    listed = [(one["name"], one["number"], one["kind"], one["lower"], one["upper"]) for one in record["joints"]]
     chain = {one["name"]: one for one in record["chain"]}
     for i, joint in enumerate(robot.variables):
-        one = chain[joint.name]
-        want = (joint.name, i + 1, str(joint.kind), one["lower"], one["upper"])
-        require(
-            i < len(told) and told[i] == want,
-            "the joint is another one than that of the chain", f"$.robot.joints[{i}]", allowed=want,
-        )
-    require(len(told) == robot.n, "there are more joints than in the chain", "$.robot.joints", len(told), robot.n)
+        written = chain[joint.name]
+        want = (joint.name, i + 1, str(joint.kind), written["lower"], written["upper"])
+        require((i < len(listed) and listed[i] == want, "the joint is another one than that of the chain",
+                 f"$.robot.joints[{i}]", None, want))  # fmt: skip
+    require((len(listed) == robot.n, "there are more joints than in the chain", "$.robot.joints", len(listed), robot.n))
 
 
 def _check_screw(joint: Joint, screw: np.ndarray[Any, np.dtype[np.float64]], where: str) -> None:
     axis = screw[:3] if joint.kind is JointKind.PRISMATIC else screw[3:]
-    length = float(np.linalg.norm(axis))
-    require(abs(length - 1.0) <= _SAME, "the axis has another length than 1", where, length, 1)
-    pitch = float(screw[:3] @ screw[3:])
+    length, pitch = float(np.linalg.norm(axis)), float(screw[:3] @ screw[3:])
+    straight = joint.kind is not JointKind.REVOLUTE or abs(pitch) <= _SAME * max(1.0, float(np.abs(screw).max()))
     require(
-        joint.kind is not JointKind.REVOLUTE or abs(pitch) <= _SAME * max(1.0, float(np.abs(screw).max())),
-        "a revolute screw has no pitch", where, f"{pitch:g} m/rad", 0,
+        (abs(length - 1.0) <= _SAME, "the axis has another length than 1", where, length, 1),
+        (straight, "a revolute screw has no pitch", where, f"{pitch:g} m/rad", 0),
     )
 
 
 def _check_task(task: Task, robot: Robot) -> None:
     resolve_task(robot.task, robot)
-    require(
-        resolve_task(task.name, robot, length_scale=task.length_scale).rows == task.rows,
-        "the rows are not those of the task", "$.robot.rows", list(task.rows),
-    )
+    rows = resolve_task(task.name, robot, length_scale=task.length_scale).rows
+    require((rows == task.rows, "the rows are not those of the task", "$.robot.rows", list(task.rows), None))
     for what in ("axes", "origin"):
         at(f"$.robot.frame.{what}", lambda one=what: link_index(getattr(task.frame, one), len(robot.joints), one))  # type: ignore[misc]
-    require(
-        max(map(abs, task.frame.point)) <= RANGE["length"],
-        "the point is too far away", "$.robot.frame.point", allowed=allowed_range("length"),
-    )
+    far = max(map(abs, task.frame.point)) > RANGE["length"]
+    require((not far, "the point is too far away", "$.robot.frame.point", None, allowed_range("length")))
 
 
 def _check_coranks(analysis: Analysis) -> None:
     for i, row in enumerate(analysis.coranks):
-        where = f"$.coranks[{i}]"
+        where, share, unseen = f"$.coranks[{i}]", row.completeness, row.unseen
+        number, least = (i + 1, analysis.generic_rank - i - 1), row.smallest_near_miss
         require(
-            (row.corank, row.rank) == (i + 1, analysis.generic_rank - row.corank),
-            "corank and rank are not the next ones", where, (row.corank, row.rank),
-            (i + 1, analysis.generic_rank - i - 1),
-        )
-        require(
-            row.converged + row.near_misses + row.slow <= row.starts,
-            "there are more ends than starts", f"{where}.starts", row.starts,
-        )
-        require(
-            row.completeness.agree <= row.completeness.tested,
-            "more points are explained than tested", f"{where}.completeness",
-        )
-        require(
-            row.unseen.estimate <= row.unseen.upper,
-            "the estimate is above its upper bound", f"{where}.unseen.estimate", row.unseen.estimate,
-        )
-        require(
-            row.smallest_near_miss is None or row.smallest_near_miss >= 0.0,
-            "a singular value is below zero", f"{where}.smallest_near_miss", row.smallest_near_miss,
-        )
+            ((row.corank, row.rank) == number, "corank and rank are not the next ones", where, (row.corank, row.rank),
+             number),
+            (row.converged + row.near_misses + row.slow <= row.starts, "there are more ends than starts",
+             f"{where}.starts", row.starts, None),
+            (share.agree <= share.tested, "more points are explained than tested", f"{where}.completeness", None, None),
+            (unseen.estimate <= unseen.upper, "the estimate is above its upper bound", f"{where}.unseen.estimate",
+             unseen.estimate, None),
+            (least is None or least >= 0.0, "a singular value is below zero", f"{where}.smallest_near_miss", least,
+             None),
+        )  # fmt: skip
+    unfinished = analysis.unfinished
     require(
-        analysis.complete is (analysis.unfinished is None),
-        "an analysis is complete, or tells the corank that was interrupted", "$.unfinished",
-    )
-    require(
-        analysis.unfinished in (None, len(analysis.coranks) + 1),
-        "the unfinished corank is not the next one", "$.unfinished", analysis.unfinished,
-    )
+        (analysis.complete is (unfinished is None), "an analysis is complete, or tells the corank that was interrupted",
+         "$.unfinished", None, None),
+        (unfinished in (None, len(analysis.coranks) + 1), "the unfinished corank is not the next one", "$.unfinished",
+         unfinished, None),
+    )  # fmt: skip
 
 
 def _check_family(analysis: Analysis, family: Family, where: str) -> None:
     """The family against the arm: first that its numbers fit, then the rank, the equations and what is lost."""
-    robot, n = analysis.robot, analysis.robot.n
+    robot, n, witness = analysis.robot, analysis.robot.n, family.witness
     require(
-        family.corank <= len(analysis.coranks),
-        "nothing was searched at this corank", f"{where}.corank", family.corank, len(analysis.coranks),
-    )
-    require(
-        len(family.witness) == n,
-        "the witness has another number of joints", f"{where}.witness", len(family.witness), n,
-    )
-    for j, (value, joint) in enumerate(zip(family.witness, robot.variables, strict=True)):
-        measure = "length" if joint.unit == "m" else "angle"
-        require(
-            abs(value) <= RANGE[measure],
-            "the value is too large", f"{where}.witness[{j}]", value, allowed_range(measure),
-        )
+        (family.corank <= len(analysis.coranks), "nothing was searched at this corank", f"{where}.corank",
+         family.corank, len(analysis.coranks)),
+        (len(witness) == n, "the witness has another number of joints", f"{where}.witness", len(witness), n),
+    )  # fmt: skip
+    for j, (value, unit) in enumerate(zip(witness, robot.units, strict=True)):
+        measure = "length" if unit == "m" else "angle"
+        require((abs(value) <= RANGE[measure], "the value is too large", f"{where}.witness[{j}]", value,
+                 allowed_range(measure)))  # fmt: skip
     kinds = sorted([*(pin.number for pin in family.pinned), *family.free, *family.coupled])
-    require(kinds == list(range(1, n + 1)), "each joint is pinned, free or coupled, once", where, kinds, f"1 … {n}")
+    once = kinds == list(range(1, n + 1))
+    fits = family.soundness.agree <= family.soundness.tested and family.explained.agree <= family.explained.tested
     require(
-        family.soundness.agree <= family.soundness.tested and family.explained.agree <= family.explained.tested,
-        "more points hold than were tested", where,
+        (once, "each joint is pinned, free or coupled, once", where, kinds, f"1 … {n}"),
+        (fits, "more points hold than were tested", where, None, None),
     )
     _check_equations(family, n, where)
     _check_rank(analysis, family, where)
@@ -219,122 +203,82 @@ def _check_family(analysis: Analysis, family: Family, where: str) -> None:
 
 
 def _check_equations(family: Family, n: int, where: str) -> None:
-    require(
-        family.named is bool(family.equations),
-        "a family has equations exactly where it is named", f"{where}.named", family.named,
-    )
+    named = family.named is bool(family.equations)
+    require((named, "a family has equations exactly where it is named", f"{where}.named", family.named, None))
     for i, equation in enumerate(family.equations):
         place = f"{where}.terms[{i}]"
-        require(equation.n == n, "the equation has another number of joints", place, equation.n, n)
         highest = max(max(map(abs, (*term.harmonics, *term.powers))) for term in equation.terms)
-        require(highest <= _HIGHEST, "a power or a harmonic is too high", place, highest, f"up to {_HIGHEST}")
         require(
-            not set(equation.joints) & set(family.free),
-            "the equation binds a free joint", place, sorted(equation.joints),
-        )
-    fewest = n - len(family.equations) if family.equations else 0
-    most = n
+            (equation.n == n, "the equation has another number of joints", place, equation.n, n),
+            (highest <= _HIGHEST, "a power or a harmonic is too high", place, highest, f"up to {_HIGHEST}"),
+            (not set(equation.joints) & set(family.free), "the equation binds a free joint", place,
+             sorted(equation.joints), None),
+        )  # fmt: skip
+    fewest, most = 0, n
     if family.equations:
         slopes = np.stack([equation.gradient(np.array(family.witness)) for equation in family.equations])
+        fewest = n - len(family.equations)
         most = n - int(np.linalg.matrix_rank(slopes, tol=1e-6 * max(1.0, float(np.abs(slopes).max()))))
-    require(
-        fewest <= family.dimension <= most,
-        "the equations leave another dimension", f"{where}.dimension", family.dimension, f"{fewest} … {most}",
-    )
+    require((fewest <= family.dimension <= most, "the equations leave another dimension", f"{where}.dimension",
+             family.dimension, f"{fewest} … {most}"))  # fmt: skip
 
 
 def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
-    tolerances = analysis.settings.tolerances
-    found = analysis.residual_of(family)
+    tolerances, found = analysis.settings.tolerances, analysis.residual_of(family)
+    lost, place, rows = family.lost_directions, f"{where}.lost_directions", list(analysis.task.rows)
     require(
-        found.equation <= tolerances.explained,
-        "the witness does not satisfy the equations", f"{where}.witness", f"{found.equation:.3g}",
-        f"up to {tolerances.explained:g}",
-    )
-    require(
-        found.sigma <= tolerances.singular < found.kept,
-        "the witness has another corank", f"{where}.witness",
-        f"σ that vanish up to {found.sigma:.3g}, σ that stay from {found.kept:.3g}",
-        f"corank {family.corank}, cut at {tolerances.singular:g}",
-    )
-    lost, place = family.lost_directions, f"{where}.lost_directions"
-    require(
-        lost.shape == (family.corank, 6) and len(family.lost_words) == family.corank,
-        "one direction and one sentence for each lost freedom", place, len(lost), family.corank,
-    )
-    require(np.abs(lost @ lost.T - np.eye(len(lost))).max() <= _LOST, "the directions are not orthonormal", place)
-    rows = list(analysis.task.rows)
+        (found.equation <= tolerances.explained, "the witness does not satisfy the equations", f"{where}.witness",
+         f"{found.equation:.3g}", f"up to {tolerances.explained:g}"),
+        (found.sigma <= tolerances.singular < found.kept, "the witness has another corank", f"{where}.witness",
+         f"σ that vanish up to {found.sigma:.3g}, σ that stay from {found.kept:.3g}",
+         f"corank {family.corank}, cut at {tolerances.singular:g}"),
+        (lost.shape == (family.corank, 6) and len(family.lost_words) == family.corank,
+         "one direction and one sentence for each lost freedom", place, len(lost), family.corank),
+    )  # fmt: skip
     whole = jacobian(analysis.robot, np.array(family.witness), analysis.task.frame)[rows]
-    free = np.delete(lost, rows, axis=1)
+    slip = np.abs(lost[:, rows] @ whole).max()
+    still = slip <= _LOST * max(1.0, float(np.abs(whole).max())) and not np.delete(lost, rows, axis=1).any()
     require(
-        np.abs(lost[:, rows] @ whole).max() <= _LOST * max(1.0, float(np.abs(whole).max())) and not free.any(),
-        "the directions are not those lost at the witness", place,
-    )
+        (np.abs(lost @ lost.T - np.eye(len(lost))).max() <= _LOST, "the directions are not orthonormal", place, None,
+         None),
+        (still, "the directions are not those lost at the witness", place, None, None),
+    )  # fmt: skip
 
 
 def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: float) -> None:
     joint, at_witness = robot.variables[pin.number - 1], family.witness[pin.number - 1]
-    require(pin.joint == joint.name, "the joint has another name", f"{where}.joint", pin.joint, joint.name)
     turns = bool(robot.periodic[pin.number - 1])
     gaps = [abs(value - at_witness) for value in pin.values]
+    near = min(abs(wrapped(gap)) if turns else gap for gap in gaps) <= tolerance
     require(
-        min(abs(wrapped(gap)) if turns else gap for gap in gaps) <= tolerance,
-        "the witness is at none of the values", f"{where}.values", at_witness,
+        (pin.joint == joint.name, "the joint has another name", f"{where}.joint", pin.joint, joint.name),
+        (near, "the witness is at none of the values", f"{where}.values", at_witness, None),
     )
     own = [equation for equation in family.equations if equation.joints == (pin.number,)]
     for value in pin.values:
         q = np.array(family.witness)
         q[pin.number - 1] = value
-        require(
-            all(abs(float(equation(q))) <= tolerance for equation in own),
-            "the value does not satisfy the equations", f"{where}.values", value,
-        )
+        satisfied = all(abs(float(equation(q))) <= tolerance for equation in own)
+        require((satisfied, "the value does not satisfy the equations", f"{where}.values", value, None))
 
 
-def _check_near(analysis: Analysis, ids: Sequence[str]) -> None:
-    if analysis.near is None:
-        return
-    require(
-        [one.id for one in analysis.near.families] == list(ids),
-        "the families are not those of the analysis", "$.near.families", allowed=", ".join(ids),
-    )
-    for row in (*analysis.near.families, analysis.near.any):
-        require(
-            row.near <= row.samples,
-            "more configurations are near than there are", "$.near", row.near, f"up to {row.samples}",
-        )
-
-
-def _check_exact(analysis: Analysis, ids: Sequence[str]) -> None:
-    exact, n = analysis.exact, analysis.robot.n
-    if exact is None:
-        return
-    require(len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n)
+def _check_exact(analysis: Analysis, exact: Derivation, ids: Sequence[str]) -> None:
+    n, names = analysis.robot.n, [joint.name for joint in analysis.robot.variables]
+    require((len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n))
+    if exact.derived:
+        at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task))  # of this task in this frame
     own = [family.id for family in exact.families]
     for i, family in enumerate(exact.families):
-        where = f"$.exact.families[{i}]"
+        where, within = f"$.exact.families[{i}]", family.corank <= analysis.generic_rank and family.dimension <= n
+        _check_id(family, own[:i], where)
         require(
-            family.id not in own[:i] and family.id.startswith(f"k{family.corank}."),
-            "the id is that of another family", f"{where}.id", family.id,
-        )
-        require(
-            family.corank <= analysis.generic_rank and family.dimension <= n,
-            "corank or dimension are beyond the arm's", where, (family.corank, family.dimension),
-        )
-        names = [joint.name for joint in analysis.robot.variables]
-        for pin in family.pinned:
-            require(
-                pin.number <= n and names[pin.number - 1] == pin.joint,
-                "the joint is another one", f"{where}.pinned", pin.joint,
-            )
-    if exact.derived:
-        _check_ids(own, ids, "$.exact.families")
+            (within, "corank or dimension are beyond the arm's", where, (family.corank, family.dimension), None),
+            *((pin.number <= n and names[pin.number - 1] == pin.joint, "the joint is another one", f"{where}.pinned",
+               pin.joint, None) for pin in family.pinned),
+        )  # fmt: skip
+    unknown = [one for one in own if one not in ids] if exact.derived else []
+    differs = (exact.status == "differs") is bool(exact.disagreements)
     require(
-        (exact.status == "differs") is bool(exact.disagreements),
-        "there are disagreements exactly where the status is differs", "$.exact.status", exact.status,
+        *((False, "there is no such family", "$.exact.families", one, ", ".join(ids)) for one in unknown),
+        (differs, "there are disagreements exactly where the status is differs", "$.exact.status", exact.status, None),
     )
-
-
-def _check_ids(named: Iterable[str], known: Sequence[str], where: str) -> None:
-    for one in named:
-        require(one in known, "there is no such family", where, one, ", ".join(known))

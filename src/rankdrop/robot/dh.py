@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, screw_of
 from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import rigid, rotation, times, translation
 
@@ -58,21 +58,21 @@ def limits(given: Mapping[str, Any], kind: JointKind, where: Where) -> dict[str,
     Raises:
         RobotError: not a number, lower above upper, or a velocity that is not positive.
     """
-    measure = "length" if kind is JointKind.PRISMATIC else "angle"
-    lower = quantity(given.get("lower", -inf), measure, where=where("lower"), endless=True)
-    upper = quantity(given.get("upper", inf), measure, where=where("upper"), endless=True)
-    velocity = quantity(given.get("velocity", inf), measure, where=where("velocity"), rate=True, endless=True)
-    if lower > upper:
+    found = {
+        key: quantity(given.get(key, none), kind.measure, where=where(key), rate=key == "velocity", endless=True)
+        for key, none in (("lower", -inf), ("upper", inf), ("velocity", inf))
+    }
+    if found["lower"] > found["upper"]:
         raise RobotError(
             "lower limit above upper limit", where=where("lower"), allowed="lower ≤ upper",
             got=f"lower {given['lower']}, upper {given['upper']}", mend="exchange or correct the two limits",
         )
-    if velocity <= 0.0:
+    if found["velocity"] <= 0.0:
         raise RobotError(
             "the largest velocity is not positive", where=where("velocity"), got=given["velocity"],
             allowed="a rate > 0", mend="leave the key out where it is not known",
         )
-    return {"lower": lower, "upper": upper, "velocity": velocity}
+    return found
 
 
 def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[str]:
@@ -198,7 +198,7 @@ def from_dh(
             pose = times(pose, translation(entry.a, 0.0, 0.0), rotation("x", entry.alpha))
         joints.append(
             Joint(
-                entry.name or f"joint{number}", entry.kind, _screw(entry, axis, point),
+                entry.name or f"joint{number}", entry.kind, screw_of(entry.kind, axis, point, entry.pitch),
                 entry.lower, entry.upper, entry.velocity, frame=pose,
             )
         )
@@ -263,10 +263,3 @@ def _rows(rows: Sequence[DHRow | Mapping[str, Any] | Sequence[Any]], kinds: str 
         # mypy does not infer a lambda with a default
         result.append(dh_row(given, number, lambda key, place=place: f"{place}, {key}"))  # type: ignore[misc]
     return result
-
-
-def _screw(row: DHRow, axis: Array, point: Array) -> Array:
-    if row.kind is JointKind.PRISMATIC:
-        return np.concatenate([axis, np.zeros(3)])
-    moment = np.cross(point, axis) + 0.0  # + 0.0 turns −0 into 0
-    return np.concatenate([moment + row.pitch * axis, axis])

@@ -144,7 +144,7 @@ class Drawing:
         """ "length" or "angle": which units the number has."""
         if place.key in _LIMITS:
             kinds = {joint.name: joint.kind for joint in self.nominal.joints}
-            return "length" if kinds.get(place.part) is JointKind.PRISMATIC else "angle"
+            return kinds.get(place.part, JointKind.REVOLUTE).measure
         if place.key == "pitch" and self._rows is not None and place.part not in ENDS:  # of a helical joint
             return "length"
         return "angle" if place.key in _ANGLES else "length"

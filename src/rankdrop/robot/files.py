@@ -143,59 +143,41 @@ def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: 
     data = text.encode("utf-8", "surrogatepass")
     if len(data) > LARGEST_FILE:
         raise RobotError("the text is too large", where=file, allowed=f"at most {LARGEST_FILE // 2**20} MB")
-    builder = _Builder(file, skip, MOST_ELEMENTS if most is None else most)
+    most = MOST_ELEMENTS if most is None else most
+    parser = expat.ParserCreate("utf-8")
+    document = Element("", {}, 0)
+    open_elements: list[Element | None] = [document]  # None: left out, and so is all that it holds
+    count = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        line = parser.CurrentLineNumber
+        if len(open_elements) > DEEPEST:
+            raise RobotError("the elements are nested too deeply", where=f"{file}, line {line}",
+                             allowed=f"depth {DEEPEST}")  # fmt: skip
+        if count > most:
+            raise RobotError("there are too many elements", where=f"{file}, line {line}", allowed=f"at most {most}")
+        above, element = open_elements[-1], Element(tag, attributes, line)
+        kept = above is not None and tag not in skip
+        if above is not None and kept:
+            above.children.append(element)
+        open_elements.append(element if kept else None)
+
+    def end(_: str) -> None:
+        open_elements.pop()
+
+    def refuse(*_: object) -> int:
+        raise RobotError("document types and entities are refused", where=f"{file}, line {parser.CurrentLineNumber}",
+                         mend="take out <!DOCTYPE …> and &entities;")  # fmt: skip
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = parser.ExternalEntityRefHandler = refuse
     try:
-        builder.parser.Parse(data, True)
+        parser.Parse(data, True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
         raise RobotError(f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}") from None
-    if builder.root is None:  # the root itself is one of those left out
+    if not document.children:  # the root itself is one of those left out
         raise RobotError("there is no element to read", where=file)
-    return builder.root
-
-
-class _Builder:
-    def __init__(self, file: str, skip: frozenset[str], most: int) -> None:
-        self.file, self.skip, self.most = file, skip, most
-        self.root: Element | None = None
-        self.open: list[Element] = []
-        self.depth = self.count = 0
-        self.skipping = 0  # depth of the element that is left out, 0 if none
-        self.parser = expat.ParserCreate("utf-8")
-        self.parser.StartElementHandler = self.start
-        self.parser.EndElementHandler = self.end
-        self.parser.StartDoctypeDeclHandler = self.refuse
-        self.parser.EntityDeclHandler = self.refuse
-        self.parser.ExternalEntityRefHandler = self.refuse
-
-    def where(self) -> str:
-        return f"{self.file}, line {self.parser.CurrentLineNumber}"
-
-    def start(self, tag: str, attributes: dict[str, str]) -> None:
-        self.depth += 1
-        self.count += 1
-        if self.depth > DEEPEST:
-            raise RobotError("the elements are nested too deeply", where=self.where(), allowed=f"depth {DEEPEST}")
-        if self.count > self.most:
-            raise RobotError("there are too many elements", where=self.where(), allowed=f"at most {self.most}")
-        if self.skipping or tag in self.skip:
-            self.skipping = self.skipping or self.depth
-            return
-        element = Element(tag, attributes, self.parser.CurrentLineNumber)
-        if self.open:
-            self.open[-1].children.append(element)
-        else:
-            self.root = element
-        self.open.append(element)
-
-    def end(self, _tag: str) -> None:
-        if not self.skipping:
-            self.open.pop()
-        elif self.skipping == self.depth:
-            self.skipping = 0
-        self.depth -= 1
-
-    def refuse(self, *_: object) -> int:
-        raise RobotError(
-            "document types and entities are refused", where=self.where(), mend="take out <!DOCTYPE …> and &entities;"
-        )
+    return document.children[0]

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, wraps
 from math import inf
-from typing import Any
+from typing import Any, TypeVar, TypeVarTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +25,7 @@ from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.files import LARGEST_LENGTH, LONGEST_NAME, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.quantities import checked_lengths, degrees_text
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
-from rankdrop.robot.transform import from_xyz_rpy, norm, times
+from rankdrop.robot.transform import dot, from_xyz_rpy, norm, times, unmasked
 from rankdrop.sections import Section, html
 
 
@@ -34,6 +35,18 @@ class JointKind(StrEnum):
     REVOLUTE = "revolute"
     PRISMATIC = "prismatic"
     HELICAL = "helical"
+
+    @property
+    def measure(self) -> str:
+        """What its variable is: "length", or "angle"."""
+        return "length" if self is JointKind.PRISMATIC else "angle"
+
+
+def screw_of(kind: JointKind, axis: Array, point: Array, pitch: float = 0.0) -> Array:
+    """(6,) screw of a joint along or about a unit axis (3,) through a point (3,) [m], linear part first."""
+    if kind is JointKind.PRISMATIC:
+        return np.concatenate([axis, np.zeros(3)]) + 0.0  # + 0.0 turns −0 into 0
+    return np.concatenate([np.cross(point, axis) + pitch * axis, axis]) + 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,17 +101,17 @@ class Joint:
             _check_name(label, where)
         screw = _read_only(self.screw, (6,), where, "screw")
         object.__setattr__(self, "kind", JointKind(self.kind))
-        axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]
+        axis = screw[:3] if self.slides else screw[3:]
         length = norm(axis)
         if length < 1e-9:
             raise RobotError("the axis has no length", where=where, got=axis.tolist(), allowed="a non-zero axis")
-        if self.kind is JointKind.PRISMATIC and np.abs(screw[3:]).max() > 0:
+        if self.slides and np.abs(screw[3:]).max() > 0:
             raise RobotError("a prismatic screw has no angular part", where=where, got=screw.tolist())
         if abs(length - 1.0) > 1e-15:
             screw = _read_only(screw / length, (6,), where, "screw")
         object.__setattr__(self, "screw", screw)
         object.__setattr__(self, "frame", _read_only(self.frame, (4, 4), where, "frame"))
-        if self.kind is not JointKind.PRISMATIC:
+        if not self.slides:
             _check_size(screw[:3], where, "the moment of the axis about the base origin")
         _check_size(self.frame[:3, 3], where, "the place of the joint")
         for label in ("lower", "upper", "velocity"):
@@ -115,7 +128,42 @@ class Joint:
     @property
     def unit(self) -> str:
         """Unit of the joint's variable: "rad", or "m" for a prismatic joint."""
-        return "m" if self.kind is JointKind.PRISMATIC else "rad"
+        return "m" if self.slides else "rad"
+
+    @property
+    def slides(self) -> bool:
+        """Whether the joint is prismatic."""
+        return self.kind is JointKind.PRISMATIC
+
+    @property
+    def axis(self) -> Array:
+        """(3,) unit direction of the axis at q = 0."""
+        return self.screw[:3] if self.slides else self.screw[3:]
+
+    @property
+    def foot(self) -> Array:
+        """(3,) point of the axis nearest to the base origin at q = 0; of a slide, the origin of its frame [m]."""
+        return self.frame[:3, 3] if self.slides else np.cross(self.screw[3:], self.screw[:3])
+
+    @property
+    def pitch(self) -> float:
+        """Of a helical joint [m/rad]; 0 for the others."""
+        return dot(self.screw[:3], self.screw[3:]) if self.kind is JointKind.HELICAL else 0.0
+
+    @property
+    def driver(self) -> str:
+        """Name of the variable that moves the joint: its value is multiplier · variable + offset."""
+        return self.name if self.mimic is None else self.mimic.leader
+
+    @property
+    def multiplier(self) -> float:
+        """1 for a variable of its own."""
+        return 1.0 if self.mimic is None else self.mimic.multiplier
+
+    @property
+    def offset(self) -> float:
+        """0 for a variable of its own [rad or m]."""
+        return 0.0 if self.mimic is None else self.mimic.offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +233,12 @@ class Robot:
         """Number of variables."""
         return len(self.variables)
 
+    @cached_property
+    def drivers(self) -> tuple[int, ...]:
+        """(N,) place in q of the variable that moves each joint."""
+        place = {joint.name: number for number, joint in enumerate(self.variables)}
+        return tuple(place[joint.driver] for joint in self.joints)
+
     @property
     def units(self) -> list[str]:
         """Of the variables: "rad" or "m"."""
@@ -204,16 +258,34 @@ class Robot:
     def periodic(self) -> NDArray[np.bool_]:
         """(n,) whether adding 2π to a variable gives the same arm: revolute, and so is all that follows it."""
         whole = [joint.kind is JointKind.REVOLUTE for joint in self.variables]
-        index = {joint.name: i for i, joint in enumerate(self.variables)}
-        for joint in self.joints:
-            if joint.mimic is not None:
-                turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
-                whole[index[joint.mimic.leader]] &= turns
+        for joint, driver in zip(self.joints, self.drivers, strict=True):
+            whole[driver] &= joint.kind is JointKind.REVOLUTE and float(joint.multiplier).is_integer()
         return _fixed(whole)
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""
         return html(_sections(self))
+
+
+_Given = TypeVarTuple("_Given")
+_Made = TypeVar("_Made")
+
+
+def once(function: Callable[[Robot, *_Given], _Made]) -> Callable[[Robot, *_Given], _Made]:
+    """A function of a robot and other arguments (hashable, by position) that computes each value once for a robot.
+
+    Robots never change; values are forgotten with the robot.
+    """
+    known: WeakKeyDictionary[Robot, dict[Hashable, _Made]] = WeakKeyDictionary()
+
+    @wraps(function)
+    def compute(robot: Robot, *given: *_Given) -> _Made:
+        values = known.setdefault(robot, {})
+        if given not in values:
+            values[given] = function(robot, *given)
+        return values[given]
+
+    return compute
 
 
 def _fixed(values: list[Any]) -> NDArray[Any]:
@@ -276,7 +348,7 @@ def _check_size(place: Array, where: str, what: str) -> None:
 
 
 def _read_only(value: ArrayLike, shape: tuple[int, ...], where: str, what: str) -> Array:
-    array = np.array(value, dtype=np.float64)
+    array = np.array(unmasked(value, what), dtype=np.float64)
     if array.shape != shape:
         raise RobotError(f"{what} has the wrong shape", where=where, got=array.shape, allowed=shape)
     if not np.isfinite(array).all():
@@ -371,8 +443,7 @@ def _along(robot: Robot, number: int, axis: int) -> str:
     """ "Y along axis 5", of the joints on both sides of a link, which stand still in it; empty where neither is."""
     way = robot.joints[number - 1].frame[:3, axis]
     for place, joint in enumerate(robot.joints[number - 1 : number + 1], number):
-        line = joint.screw[3:] if np.any(joint.screw[3:]) else joint.screw[:3]
-        if np.abs(np.cross(way, line)).max() < _ON:
+        if np.abs(np.cross(way, joint.axis)).max() < _ON:
             return f"{'XYZ'[axis]} along axis {place}"
     return ""
 
@@ -386,12 +457,11 @@ def _through(robot: Robot, number: int) -> str:
     found = []
     for places in (range(number, 0, -1), range(number + 1, len(robot.joints) + 1)):
         for place in places:
-            screw = robot.joints[place - 1].screw
-            pitch = screw[3:] @ screw[:3]
-            if not np.any(screw[3:]) or np.abs(screw[:3] - pitch * screw[3:] - np.cross(origin, screw[3:])).max() > _ON:
+            joint = robot.joints[place - 1]
+            if joint.slides or np.abs(np.cross(joint.foot - origin, joint.axis)).max() > _ON:
                 break
             found.append(place)
-            if abs(pitch) > _ON:
+            if abs(joint.pitch) > _ON:
                 break
     found.sort()
     listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1])))) if found else ""
@@ -423,7 +493,7 @@ def with_tool(robot: Robot, xyz: ArrayLike, rpy: Sequence[float] = (0.0, 0.0, 0.
         >>> with_tool(open_robot("planar2r"), (0.1, 0, 0)).home[:3, 3].tolist()
         [1.8, 0.0, 0.0]
     """
-    point, turn = np.array(xyz, dtype=np.float64), np.array(rpy, dtype=np.float64)
+    point, turn = (np.array(unmasked(given, "the tool"), dtype=np.float64) for given in (xyz, rpy))
     for values, what in ((point, "x, y, z"), (turn, "roll, pitch, yaw")):
         if values.shape != (3,) or not np.isfinite(values).all():
             raise RobotError("this is no tool point", got=values.tolist(), allowed=f"three finite numbers {what}")

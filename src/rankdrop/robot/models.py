@@ -28,8 +28,8 @@ import numpy as np
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.jobs.limited import run_limited
 from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, name_of_file, read_text, read_xml
-from rankdrop.robot.ideal import as_intended
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
+from rankdrop.robot.numbers import as_intended, nearest
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import frame_on_axis, inverse, rigid, translation
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
@@ -72,25 +72,19 @@ def axis_frames(
                              got=f"it follows {joint.mimic.leader!r}", allowed="joints that are variables")  # fmt: skip
         if joint.kind is JointKind.HELICAL and not helical:
             raise RobotError(f"{package} has no helical joints", where=where, allowed="revolute, prismatic")
-        slides = joint.kind is JointKind.PRISMATIC
-        axis = joint.screw[:3] if slides else joint.screw[3:]
-        point = joint.frame[:3, 3] if slides else _point_of_axis(joint, axis)
+        point, origin = joint.foot, joint.frame[:3, 3]
+        off = np.abs(origin - nearest((joint.axis, point), origin)).max()
+        if off <= 1e-15 * (1.0 + np.abs(origin).max()):  # the frame stands on the axis
+            point = origin
         link = f"{joint.name}_link"
         while link in taken:
             link += "_"
         taken.add(link)
-        found.append((joint, point - at, axis, link))
+        found.append((joint, point - at, joint.axis, link))
         at = point
     tip = robot.home.copy()
     tip[:3, 3] -= at
     return found, tip
-
-
-def _point_of_axis(joint: Joint, axis: Array) -> Array:
-    """(3,) a point of the axis: where the joint's frame is, if that is on it, else the nearest to the base origin."""
-    foot, origin = np.cross(axis, joint.screw[:3]), joint.frame[:3, 3]
-    beside = origin - foot - axis * (axis @ (origin - foot))
-    return origin if float(np.abs(beside).max()) <= 1e-15 * (1.0 + float(np.abs(origin).max())) else foot
 
 
 def from_mujoco(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
@@ -214,10 +208,10 @@ def to_pinocchio(robot: Robot) -> Any:
     parent, link = 0, 0
     for joint, step, axis, name in joints:
         x, y, z = (float(part) for part in axis)
-        if joint.kind is JointKind.PRISMATIC:
+        if joint.slides:
             kind = pin.JointModelPrismaticUnaligned(x, y, z)
         elif joint.kind is JointKind.HELICAL:
-            kind = pin.JointModelHelicalUnaligned(x, y, z, float(joint.screw[:3] @ axis))
+            kind = pin.JointModelHelicalUnaligned(x, y, z, joint.pitch)
         else:
             kind = pin.JointModelRevoluteUnaligned(x, y, z)
         limits = [np.array([value]) for value in (inf, joint.velocity, joint.lower, joint.upper)]
@@ -244,7 +238,7 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
     axis, pitch = (v, 0.0) if kind is JointKind.PRISMATIC else (omega, float(v @ omega))
     lower, upper = -inf, inf
     if own.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
-        most = RANGE["length" if kind is JointKind.PRISMATIC else "angle"]
+        most = RANGE[kind.measure]
         lower, upper = (float(limit[own.idx_q]) for limit in (model.lowerPositionLimit, model.upperPositionLimit))
         lower, upper = (lower if lower >= -most else -inf), (upper if upper <= most else inf)
     velocity = float(model.velocityLimit[own.idx_v]) if len(model.velocityLimit) else inf
@@ -286,11 +280,10 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
             continue
         letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
         direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
-        slides = letters[0] == "t"
-        kind = JointKind.PRISMATIC if slides else JointKind.REVOLUTE
-        screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(pose[:3, 3], direction), direction])
+        kind = JointKind.PRISMATIC if letters[0] == "t" else JointKind.REVOLUTE
+        screw = screw_of(kind, direction, pose[:3, 3])
         lower, upper = (-inf, inf) if item.qlim is None else (float(x) for x in np.ravel(item.qlim)[:2])
-        joints.append(Joint(f"joint{len(joints) + 1}", kind, screw + 0.0, lower, upper, inf, pose))
+        joints.append(Joint(f"joint{len(joints) + 1}", kind, screw, lower, upper, inf, pose))
     found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
     return as_intended(found, Angles(as_written))
 
@@ -312,23 +305,15 @@ def to_toolbox(robot: Robot) -> Any:
     for joint, step, axis, _ in joints:
         point = point + step
         frame = frame_on_axis(axis, point)
-        sequence.append(transform.SE3(_between(at, frame)))
-        make = transform.tz if joint.kind is JointKind.PRISMATIC else transform.Rz
+        sequence.append(transform.SE3(inverse(at) @ frame))
+        make = transform.tz if joint.slides else transform.Rz
         limits = [joint.lower, joint.upper]
         sequence.append(make(qlim=limits) if np.isfinite(limits).all() else make())
         at = frame
     end = tip.copy()
     end[:3, 3] += point
-    sequence.append(transform.SE3(_between(at, end)))
+    sequence.append(transform.SE3(inverse(at) @ end))
     return toolbox.Robot(toolbox.ETS(sequence), name=robot.name)
-
-
-def _between(one: Array, two: Array) -> Array:
-    """(4, 4) the frame `two` seen from `one`, the inverse taken in closed form: R1ᵀ R2, R1ᵀ (p2 − p1)."""
-    found = np.eye(4)
-    found[:3, :3] = one[:3, :3].T @ two[:3, :3]
-    found[:3, 3] = one[:3, :3].T @ (two[:3, 3] - one[:3, 3])
-    return found
 
 
 def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
@@ -373,16 +358,15 @@ def to_yourdfpy(robot: Robot) -> Any:
     for joint, step, axis, link in items:
         origin = np.eye(4)
         origin[:3, 3] = step
-        slides = joint.kind is JointKind.PRISMATIC
         free = joint.lower == -inf and joint.upper == inf
-        most = 2.0 * RANGE["length" if slides else "angle"]  # what is beyond the range reads as no limit
+        most = 2.0 * RANGE[joint.kind.measure]  # what is beyond the range reads as no limit
         lower, upper = max(joint.lower, -most), min(joint.upper, most)
         rate = None if joint.velocity == inf else joint.velocity
         limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
         follows = None
         if joint.mimic is not None:
             follows = yourdfpy.urdf.Mimic(joint.mimic.leader, joint.mimic.multiplier, joint.mimic.offset)
-        kind = "prismatic" if slides else "continuous" if free else "revolute"
+        kind = "prismatic" if joint.slides else "continuous" if free else "revolute"
         if kind == "continuous":
             limit = None if rate is None else yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
         joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, link, origin, axis.copy(),
@@ -618,10 +602,9 @@ def _motion(tree: Tree, joint: TreeJoint, step: dict[str, Any]) -> Motion:
             typed=f"name a base below it: --base {shlex.quote(joint.child)}",
         )
     kind, ref = _KINDS[joint.kind], step["ref"]
-    measure = "length" if kind is JointKind.PRISMATIC else "angle"
-    if not abs(ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
+    if not abs(ref) <= RANGE[kind.measure]:  # MuJoCo takes NaN and infinities too
         raise RobotError("ref is too large, or no number", where=tree.where(joint), got=f"{ref:g}",
-                         allowed=allowed_range(measure))  # fmt: skip
+                         allowed=allowed_range(kind.measure))  # fmt: skip
     lower, upper = step["limits"]
     return Motion(origin, kind, _plain(np.array(step["axis"])), np.array(step["anchor"]), ref=ref, lower=lower,
                   upper=upper)  # fmt: skip

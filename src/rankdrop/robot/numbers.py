@@ -5,23 +5,28 @@ joint stands, or where the normal before ended; but where the arm is, if these a
 axes that are nearly parallel are: tables of calibrated arms have offsets of 300 m.) Where the joints carry frames that
 follow either convention of Denavit and Hartenberg, the normals are directed as theirs.
 
-From the normals follow the numbers, in floating point; and what became other in an arm that was made exact: which
-number of the chain, from what to what. Last the one length that stands for the whole arm: its reach, the sum of its
-links.
+From the normals follow the numbers, in floating point. A file's numbers carry the noise of the program that wrote them:
+twists of 90.0004°, axes that miss each other by a fraction of a micrometre. `squared` rebuilds an arm without it, axes
+exactly parallel, at right angles or meeting where they nearly are, from the base on: first the pose of every link in
+the one before, exact angles and tidy lengths; then, where the links' own frames say nothing, Denavit and Hartenberg's
+numbers between consecutive axes. Lengths are worked out about the axes that were squared, so that a twist that is
+mended leaves no offset behind. `as_intended` is the last step of every reader.
+
+Last the one length that stands for the whole arm: its reach, the sum of its links.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from math import asin, atan2, degrees, floor, hypot, log10, pi, sqrt
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass, replace
+from math import asin, atan2, degrees, floor, hypot, log10, pi, radians, sqrt
 
 import numpy as np
 
-from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.transform import dot, norm, times
-from rankdrop.tolerances import NOTHING
+from rankdrop.robot.model import Array, Joint, Robot, once, screw_of
+from rankdrop.robot.quantities import Angles, count
+from rankdrop.robot.transform import cos_sin, dot, inverse, nearest_rotation, norm, rotation, times, translation
+from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
 FAR = 2.0
 """Frames farther from their axis's place in the arm than this times its size are no part of it."""
@@ -39,20 +44,26 @@ def anchors(robot: Robot) -> Array:
 
     It depends on frames where slides are: their lines go through their frames.
     """
-    point = np.array(robot.home[:3, 3])
-    found = np.zeros((len(robot.joints), 3))
-    for i, joint in reversed(list(enumerate(robot.joints))):
-        slides = joint.kind is JointKind.PRISMATIC
-        point = _nearest((joint.screw[:3], joint.frame[:3, 3]) if slides else _turning_line(joint.screw), point)
-        found[i] = point
-    return found
+    return _walk(robot, robot.joints)[:-1]
+
+
+def _walk(robot: Robot, joints: Sequence[Joint]) -> Array:
+    """(N + 1, 3) the tip last, and before it the point of each axis nearest to the next."""
+    points = [robot.home[:3, 3]]
+    for joint in reversed(joints):
+        points.append(nearest((joint.axis, joint.foot), points[-1]))
+    return np.array(points[::-1])
 
 
 def extent(robot: Robot) -> float:
     """Length of the way along `anchors` to the tip [m]; 1 where it is nothing."""
-    points = np.vstack([anchors(robot), robot.home[:3, 3]])
-    total = sum(norm(step) for step in np.diff(points, axis=0))
-    return total if total > _NOTHING * float(np.abs(points).max()) else 1.0
+    return float(_steps(_walk(robot, robot.joints)).sum()) or 1.0
+
+
+def _steps(points: Array) -> Array:
+    """(N,) lengths of a way from point to point; all 0 where no more than rounding is there."""
+    lengths = np.array([norm(step) for step in np.diff(points, axis=0)])
+    return lengths if lengths.sum() > _NOTHING * float(np.abs(points).max()) else np.zeros(len(lengths))
 
 
 def astray(robot: Robot) -> list[bool]:
@@ -73,16 +84,11 @@ def axis_lines(robot: Robot, *, length: float) -> list[Line]:
         length: frames this near to an axis stand on it [m].
     """
     joints = robot.joints
-    turning = [joint for joint in joints if joint.kind is not JointKind.PRISMATIC]
-    on_own = all(_distance(joint.frame[:3, 3], _turning_line(joint.screw)) <= length for joint in turning)
-    lines = []
-    for i, joint in enumerate(joints):
-        if joint.kind is not JointKind.PRISMATIC:
-            lines.append(_turning_line(joint.screw))
-        else:
-            frame = joint.frame if on_own or i == 0 else joints[i - 1].frame
-            lines.append((joint.screw[:3], frame[:3, 3]))
-    return lines
+    on_own = all(_distance(joint.frame[:3, 3], (joint.axis, joint.foot)) <= length for joint in joints)
+    return [
+        (joint.axis, joint.foot if on_own or i == 0 or not joint.slides else joints[i - 1].frame[:3, 3])
+        for i, joint in enumerate(joints)
+    ]
 
 
 def common_normals(robot: Robot, lines: list[Line], *, angle: float, length: float) -> list[Normal]:
@@ -118,11 +124,6 @@ def frame_at(x: Array, z: Array, origin: Array) -> Array:
     return frame
 
 
-def _turning_line(screw: Array) -> Line:
-    omega = screw[3:]
-    return omega, np.cross(omega, screw[:3])
-
-
 def _normal(
     one: Line, two: Line, place: tuple[Array, Array, float], before: Normal | None, angle: float, length: float
 ) -> Normal:
@@ -135,15 +136,15 @@ def _normal(
     cross = np.cross(axis, other)
     if norm(cross) > angle:
         x = cross / norm(cross)
-        near, far = _feet(one, two)
+        near, far = feet(one, two)
         if abs(dot(far - near, x)) > length:
             x = x * np.sign(dot(far - near, x))
     else:
         start = before[2] if before is not None else point
         on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < length
-        near = _nearest(one, hint[:3, 3] if on_axis else start)
+        near = nearest(one, hint[:3, 3] if on_axis else start)
         if norm(near - anchor) > far_off:
-            near = _nearest(one, anchor)
+            near = nearest(one, anchor)
         # where axis two crosses the plane: the axes are parallel to `angle` only, and part far away
         far = beyond + other * (dot(near - beyond, axis) / dot(other, axis))
         across = far - near
@@ -159,7 +160,8 @@ def _normal(
     return x, near, far
 
 
-def _feet(one: Line, two: Line) -> tuple[Array, Array]:
+def feet(one: Line, two: Line) -> tuple[Array, Array]:
+    """(3,) feet on two axes, which are not parallel, of their common normal [m]."""
     (a, start), (b, end) = one, two
     gap = end - start
     lean, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)  # s − lean t = along_a, lean s − t = along_b
@@ -169,7 +171,8 @@ def _feet(one: Line, two: Line) -> tuple[Array, Array]:
     return start + s * a, end + t * b
 
 
-def _nearest(line: Line, point: Array) -> Array:
+def nearest(line: Line, point: Array) -> Array:
+    """(3,) point of an axis nearest to a point [m]."""
     direction, start = line
     return start + direction * dot(point - start, direction)
 
@@ -349,9 +352,7 @@ def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterato
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
     """Direction of the first axis in the base, axes of the tip in the last link (its frame)."""
-    first = robot.joints[0]
-    direction = first.screw[:3] if first.kind is JointKind.PRISMATIC else first.screw[3:]
-    return direction, times(robot.joints[-1].frame[:3, :3].T, robot.home[:3, :3])
+    return robot.joints[0].axis, times(robot.joints[-1].frame[:3, :3].T, robot.home[:3, :3])
 
 
 def apart(one: Array, two: Array) -> float:
@@ -359,12 +360,261 @@ def apart(one: Array, two: Array) -> float:
     return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)
 
 
+STEP = pi / 12
+"""Angles between parts of an arm are multiples of 15°, or nothing is known of them."""
+
+
+def step_for(angle: float) -> float:
+    """Angles are multiples of this to a tolerance [rad]: of 15° but for noise, of 90° where more is forgiven.
+
+    One of 7 angles is a multiple of 15° to 1°: that would be chance.
+    """
+    return STEP if angle <= SQUARE else pi / 2
+
+
+def exact_angle(value: float, angle: float, step: float = STEP) -> float:
+    """The multiple of a step, of 15°, that is within `angle` of a value, else the value itself [rad]."""
+    nearest = round(value / step) * step
+    return nearest if abs(value - nearest) <= angle else value
+
+
+def exact_rotation(turn: Array, angle: float) -> Array:
+    """(3, 3) the rotation by a multiple of `step_for(angle)` near one to `angle`, else the nearest rotation.
+
+    Rotations by quarter turns about coordinate axes, and those times one by 15°, 30° … about a coordinate axis: they
+    have one entry of ±1. Every direction moves by at most `angle`.
+    """
+    step = step_for(angle)
+    row, column = np.unravel_index(int(np.argmax(np.abs(turn))), (3, 3))
+    rows, columns = [(row + k) % 3 for k in (1, 2)], [(column + k) % 3 for k in (1, 2)]
+    sign = float(np.sign(turn[row, column]))
+    block = turn[np.ix_(rows, columns)]
+    # det(turn) = sign · det(block), so the block is a rotation or one with its last column reversed
+    nearest = round(atan2(block[1, 0] - sign * block[0, 1], block[0, 0] + sign * block[1, 1]) / step)
+    c, s = cos_sin(nearest * step)
+    found = np.zeros((3, 3))
+    found[row, column] = sign
+    found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
+    return found if apart(found, turn) <= angle else nearest_rotation(turn)
+
+
+def exact_direction(direction: Array, angle: float) -> Array:
+    """(3,) the direction in a coordinate plane, at a multiple of `step_for(angle)`, near one; else that one."""
+    step = step_for(angle)
+    out = int(np.argmin(np.abs(direction)))
+    i, j = (out + 1) % 3, (out + 2) % 3
+    c, s = cos_sin(round(atan2(direction[j], direction[i]) / step) * step)
+    found = np.zeros(3)
+    found[i], found[j] = c, s
+    return found if norm(found - direction) <= angle else direction
+
+
+def tidy(lengths: Array, unit: float = 1.0) -> Array:
+    """Lengths that are a whole number of micrometres to a nanometre are that: 0.240000000000178 m is 0.24.
+
+    Args:
+        lengths: in any unit.
+        unit: a power of 1000: a metre in it.
+    """
+    step = 1e6 / unit  # a whole number, or what it divides: 0.24 comes out as it is written
+    whole = np.rint(lengths * step) / step
+    return np.asarray(np.where(np.abs(lengths - whole) < NOTHING * unit, whole, lengths)) + 0.0
+
+
+_SAME = 1e-13
+"""Rebuilt numbers that differ by no more are the arm's own [1, m]: the rounding of a chain of products."""
+_PASSES = 5
+"""Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
+ORDINARY = (0.03, 30.0)
+"""Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
+
+
+def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
+    """The arm whose structure holds exactly where it holds to small tolerances.
+
+    Twists and the angles between common normals become multiples of 15° (with a wider tolerance for angles than that of
+    noise: the latter of 90°, since more would be chance), distances and offsets zero, also those that
+    cancel along parallel axes. What is left is kept; limits, names, velocities, mimic relations and notes are too.
+
+    Args:
+        robot: any arm.
+        angle: how exact an angle has to be [rad]; between the tip and the last link never less than 2e-5.
+        length: how exact a length has to be [m]; None is 2 µm, also of an arm whose numbers are millimetres.
+
+    Returns:
+        (arm, changes by more than a nanometre or a billionth of a radian). The arm is `robot` itself where no number
+        changes by more than rounding. Applied again it changes nothing.
+
+    Example:
+        >>> from rankdrop.robot.dh import from_dh
+        >>> noisy = from_dh([(0.4, 1.5708, 0, 0), (0.4, 0, 1e-6, 0), (0.2, 0, 0, 0)], convention="standard")
+        >>> arm, changes = squared(noisy)
+        >>> arm.joints[2].screw[3:], [change.kind for change in changes]
+        (array([ 0., -1.,  0.]), ['twist', 'offset'])
+    """
+    limit = meeting(robot) if length is None else length
+    found = robot
+    for _ in range(_PASSES):
+        before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
+        if _have_same_home(before, found):
+            found = before
+            break
+    if _have_same_home(robot, found):
+        return robot, ()
+    return found, changes_between(robot, found, angle=angle, length=limit)
+
+
+def meeting(robot: Robot) -> float:
+    """How near axes have to come to meet: `MEETING` in the unit of length in which the arm is of `ORDINARY` size."""
+    return MEETING * _unit(robot)
+
+
+def _unit(robot: Robot) -> float:
+    """1 for an arm in metres, 1000 for one whose numbers are millimetres: a power of 1000."""
+    size, (low, high) = extent(robot), ORDINARY
+    power = 0
+    while size > high * 1000.0**power:
+        power += 1
+    while 0.0 < size <= low * 1000.0**power:
+        power -= 1
+    return float(1000.0**power)
+
+
+_Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
+
+
+def _frames_squared(robot: Robot, angle: float) -> Robot:
+    """Every link's pose in the one before, and every axis in its link, made exact.
+
+    Frames far from the arm are carried along as they are: a small turn of them would be a long way of the axes.
+    """
+    old, new, stray, unit = np.eye(4), np.eye(4), False, _unit(robot)
+    joints = []
+    for joint, far in zip(robot.joints, astray(robot), strict=True):
+        after_old = np.asarray(joint.frame)
+        after_new = times(new, _pose_squared(times(inverse(old), after_old), unit, 0.0 if far or stray else angle))
+        screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), unit, angle)
+        joints.append(replace(joint, screw=screw, frame=after_new))
+        old, new, stray = after_old, after_new, far
+    home = times(new, _pose_squared(times(inverse(old), robot.home), unit, 0.0 if stray else min(angle, SQUARE)))
+    return replace(robot, joints=tuple(joints), home=home)
+
+
+def _pose_squared(pose: Array, unit: float, angle: float, length: float = 0.0) -> Array:
+    """Pose of one frame in another, rotation exact; parts of the way up to `length` are zero."""
+    found = np.eye(4)
+    found[:3, :3] = exact_rotation(pose[:3, :3], angle)
+    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3], unit))
+    return found
+
+
+def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, angle: float) -> Array:
+    """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
+    own = [_line_in(joint, old) for old, _, _ in (after, before)]
+    use = 0 if norm(own[0][1]) <= norm(own[1][1]) + NOTHING * unit else 1
+    _, frame, far = (after, before)[use]
+    direction, point = own[use]
+    axis = times(frame[:3, :3], exact_direction(direction, 0.0 if far else angle))
+    return screw_of(joint.kind, axis, times(frame[:3, :3], tidy(point, unit)) + frame[:3, 3], joint.pitch)
+
+
+def _line_in(joint: Joint, frame: Array) -> tuple[Array, Array]:
+    """The axis of a joint in a frame: direction and the point nearest to the origin; of a slide the origin itself."""
+    turn = frame[:3, :3].T
+    direction = times(turn, joint.axis)
+    if joint.slides:
+        return direction, np.zeros(3)
+    return direction, np.cross(direction, times(turn, joint.screw[:3] - np.cross(frame[:3, 3], joint.axis)))
+
+
+def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
+    """Denavit and Hartenberg's numbers made exact, and the arm built of them again where that changes one."""
+    unit = _unit(robot)
+    lines = axis_lines(robot, length=length)
+    normals = common_normals(robot, lines, angle=angle, length=length)
+    made = [_exact(one, unit, angle, length) for one in between(lines, normals)]
+    made = _cancelled(made, [joint.slides for joint in robot.joints], length)
+    pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
+    joints = []
+    for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
+        pose = times(pose, rotation("z", numbers.phase), translation(0.0, 0.0, numbers.d))
+        after = frame_at(normals[i + 1][0], lines[i][0], normals[i + 1][1])
+        frame = times(pose, _pose_squared(times(inverse(after), joint.frame), unit, angle, length))
+        screw = screw_of(joint.kind, pose[:3, 2], pose[:3, 3], joint.pitch)
+        joints.append(replace(joint, screw=screw, frame=frame))
+        pose = times(pose, translation(numbers.a, 0.0, 0.0), rotation("x", numbers.twist))
+    at_tip = _pose_squared(times(inverse(robot.joints[-1].frame), robot.home), unit, min(angle, SQUARE))
+    home = times(joints[-1].frame, at_tip)
+    found = replace(robot, joints=tuple(joints), home=home)
+    return robot if _have_same_home(robot, found) else found
+
+
+def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
+    d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x), unit)) for x in (given.d, given.a))
+    phase = exact_angle(given.phase, angle, step_for(angle))  # that of a joint that turns counts from anywhere
+    return Numbers(phase, d, a, exact_angle(given.twist, angle))
+
+
+def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
+    """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
+    found = list(made)
+    for run in parallel_runs(found):
+        if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
+            continue  # no normal before the first axis and after the last; the offset of a slide is a variable
+        offsets = along(found, run)
+        if 0.0 < abs(sum(offsets)) <= length:
+            last = max(i for i, d in enumerate(offsets) if d != 0.0)
+            place = run[last]
+            same_way = offsets[last] == found[place].d
+            found[place] = replace(found[place], d=-sum(offsets[:last]) if same_way else sum(offsets[:last]))
+    return found
+
+
+def _have_same_home(first: Robot, two: Robot) -> bool:
+    pairs = [(first.home, two.home)]
+    for mine, other in zip(first.joints, two.joints, strict=True):
+        pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]
+    return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
+
+
+def as_intended(robot: Robot, angles: Angles) -> Robot:
+    """The arm with exact structure where its file's numbers hold it but for noise, and a note on what was changed.
+
+    Args:
+        robot: read with `angles`; a fixed angle of more than two turns brings a note.
+        angles: what the reader took decimals for; with `as_written` the numbers stay as they are.
+    """
+    if angles.largest > 4 * pi:
+        most = angles.largest
+        note = f"a fixed angle of {most:g} rad is many turns; {most:g}° is {radians(most):.4g}"
+        robot = replace(robot, notes=(*robot.notes, note))
+    if angles.as_written:
+        return robot
+    found, changes = squared(robot)
+    note = _note([abs(x) for x in angles.changes if abs(x) > NOTHING], changes)
+    return replace(found, notes=(*found.notes, note)) if note else found
+
+
+def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
+    """One line, empty where no number was changed by more than a nanometre or a billionth of a radian."""
+    parts = []
+    if angles:
+        means = "the multiple of 15° it rounds" if len(angles) == 1 else "the multiples of 15° they round"
+        parts.append(f"{count(len(angles), 'angle')} taken as {means}, at most {max(angles):.2g} rad")
+    turned = [change.by for change in changes if change.turns]
+    moved = [change.by for change in changes if not change.turns]
+    if changes:
+        what = [count(len(turned), "axis", "axes")] if turned else []
+        what += [count(len(moved), "length")] if moved else []
+        most = [f"{max(turned):.2g} rad"] if turned else []
+        most += [f"{max(moved) * 1e6:.2g} µm"] if moved else []
+        parts.append(f"{' and '.join(what)} squared, at most {', '.join(most)}")
+    return "; ".join([*parts, "--as-written keeps the file's numbers"]) if parts else ""
+
+
 FAR_SLIDE = 10.0
 """Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
 mobile base, a rail of 20 m under an arm of one. The Stanford arm has 6."""
-
-_reaches: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()  # a robot never changes, and every view asks
-_links: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()
 
 
 def link_lengths(robot: Robot) -> Array:
@@ -376,9 +626,10 @@ def link_lengths(robot: Robot) -> Array:
     Returns:
         (N,) length from joint i to the next one [m].
     """
-    lengths = _polygon(robot)
+    lengths = np.zeros(len(robot.joints))
+    lengths[[not joint.slides for joint in robot.joints]] = _polygon(robot)
     for i, joint in enumerate(robot.joints):
-        if joint.kind is JointKind.PRISMATIC:
+        if joint.slides:
             travel = max(abs(end) for end in travel_limits(robot, joint))
             lengths[i] = travel if np.isfinite(travel) else 0.0
     return lengths
@@ -386,43 +637,20 @@ def link_lengths(robot: Robot) -> Array:
 
 def travel_limits(robot: Robot, joint: Joint) -> tuple[float, float]:
     """Limits of a slide as far as they say something of the arm [m]; ±inf where there are none or too far."""
-    links = _links_reach(robot)
+    links = float(_polygon(robot).sum())
     if links and joint.upper - joint.lower > FAR_SLIDE * links:
         lower = joint.lower if abs(joint.lower) <= FAR_SLIDE * links else -np.inf
         return lower, joint.upper if abs(joint.upper) <= FAR_SLIDE * links else np.inf
     return joint.lower, joint.upper
 
 
+@once
 def reach(robot: Robot) -> float:
     """Sum of the link lengths from the first axis to the tip [m]; 1 for an arm without length (a bare wrist)."""
-    known = _reaches.get(robot)
-    if known is None:
-        total = float(link_lengths(robot).sum())
-        known = _reaches[robot] = total if total > 0.0 else 1.0
-    return known
+    return float(link_lengths(robot).sum()) or 1.0
 
 
-def _links_reach(robot: Robot) -> float:
-    """Sum of the link lengths without the travel of slides [m]; 0 where they are nothing."""
-    known = _links.get(robot)
-    if known is None:
-        known = _links[robot] = float(_polygon(robot).sum())
-    return known
-
-
+@once
 def _polygon(robot: Robot) -> Array:
-    """`link_lengths` without the travel of slides; all 0 where no more than rounding is there."""
-    point = robot.home[:3, 3].copy()
-    lengths = np.zeros(len(robot.joints))
-    size = float(np.abs(point).max())
-    for i in range(len(robot.joints) - 1, -1, -1):
-        joint = robot.joints[i]
-        if joint.kind is JointKind.PRISMATIC:
-            continue
-        omega = joint.screw[3:]
-        foot = np.cross(omega, joint.screw[:3])  # the axis point nearest to the base origin
-        nearest = foot + omega * dot(omega, point - foot)
-        lengths[i] = norm(point - nearest)
-        point = nearest
-        size = max(size, float(np.abs(point).max()))
-    return lengths if lengths.sum() > _NOTHING * size else np.zeros(len(lengths))
+    """`link_lengths` of the joints that turn."""
+    return _steps(_walk(robot, [joint for joint in robot.joints if not joint.slides]))

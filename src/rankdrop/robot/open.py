@@ -91,17 +91,11 @@ def open_robot(
         >>> open_robot("pa10").n
         7
     """
-    name = str(name_or_path)
-    if isinstance(name_or_path, str) and name in _catalog_files():
-        _refuse_arguments(name, args)
-        _refuse_links(name, tip, base)
-        return _from_catalog(name)
-    path = Path(name_or_path)
-    if not name or not _exists(path):
-        same = _same_names(name) if isinstance(name_or_path, str) else []
-        if len(same) != 1:
-            raise _unknown(name)
-        return open_robot(same[0], tip=tip, base=base, args=args)
+    path = _resolve(name_or_path)
+    if isinstance(path, str):
+        _refuse_arguments(path, args)
+        _refuse_links(path, tip, base)
+        return _from_catalog(path)
     text = read_text(path)
     if not text.strip(_BLANK):
         raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
@@ -113,6 +107,19 @@ def open_robot(
     if not form.arguments:
         _refuse_arguments(str(path), args)  # last: the file may be xacro under another name, an error of its own
     return with_size_note(robot)
+
+
+def _resolve(name_or_path: str | PathLike[str]) -> str | Path:
+    """The name in the catalogue, or the path of a file that is there."""
+    name = str(name_or_path)
+    if isinstance(name_or_path, str) and name in _catalog_files():
+        return name
+    if name and _exists(Path(name)):
+        return Path(name)
+    same = _same_names(name) if isinstance(name_or_path, str) else []
+    if len(same) != 1:
+        raise _unknown(name)
+    return same[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,15 +230,10 @@ def source_text(name_or_path: str) -> tuple[str, str] | None:
     Raises:
         UnknownRobotError, RobotError: as `open_robot`.
     """
-    files = _catalog_files()
-    name = name_or_path if name_or_path in files or _exists(Path(name_or_path)) else next(
-        iter(_same_names(name_or_path)), name_or_path
-    )  # fmt: skip
-    if name in files:
-        return files[name].read_text(encoding="utf-8"), f"catalogue {name}.toml"
-    if not name or not _exists(Path(name)):
-        raise _unknown(name)
-    return None if Path(name).suffix.lower() == ".xacro" else (read_text(Path(name)), name)
+    found = _resolve(name_or_path)
+    if isinstance(found, str):
+        return _catalog_files()[found].read_text(encoding="utf-8"), f"catalogue {found}.toml"
+    return None if found.suffix.lower() == ".xacro" else (read_text(found), name_or_path)
 
 
 def robot_names() -> tuple[str, ...]:

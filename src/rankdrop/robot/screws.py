@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import described_robot, joint_kind
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, name_of_file, read_text
-from rankdrop.robot.ideal import as_intended
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
+from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, quantity
-from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid
+from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid, unmasked
 
 Order = Literal["linear-first", "angular-first"]
 ORDERS = ("linear-first", "angular-first")
@@ -34,13 +34,12 @@ def revolute(axis: ArrayLike, point: ArrayLike) -> Array:
 
 def prismatic(axis: ArrayLike) -> Array:
     """(6,) screw (v; 0) of a prismatic joint along `axis`."""
-    return np.concatenate([_unit(axis), np.zeros(3)])
+    return screw_of(JointKind.PRISMATIC, _unit(axis), np.zeros(3))
 
 
 def helical(axis: ArrayLike, point: ArrayLike, pitch: float) -> Array:
     """(6,) screw (p × ω + hω; ω) of a helical joint of pitch h [m/rad]."""
-    omega = _unit(axis)
-    return np.concatenate([np.cross(_vector(point, "point"), omega) + pitch * omega + 0.0, omega])
+    return screw_of(JointKind.HELICAL, _unit(axis), _vector(point, "point"), pitch)
 
 
 def cylindrical(axis: ArrayLike, point: ArrayLike) -> Array:
@@ -109,7 +108,8 @@ def from_screws(
         label = names[i] if names is not None else f"joint{i + 1}"
         kind, screw = _normalise(row, None if kinds is None else kinds[i], f"screw {i + 1} ({label})")
         limits = _item(lower, i, -inf), _item(upper, i, inf), _item(velocity, i, inf)
-        joints.append(Joint(label, kind, screw, *limits, frame=_frame(kind, screw)))
+        joint = Joint(label, kind, screw, *limits)
+        joints.append(replace(joint, frame=frame_on_axis(joint.axis, joint.foot)))
     pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
     origin = Source("screws", f'from_screws(order="{order}")')
     robot = described_robot(name, joints, pose, described | {"source": described.get("source") or origin})
@@ -124,7 +124,7 @@ def _rows(screws: ArrayLike, order: str, name: str) -> Array:
             allowed='"linear-first" (v; ω) or "angular-first" (ω; v)',
         )
     try:
-        rows = np.array(screws, dtype=np.float64)
+        rows = np.array(unmasked(screws, "screws"), dtype=np.float64)
     except (TypeError, ValueError):
         raise RobotError("the screws are not numbers", where=f"robot {name!r}", allowed="shape (N, 6)") from None
     if rows.ndim != 2 or rows.shape[1] != 6:
@@ -172,12 +172,6 @@ def _is_zero(share: float, told: bool, where: str, what: str) -> bool:
     return False
 
 
-def _frame(kind: JointKind, screw: Array) -> Array:
-    if kind is JointKind.PRISMATIC:
-        return frame_on_axis(screw[:3], np.zeros(3))
-    return frame_on_axis(screw[3:], np.cross(screw[3:], screw[:3]))
-
-
 def _unit(axis: ArrayLike) -> Array:
     vector = _vector(axis, "axis")
     length = norm(vector)
@@ -187,7 +181,7 @@ def _unit(axis: ArrayLike) -> Array:
 
 
 def _vector(value: ArrayLike, what: str) -> Array:
-    vector = np.array(value, dtype=np.float64)
+    vector = np.array(unmasked(value, what), dtype=np.float64)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise RobotError(f"the {what} is three finite numbers", got=vector.tolist())
     return vector

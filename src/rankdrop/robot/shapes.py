@@ -20,7 +20,7 @@ from rankdrop.errors import MissingExtraError, RankdropError, RobotError
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import Angles
-from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.transform import from_xyz_rpy, inverse, times
 from rankdrop.robot.tree import Tree, read_tree
 from rankdrop.robot.urdf import joint_origin, number, three
 from rankdrop.robot.xacro import EXPANDED, PLACES, expand_file, find_package
@@ -102,29 +102,15 @@ def visuals_of(
 def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
     """Of every link of the file: the index of the link of the chain that carries it, and its pose in its frame."""
     moving = {joint.name: number for number, joint in enumerate(robot.joints, start=1)}
-    home = {link: _home(tree, link) for link in tree.links}
-    base = np.linalg.inv(home[robot.base])
     frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    found = {}
-    for link in tree.links:
-        index, above = 0, link
-        while above in tree.above:
-            joint = tree.above[above]
-            if joint.name in moving:
-                index = moving[joint.name]
-                break
-            above = joint.parent
-        found[link] = index, np.linalg.inv(frames[index]) @ base @ home[link]
-    return found
-
-
-def _home(tree: Tree, link: str) -> Array:
-    pose = np.eye(4)
-    while link in tree.above:
-        joint = tree.above[link]
-        pose = joint_origin(tree, joint, Angles()) @ pose
-        link = joint.parent
-    return pose
+    home = {root: (0, np.eye(4)) for root in tree.links if root not in tree.above}
+    for root in list(home):
+        for link in tree.below_and(root)[1:]:
+            joint = tree.above[link]
+            index, pose = home[joint.parent]
+            home[link] = moving.get(joint.name, index), times(pose, joint_origin(tree, joint, Angles()))
+    base = inverse(home[robot.base][1])
+    return {link: (index, times(inverse(frames[index]), base, pose)) for link, (index, pose) in home.items()}
 
 
 def _colours(root: Element) -> dict[str, tuple[float, float, float]]:

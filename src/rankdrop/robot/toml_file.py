@@ -15,8 +15,8 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.files import DOTS, LARGEST_TABLE
-from rankdrop.robot.ideal import as_intended
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
+from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, spherical
 from rankdrop.robot.transform import from_xyz_rpy
@@ -142,7 +142,7 @@ def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = flo
                              allowed=f"{DOTS ** 0.5:.0f} in one line")  # fmt: skip
     try:
         return tomllib.loads(text, parse_float=parse_float)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # also of a number of more digits than Python reads
         raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
 
 

@@ -1,4 +1,4 @@
-"""Rigid transforms as (4, 4) arrays, exact where the angle is a multiple of π/2.
+"""Rigid transforms as (4, 4) arrays, exact where the angle is a multiple of π/2; brackets of screws.
 
 What an arm's numbers are made of is multiplied here, element by element, and not by NumPy's `@`: a BLAS has kernels for
 each kind of processor, which round differently, and a proof made on one machine names the arm to the last bit.
@@ -8,14 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, pi, sin, sqrt
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.errors import RobotError
+from rankdrop.errors import RankdropError, RobotError
 
 Array = NDArray[np.float64]
+_Values = TypeVar("_Values")
 _EXACT = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+def unmasked(values: _Values, what: str, error: type[RankdropError] = RobotError) -> _Values:
+    """The values as they are given; masked ones are refused, for NumPy would take the numbers under the mask."""
+    if np.ma.is_masked(values):
+        raise error(f"{what} has masked values", mend="fill them in: q.filled(…)")
+    return values
 
 
 def times(first: Array, *others: Array) -> Array:
@@ -110,7 +119,7 @@ def rigid(value: ArrayLike, where: str) -> Array:
         RobotError: wrong shape, not finite, or not a rotation with a translation.
     """
     try:
-        pose = np.array(value, dtype=np.float64)
+        pose = np.array(unmasked(value, where), dtype=np.float64)
     except (TypeError, ValueError):
         raise RobotError("this is not a matrix of numbers", where=where, got=repr(value)) from None
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
@@ -125,3 +134,52 @@ def rigid(value: ArrayLike, where: str) -> Array:
     if error > 1e-15:
         pose[:3, :3] = nearest_rotation(nearest_rotation(turn))
     return pose
+
+
+def cross(a: Array, b: Array) -> Array:
+    """(..., 3) a × b; several times faster than NumPy's on small arrays."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    first = y * w - z * v
+    out = np.empty((*first.shape, 3))
+    out[..., 0], out[..., 1], out[..., 2] = first, z * u - x * w, x * v - y * u
+    return out
+
+
+def hat(a: Array) -> Array:
+    """(..., 3, 3) [a] with [a] b = a × b."""
+    matrix = np.zeros((*a.shape[:-1], 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        matrix[..., k, j], matrix[..., j, k] = a[..., i], -a[..., i]
+    return matrix
+
+
+def unit(vectors: Array) -> Array:
+    """(..., n) the same directions with length 1; zero stays zero."""
+    squares = np.add.reduce(vectors * vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.maximum(np.sqrt(squares), 1e-300))
+
+
+def bracket(left: Array, right: Array) -> Array:
+    """(..., 6) [A, B] = (ω_A × v_B + v_A × ω_B ; ω_A × ω_B) of twists (v; ω) (..., 6) in one frame, broadcast.
+
+    What one joint's motion does to another's screw: ∂S_i/∂q_k = [S_k, S_i] for k < i. GR write the same product with
+    the direction first: `rankdrop.local.ordered.lie_product`.
+    """
+    va, wa, vb, wb = left[..., :3], left[..., 3:], right[..., :3], right[..., 3:]
+    return np.concatenate([cross(wa, vb) + cross(va, wb), cross(wa, wb)], axis=-1)
+
+
+def brackets(screws: Array) -> Array:
+    """Every bracket of two joint screws that a motion makes: [S_a, S_i] for i > a, else 0.
+
+    Args:
+        screws: (6, N) columns (v; ω), all in one frame.
+
+    Returns:
+        (N, 6, N): [a, :, i].
+    """
+    columns = screws.T
+    every = bracket(columns[:, None, :], columns[None, :, :])  # (N, N, 6)
+    later = np.triu(np.ones((len(columns), len(columns))), 1)
+    return np.swapaxes(every * later[..., None], -1, -2)

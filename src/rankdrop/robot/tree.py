@@ -19,9 +19,9 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element, name_of_file
-from rankdrop.robot.ideal import as_intended
-from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
-from rankdrop.robot.quantities import Angles
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints, screw_of
+from rankdrop.robot.numbers import as_intended
+from rankdrop.robot.quantities import Angles, count
 from rankdrop.robot.transform import about_axis, times, translation
 
 NOWHERE = Element("joint", {}, 0)
@@ -61,6 +61,13 @@ class Tree:
         tag = "" if element is joint.element else f"<{element.tag}> of "
         line = f"line {element.line}, " if element.line else ""
         return f"{self.file}, {line}{tag}joint {joint.name!r}"
+
+    def below_and(self, link: str) -> list[str]:
+        """A link and all links below it, nearest first."""
+        order = [link]
+        for above in order:  # grows while it is walked
+            order.extend(joint.child for joint in self.below.get(above, ()))
+        return order
 
     def root_of(self, link: str) -> str:
         """The link at the top of the tree that holds `link`."""
@@ -144,7 +151,21 @@ def connected(tree: Tree) -> Tree:
     Raises:
         RobotError: links missing, two parents, a cycle.
     """
-    _connect(tree)
+    for joint in tree.joints.values():
+        for end, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in tree.links:
+                raise RobotError(
+                    f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
+                    **_hint(link, tree.links),
+                )
+        if joint.child in tree.above:
+            raise RobotError(
+                f"the link {joint.child!r} has two parents", where=tree.where(joint, "child"),
+                got=f"joints {tree.above[joint.child].name!r} and {joint.name!r}", allowed="a tree",
+                mend="take out one of the two joints",
+            )
+        tree.above[joint.child] = joint
+        tree.below.setdefault(joint.parent, []).append(joint)
     _refuse_cycles(tree)
     return tree
 
@@ -162,24 +183,6 @@ def _joint(name: str, element: Element, file: str) -> TreeJoint:
             )
         ends.append(link)
     return TreeJoint(name, element.attributes.get("type", ""), ends[0], ends[1], element)
-
-
-def _connect(tree: Tree) -> None:
-    for joint in tree.joints.values():
-        for end, link in (("parent", joint.parent), ("child", joint.child)):
-            if link not in tree.links:
-                raise RobotError(
-                    f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
-                    **_hint(link, tree.links),
-                )
-        if joint.child in tree.above:
-            raise RobotError(
-                f"the link {joint.child!r} has two parents", where=tree.where(joint, "child"),
-                got=f"joints {tree.above[joint.child].name!r} and {joint.name!r}", allowed="a tree",
-                mend="take out one of the two joints",
-            )
-        tree.above[joint.child] = joint
-        tree.below.setdefault(joint.parent, []).append(joint)
 
 
 def _refuse_cycles(tree: Tree) -> None:
@@ -283,11 +286,8 @@ def _root(tree: Tree) -> str:
 
 def _most_moving(tree: Tree, base: str) -> dict[str, int]:
     """For each link at or below `base`, the largest number of moving joints on a way down from it."""
-    order = [base]
-    for link in order:  # grows while it is walked
-        order.extend(joint.child for joint in tree.below.get(link, ()))
     most: dict[str, int] = {}
-    for link in reversed(order):
+    for link in reversed(tree.below_and(base)):
         most[link] = max((joint.moves + most[joint.child] for joint in tree.below.get(link, ())), default=0)
     return most
 
@@ -302,14 +302,14 @@ def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
     if len(ends) > 1:
         names = [tip for tip, _ in tips]
         raise RobotError(
-            f"several chains of {_moving(ends[0][2])} start at {base!r}", where=tree.file,
+            f"several chains of {count(ends[0][2], 'moving joint')} start at {base!r}", where=tree.file,
             got=f"tips {', '.join(names)}", mend=f"name the tip: tip={names[0]!r}",
             typed=f"name the tip: --tip {shlex.quote(names[0])}",
         )
     ((_, _, passed, gripper),), ((tip, why),) = ends, tips
     parts = ", ".join(joint.name for joint in gripper)
     left_out = f"; the gripper after it is left out ({parts})" if parts else ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(passed)}{why}{left_out}"
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {count(passed, 'moving joint')}{why}{left_out}"
 
 
 def _longest(tree: Tree, base: str) -> list[_End]:
@@ -340,10 +340,6 @@ def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) ->
     names = f"{branches[0].name} {branches[0].child}" if len(branches) == 1 else ""
     jaw = _JAW.search(names) is not None and _WRIST.search(names) is None
     return hand or (depth == 1 and passed >= 4 and jaw)
-
-
-def _moving(count: int) -> str:
-    return f"{count} moving joint{'' if count == 1 else 's'}"
 
 
 def _fixed_together(tree: Tree, link: str) -> dict[str, int]:
@@ -394,14 +390,6 @@ class Motion:
     velocity: float = inf
     mimic: Mimic | None = None
 
-    def screw(self, pose: Array) -> Array:
-        """(6,) screw of the joint in the base frame, its own frame at `pose`, linear part first."""
-        direction = times(pose[:3, :3], self.axis)
-        if self.kind is JointKind.PRISMATIC:
-            return np.concatenate([direction, np.zeros(3)]) + 0.0  # + 0.0 turns −0 into 0
-        point = pose[:3, 3] + times(pose[:3, :3], self.anchor)
-        return np.concatenate([np.cross(point, direction) + self.pitch * direction, direction]) + 0.0
-
     def to_zero(self, pose: Array) -> Array:
         """(4, 4) pose of the link at q = 0, which the file shows at `pose` with q = `ref`."""
         if self.ref == 0.0:
@@ -437,7 +425,8 @@ def chain_robot(
             raise RobotError("the place of a joint is not finite", where=tree.where(step), allowed="finite numbers")
         pose = times(pose, motion.origin)
         if motion.kind is not None:
-            screw = motion.screw(pose)
+            point = pose[:3, 3] + times(pose[:3, :3], motion.anchor)
+            screw = screw_of(motion.kind, times(pose[:3, :3], motion.axis), point, motion.pitch)
             pose = motion.to_zero(pose)
             joints.append(Joint(step.name, motion.kind, screw, motion.lower, motion.upper, motion.velocity, pose,
                                 motion.mimic, step.child))  # fmt: skip

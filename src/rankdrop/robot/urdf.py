@@ -216,6 +216,9 @@ def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
     if joint.kind not in _KINDS:
         several = joint.kind in {"floating", "planar"}
         what = "a joint of the chain has several freedoms" if several else "the joint type is not known"
+        plain = joint.kind.strip().lower()
+        if plain in {*_KINDS, "fixed"}:
+            raise RobotError(what, where=tree.where(joint), got=f"type {joint.kind!r}", mend=f"write {plain!r}")
         raise RobotError(
             what, where=tree.where(joint), got=f"type {joint.kind!r}", allowed=", ".join([*_KINDS, "fixed"]),
             mend=f"name a base below it, base={joint.child!r}, or a tip above it, or describe it by simple joints",

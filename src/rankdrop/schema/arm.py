@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.certify.displaced import ModelTolerance
+from rankdrop.certify.ball import ModelTolerance
 from rankdrop.codec import Positive, many, mapping, num, optional, row, some, table, whole
 from rankdrop.family.record import Pin
 from rankdrop.robot.ideal import near_ideal
@@ -20,13 +20,11 @@ UNITS = table("units", angle=str, length=str, time=str, joint=str, distance=str)
 
 
 def file(kind: str, about: str, /, **entries: Any) -> Any:
-    """The table of a kind of file: `schema` and `units` first, then its entries."""
+    """The table of a kind of file: `schema` and `units` first, then its entries; `units=None` leaves units out."""
     told = "units of the numbers of this file; the unit of each entry: `unit` of this schema"
     schema = f"rankdrop/{kind}/1"
-    return table(
-        f"{kind}_file", about, schema=(Literal[schema], "", lambda _: schema),
-        units=(optional(UNITS), told, lambda _: WRITTEN), **entries,
-    )  # fmt: skip
+    units = (optional(UNITS), told, lambda _: WRITTEN)
+    return table(f"{kind}_file", about, schema=(Literal[schema], "", lambda _: schema), **{"units": units} | entries)
 
 
 JOINTS = table(

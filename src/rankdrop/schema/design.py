@@ -6,6 +6,7 @@ from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
+from rankdrop.robot.numbers import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
 from rankdrop.task import ROWS
 from rankdrop.version import VERSION
@@ -61,11 +62,12 @@ JACOBIAN_FILE = file(
     checks=many(CHECKS),
     holds=(bool, "whether every check does"),
 )
-UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
-         "paths_free": "share", "free": "share"}  # fmt: skip
+UNITS = {"families": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share", "path_sigma": "1",
+         "path_distance": "rad", "paths_free": "share", "free": "share"}  # fmt: skip
 MEANINGS = {
     "families": "number of families of every corank",
     "near": "share of the joint space near any family",
+    "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
     "sigma": "over the region: smallest, over its poses, of the σ of the best posture found",
     "reached": "share of the region's poses for which a posture was found",
     "path_sigma": "smallest σ on the paths",
@@ -109,6 +111,14 @@ ARMS_NEAR = table(
     samples=(optional(Positive), "random configurations, the same for every variant"),
     hits=(optional(str), "which of them are near any family: a bit each, as hexadecimal digits, the first one highest"),
 )
+ARMS_SLOW = table(
+    "arms_slow",
+    share=num("1", ge=0, le=1),
+    error=(num("1", ge=0), "standard error"),
+    bound=(bool, "true: the share may be larger"),
+    samples=Positive,
+    hits=(str, "which configurations are slow, as those of near"),
+)
 REGION = table(
     "region",
     poses=int,
@@ -137,6 +147,7 @@ _MEASURED: dict[str, Any] = {
     "rank": optional(int),
     "families": optional(many(ARMS_FAMILY)),
     "near": optional(ARMS_NEAR),
+    "slow": optional(ARMS_SLOW | None),
     "region": optional(REGION),
     "paths": optional(many(ARMS_PATH)),
     "certified": optional(CERTIFIED),
@@ -156,17 +167,17 @@ def _version(_: Any) -> str:
 
 
 def _arms(compared: Any) -> list[dict[str, Any]]:
-    columns = zip(compared.names, compared.about, compared.joints, compared.reaches, compared.records, strict=True)
-    return [{**record, "name": name, "about": about, "joints": n, "reach": far}
-            for name, about, n, far, record in columns]  # fmt: skip
+    columns = zip(compared.names, compared.robots, compared.records, strict=True)
+    return [{**record, "name": name, "about": robot.about, "joints": robot.n, "reach": float(reach(robot))}
+            for name, robot, record in columns]  # fmt: skip
 
 
 SIDE_BY_SIDE_FILE = file(
     "side-by-side",
     "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
     version=(str, "of rankdrop", _version),
-    task=str,
-    length_scale=num("m", gt=0),
+    task=(str, "", lambda one: one.task.name),
+    length_scale=(num("m", gt=0), "", lambda one: float(one.task.length_scale)),
     limits=bool,
     seed=Count,
     sentence=str,
@@ -216,17 +227,18 @@ SWEEP_FILE = file(
     "Written by `rankdrop sweep --json`: variants of an arm, measured for the same task. Variants and joints are "
     "numbered from 1; angles in rad, lengths in m.",
     robot=str,
-    sample=(Literal["grid", "latin-hypercube", "sobol", "list"], "how variants were chosen", lambda one: one.kind),
+    sample=(Literal["grid", "latin-hypercube", "sobol", "list"], "how variants were chosen", lambda one: one.spec.kind),
     version=(str, "of rankdrop", _version),
-    task=str,
-    length_scale=num("m", gt=0),
-    limits=bool,
-    seed=Count,
+    task=(str, "", lambda one: one.spec.task.name),
+    length_scale=(num("m", gt=0), "", lambda one: float(one.spec.task.length_scale)),
+    limits=(bool, "", lambda one: one.spec.limits),
+    seed=(Count, "", lambda one: one.spec.seed),
     sentence=str,
+    summary=(optional(many(str)), "the lines that are printed first"),
     holds=bool,
     measures=many(MEASURES),
     parameters=many(SWEEP_PARAMETERS),
-    goals=mapping(Literal["less", "more"]),
+    goals=(mapping(Literal["less", "more"]), "", lambda one: one.spec.goals),
     pareto=(many(Positive), "variants that no other one dominates beyond the error",
         lambda one: [number + 1 for number in one.pareto]),
     pareto_differ=(optional(bool), "some of them differ from one another beyond the error",

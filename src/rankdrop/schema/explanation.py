@@ -10,8 +10,7 @@ from msgspec import UNSET
 from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
 from rankdrop.families.tolerant import Place
-from rankdrop.local.axes import Relation, ScrewSystem
-from rankdrop.local.circuits import Circuit
+from rankdrop.local.axes import Circuit, Relation, ScrewSystem
 from rankdrop.local.directions import Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
@@ -19,10 +18,10 @@ from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
-from rankdrop.results.explanation.parts import Summary
-from rankdrop.results.explanation.text import lost_text, sentence_of, summary_lines
-from rankdrop.results.explanation.words import LOST_TYPE, avoidable_words, boundary_words
+from rankdrop.results.explanation import Summary
+from rankdrop.results.explanation_text import lost_text, sentence_of, summary_lines
 from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.text.words import LOST_TYPE, avoidable_words, boundary_words, hunt_words
 from rankdrop.version import VERSION
 
 ESCAPE_SETTINGS = table(
@@ -38,7 +37,7 @@ ESCAPE_SETTINGS = table(
     version=(str, "of rankdrop", lambda _: VERSION),
     frame=(optional(Literal["base", "tool", "link", ""]),
         "in whose axes motions are told; empty: base, tool, and a link where they are simpler there",
-        lambda asked: asked.options.frame or ""),
+        lambda one: one.options.frame or ""),
     slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none",
         attrgetter("options.speed")),
     slow_turn=(optional(num("rad/s", ge=0)), "a straight rotation slower than this is slow; 0 for none",
@@ -55,7 +54,10 @@ CIRCUIT = table(
 ORDERED = table("ordered", of=OrderedSubset, first=Positive, last=Positive, dimension=Count, loss=Positive)
 SYSTEMS = table("systems", of=ScrewSystem, numbers=many(Positive), dimension=Count)
 HUNT_JOINTS = table("hunt_joints", of=HuntJoint, number=Positive, share=num("1", ge=0, le=1), rate=num("1/distance"))
-HUNT = table("hunt", of=Hunt, matrix=many(many(num("1"))))
+HUNT = table(
+    "hunt", of=Hunt, shape=None, lost=None, matrix=many(many(num("1"))),
+    words=(str, "why not; else whom it names, and whether finite motion agrees", hunt_words),
+)  # fmt: skip
 BLAME = table(
     "blame",
     circuits=(many(CIRCUIT), "all of `circuits`"),
@@ -110,7 +112,7 @@ ESCAPE = table(
 )
 _ASKED: dict[str, Any] = {
     "robot": (ROBOT, "", lambda one: (one.robot, one.task, one.rank.generic_rank)),
-    "settings": (ESCAPE_SETTINGS, "what was asked for", attrgetter("asked")),
+    "settings": (ESCAPE_SETTINGS, "what was asked for", lambda one: one),
     "q": (many(num("joint")), "the configuration asked about [rad, m]"),
     "outside_limits": (many(Positive), "joints beyond a limit"),
     "at_limits": (many(Positive), "joints that stand at a limit"),
@@ -128,11 +130,41 @@ _WAYS: dict[str, Any] = {
     "blame": (BLAME, "which joints make the dependency"),
     "escape": (ESCAPE, "how to get out"),
 }
+STRAIGHT_MOTION = table(
+    "straight_motion",
+    of=StraightMotion,
+    unit=Literal["m/s", "rad/s"],
+    speed=num("entry", ge=0) | None,
+    limit=num("entry", ge=0),
+    direction=row(num("1"), 3),
+    number=Positive,
+)
+SUMMARY = table(
+    "summary",
+    of=Summary,
+    distance=num("distance", ge=0) | None,
+    length=num("m", ge=0),
+    angle=num("rad", ge=0),
+    pinned=many(pair(Positive, num("joint"))),
+    lost=many(row(num("1"), 6)),
+    slowest=STRAIGHT_MOTION | None,
+    way_out=many(pair(Positive, num("joint"))),
+    sigma_after=num("1", ge=0) | None,
+    next_distance=num("distance", ge=0) | None,
+    source=Literal["catalogue", "analysis", "on the spot"],
+    radius=num("distance", ge=0) | None,
+    text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),
+)
+_SUMMARY = {
+    "summary": (optional(SUMMARY), "the answer: facts, then five sentences",
+                lambda one: plain(one.summary) | {"text": summary_lines(one)}),
+}  # fmt: skip
 ESCAPE_FILE = file(
     "escape",
     "Written by `rankdrop escape --json`: the entries of an explanation that lead out. Twists are (v; ω), linear "
     "part first, in the task's frame.",
     **_ASKED,
+    **_SUMMARY,
     **_WAYS,
     disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
     lie=(dict[str, Any] | None, "with --lie: the procedure of Gallardo-Alvarado and Rico-Martínez, step by step",
@@ -308,15 +340,6 @@ EXPLANATION_IDEAL = table(
     families=many(dict[str, Any]),
     here=HERE,
 )
-STRAIGHT_MOTION = table(
-    "straight_motion",
-    of=StraightMotion,
-    unit=Literal["m/s", "rad/s"],
-    speed=num("entry", ge=0) | None,
-    limit=num("entry", ge=0),
-    direction=row(num("1"), 3),
-    number=Positive,
-)
 SLOW_FAMILY = table(
     "slow_family",
     id=(str, "", attrgetter("family_id")),
@@ -325,22 +348,6 @@ SLOW_FAMILY = table(
     ideal=(bool, "a family of the ideal arm nearby, not of the arm itself"),
     length=(num("m", ge=0), "largest difference of a length between the two arms"),
     angle=(num("rad", ge=0), "largest difference of an angle"),
-)
-SUMMARY = table(
-    "summary",
-    of=Summary,
-    distance=num("distance", ge=0) | None,
-    length=num("m", ge=0),
-    angle=num("rad", ge=0),
-    pinned=many(pair(Positive, num("joint"))),
-    lost=many(row(num("1"), 6)),
-    slowest=STRAIGHT_MOTION | None,
-    way_out=many(pair(Positive, num("joint"))),
-    sigma_after=num("1", ge=0) | None,
-    next_distance=num("distance", ge=0) | None,
-    source=Literal["catalogue", "analysis", "on the spot"],
-    radius=num("distance", ge=0) | None,
-    text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),
 )
 LOST_SEEN = table(
     "lost_seen",
@@ -420,8 +427,7 @@ EXPLANATION_FILE = file(
     lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
         lambda one: [{"frame": frame, "directions": seen.directions, **lost_text(one.robot, seen)}
                      for frame, seen in one.lost.seen.items()]),
-    summary=(optional(SUMMARY), "the answer: facts, then five sentences",
-        lambda one: plain(one.summary) | {"text": summary_lines(one)}),
+    **_SUMMARY,
     slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits",
         attrgetter("straight")),
     slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide",
@@ -432,6 +438,7 @@ NEAREST_FILE = file(
     "Written by `rankdrop nearest --json`: the entries of an explanation that say how far. Twists are (v; ω), "
     "linear part first, in the task's frame.",
     **_ASKED,
+    **_SUMMARY,
     **_FAR,
     disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
 )

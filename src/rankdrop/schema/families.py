@@ -10,11 +10,11 @@ from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
-from rankdrop.exact.determinants import Determinants
+from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.lint import Difference, Example, LintResult
-from rankdrop.exact.notation import Step
-from rankdrop.families.search_record import Outcome
+from rankdrop.exact.notation import C, Python, Step
+from rankdrop.families.searching import Outcome
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
@@ -94,7 +94,7 @@ FAMILY = table(
     lost_words=(many(str), "the same in words, one sentence each"),
     soundness=SOUNDNESS,
     explained=SHARE,
-    evidence=(str, "how the conditions were obtained", attrgetter("evidence.how")),
+    evidence=(str, "how the conditions were obtained"),
 )
 FAMILIES = table(
     "families",
@@ -126,6 +126,8 @@ NEAR_FAMILIES = table(
 ANALYSIS_NEAR = table(
     "analysis_near", of=Near, within=num("distance", gt=0), samples=Positive, seed=Count,
     families=many(NEAR_FAMILIES), any=NEAR_FAMILIES,
+    slow=(optional(NEAR_FAMILIES | None), "configurations inside the limits at which some straight motion of the tool "
+        "is slower than 25 mm/s or 5°/s; null without rate limits"),
 )  # fmt: skip
 SIGMA = table("sigma", least=num("1", ge=0), median=num("1", ge=0), most=num("1", ge=0))
 DISTANCE = table("distance", least=num("distance", ge=0), median=num("distance", ge=0), most=num("distance", ge=0))
@@ -140,6 +142,8 @@ IDEAL = table(
     real=(dict[str, Any], "the arm itself, as robot"),
     families=(many(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
 )
+ANSWER = (optional(many(str)), "the answer in two sentences: what the arm has, and how sure that is",
+          lambda one: one.verdict.beside(one.answer))  # fmt: skip
 ANALYSIS_FILE = file(
     "analysis",
     "Every family of singular configurations of an arm.",
@@ -151,7 +155,8 @@ ANALYSIS_FILE = file(
         "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
     claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
         attrgetter("verdict.claims")),
-    sentence=(optional(str), "the verdict for people, printed first and last", attrgetter("verdict.sentence")),
+    sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
+    summary=ANSWER,
     complete=(bool, "false: interrupted; the coranks listed are complete"),
     unfinished=(Positive | None, "the corank that was interrupted"),
     notes=(many(str), "what the reader should be told"),
@@ -175,12 +180,19 @@ CONDITIONS_SETTINGS = table(
     points=(Count, "numerically found configurations to try, of corank 1"),
     special=(bool, "whether arms of special lengths were derived too"),
     steps=(bool, "whether the derivation was written down"),
-    version=(str, "of rankdrop"),
+    version=(str, "of rankdrop", lambda _: VERSION),
     basic=(optional(many(int) | None), "numbers of the basic screws asked for"),
     frame=(optional(int | None), "link in whose frame the screws were asked for"),
 )
 STEPS = table("steps", of=Step)
 FACTORS = table("factors", text=str, latex=str, multiplicity=int)
+
+
+def _factors(minor: Minor) -> list[dict[str, Any]]:
+    powers = minor.value.powers() if minor.factored else ()
+    return [{"text": text, "latex": latex, "multiplicity": power} for text, latex, power in powers]
+
+
 MINORS = table(
     "minors",
     name=str,
@@ -189,14 +201,15 @@ MINORS = table(
     rows=(many(str), "of the task, vx … wz, in order"),
     about=str,
     factored=(bool, "whether its factors were found"),
-    sign=(Literal[-1, 0, 1], "of the number before the factors"),
-    number=(str, "before the factors, a whole number or p/q"),
-    factors=many(FACTORS),
-    terms=(int, "of the polynomial in sines and cosines"),
-    text=str,
-    latex=str,
-    python=(str, "in q1 …, sin, cos and the lengths"),
-    c=(str, "in q[0] … and the lengths"),
+    sign=(Literal[-1, 0, 1], "of the number before the factors",
+        lambda one: (one.value.form.number > 0) - (one.value.form.number < 0)),
+    number=(str, "before the factors, a whole number or p/q", lambda one: str(one.value.form.number)),
+    factors=(many(FACTORS), "", _factors),
+    terms=(int, "of the polynomial in sines and cosines", lambda one: len(one.value.polynomial)),
+    text=(str, "", lambda one: one.value.text()),
+    latex=(str, "", lambda one: one.value.latex()),
+    python=(str, "in q1 …, sin, cos and the lengths", lambda one: one.value.code(Python(shifts=one.shifts))),
+    c=(str, "in q[0] … and the lengths", lambda one: one.value.code(C(shifts=one.shifts))),
 )
 DETERMINANTS = table("determinants", of=Determinants, minors=many(MINORS))
 CONDITIONS_FAMILY = table(
@@ -266,15 +279,15 @@ CONDITIONS_FILE = file(
     reason=(str, "why so"),
     steps=(many(STEPS), "that derivation, step by step"),
     determinants=(optional(DETERMINANTS | None),
-        "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked for",
-        lambda one: one.determinants and one.determinants.to_dict(one.shifts)),
+        "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked for"),
     verdict=(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted"]),
         "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
         "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
     claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
         attrgetter("verdict.claims")),
-    sentence=(optional(str), "the verdict for people, printed first and last", attrgetter("verdict.sentence")),
+    sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
+    summary=ANSWER,
     complete=(bool, "nothing was left unfinished"),
     interrupted=(bool, "Ctrl-C ended the derivation"),
     verified=(bool, "complete, and every check that was made holds"),

@@ -8,9 +8,10 @@ from typing import Any, Literal
 from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
-from rankdrop.exact.posture_changes import Decision
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
+from rankdrop.text.paths import GAINS as UNITS
+from rankdrop.text.paths import decision_text, evidence_words
 from rankdrop.version import VERSION
 
 VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",
@@ -38,8 +39,8 @@ ASPECTS_SETTINGS = table(
 )
 ASPECTS_EXACT = table(
     "aspects_exact",
-    of=Decision,
     kind=Literal["signs", "no cusp", "cusps", "open"],
+    words=(str, "why, in one sentence", decision_text),
     cusps=many(row(num("rad"), 2)),
     nodes=many(row(num("rad"), 2)) | None,
 )
@@ -182,8 +183,6 @@ PARAMETERS = table(
     value=(num("entry") | many(num("entry")), "", itemgetter(1)),
     unit=(str, "\"rad, m\": joint values", itemgetter(2)),
 )
-GAIN_UNITS = {"distance": "rad", "speed": "", "duration": "s"}
-"""What is compared before and after a remedy, and its unit."""
 GAINS = table(
     "gains",
     what=(Literal["distance", "speed", "duration"],
@@ -208,7 +207,7 @@ FOUND = table(
     kind=Literal["null-space", "flip", "blend", "tool tilt", "base shift", "retime"],
     words=str,
     parameters=many(PARAMETERS),
-    gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": GAIN_UNITS[what]}
+    gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
                                          for what, gain in one.gains.items()]),
     verdict=(VERDICT,
         "of the mended path: free, but of retime, which keeps the path and is judged by its limits",
@@ -246,7 +245,7 @@ def _part(one: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""
     return {
         **vars(one), "rows": [place.position for place in ends],
-        "time": None if ends[0].time is None else [place.time for place in ends], "how": check.how(one),
+        "time": None if ends[0].time is None else [place.time for place in ends], "how": evidence_words(one, check),
         "q": one.closest.q, "touching": one.verdict == "touching", "rates": one.rates.tolist() or None,
         "slowest": one.slowest or None,
     }  # fmt: skip
@@ -277,7 +276,8 @@ PATH_FILE = file(
     remedies=(optional(REMEDIES), "only where remedies were asked for: what mends the path, each judged again",
         lambda _: UNSET),
     tool=(TOOL | None, "Where poses of the tip were given: how joint values were found; else null.",
-        lambda check: check.tool and {**vars(check.tool), "words": check.why_ended, "chosen": check.tool.chosen}),
+        lambda check: check.tool and {**vars(check.tool), "words": check.why_ended, "chosen": check.tool.chosen,
+                                      "start": check.tool.start}),
 )
 PATHS = table(
     "paths",

@@ -11,6 +11,7 @@ from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some
 from rankdrop.families.box_matching import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
+from rankdrop.version import VERSION
 
 ARM_JOINTS = table(
     "arm_joints",
@@ -158,6 +159,7 @@ COVER_FILE = file(
 VERIFIED_FILE = file(
     "verified",
     "Written by `rankdrop verify --json`: whether a certificate holds.",
+    units=None,
     holds=bool,
     kind=(Literal["ball", "path", "covering", "existence", ""], "empty: the file is damaged"),
     arm=str,
@@ -168,5 +170,5 @@ VERIFIED_FILE = file(
     how=(optional(str), "how the boxes of a covering were proven"),
     enclosures=Count,
     complete=(bool, "false: interrupted"),
-    version=str,
+    version=(str, "", lambda _: VERSION),
 )

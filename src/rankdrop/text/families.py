@@ -234,6 +234,8 @@ _MANY = 24  # rows of one corank: of more, those of calibrated arms, some stand 
 _SHOWN, _LARGEST = 3, 8  # so many rows of a table, so many of the shares near families
 _KINDS = 3  # kinds of rows that are told apart when they are counted
 AT_LEAST = "≥"
+AT = "at"
+"""Label of the witness in a footnote."""
 EXACTLY = "exactly"
 """Label of an exact condition; a fitted one has that of a coupled joint."""
 _LONGEST = 300  # characters of a condition that is printed
@@ -379,6 +381,25 @@ def _in_table(row: Family, pin: Pin) -> bool:
     return bool((np.abs(np.subtract.outer(own, pin.values)).min(axis=1, initial=np.inf) <= _SAME).all())
 
 
+def footnotes(
+    robot: Robot, row: Family, outside: str, derivation: Derivation | None, *, lost: bool
+) -> list[tuple[str, str]]:
+    """(label, text) of what stands under the table of a row: limits, conditions, what is lost, the witness.
+
+    Args:
+        robot: the arm.
+        row: a family.
+        outside: what of it lies outside the joint limits, or "".
+        derivation: exact conditions, if there are any.
+        lost: with the directions lost, which the table has no room for.
+    """
+    notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, derivation)]
+    notes += [("lost", words) for words in row.lost_words] if lost else []
+    if at_witness(row) or any("witness" in words for _, words in notes):
+        notes.append((AT, f"witness {witness_text(robot, row.witness)}"))
+    return notes
+
+
 def agreement(
     derivation: Derivation | None, robot: Robot, families: Sequence[Family]
 ) -> Iterator[tuple[str, bool]]:
@@ -439,12 +460,9 @@ def overview(
             yield Section(title(summary, generic_rank), nothing_found(summary))
             continue
         shown = [within(row, robot, limits=limits) for row in rows]
-        under = [
-            f"{row.id} {label}: {text}"
-            for row, outside in shown
-            for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
-        ]
-        under += [f"{row.id} witness {witness_text(robot, row.witness)}" for row in rows if at_witness(row)]
+        notes = [(row.id, *note) for row, outside in shown
+                 for note in footnotes(robot, row, outside, exact, lost=False)]  # fmt: skip
+        under = [f"{id} {words}" if label == AT else f"{id} {label}: {words}" for id, label, words in notes]
         table = columns(robot, summary.corank)
         yield Section(
             title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}",
@@ -457,12 +475,31 @@ def overview(
         yield Section("", lines=(legend(robot, families),))
 
 
+def near_misses_text(corank: int, many: int, sigma: float, digits: int) -> str:
+    """Configurations with a small σ that many digits show not to be singular."""
+    return (
+        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: followed with {digits} "
+        f"digits, the rank does not drop there (smallest σ {sigma:.2g})"
+    )
+
+
+def on_no_family_text(corank: int, many: int, tested: int, q: Iterable[float]) -> str:
+    """Singular configurations that no family explains, one of them `q`."""
+    values = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in q)
+    return (
+        f"corank {corank}: {many:,} of {tested:,} configurations found numerically lie on no family, q = ({values}) is "
+        "one"
+    )
+
+
 def near_overview(near: Near, families: Sequence[Family]) -> Section:
     """Shares of the joint space near the families."""
     names = {family.id: family.name for family in families}
     where = "the joint space inside the limits" if near.limits else "the joint space"
     shown = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
     rows = [*((one.id, names.get(one.id, ""), one) for one in shown), ("any", "", near.any)]
+    if near.slow is not None:
+        rows.append(("slow", "tool slower than 25 mm/s or 5°/s, inside the limits", near.slow))
     notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
     if len(shown) < len(near.families):
         notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")

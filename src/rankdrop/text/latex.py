@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family
+from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
 
@@ -61,47 +61,56 @@ def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
 ) -> str:
     every = [one for one in columns(robot, summary.corank) if one.printed]
-    share = summary.completeness
+    share, name = summary.completeness, re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
         "$\\times$: any value; c: coupled, see below the table; dim: dimension of the family. "
         f"The rows explain {share.agree} of {share.tested} fresh singular points "
         f"({as_text(share_text(share.agree, share.tested))})."
     )
-    name = re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     decimals = sum(any("(" in one_line(one, row) for row in rows) for one in every if one.holds == JOINT)
     words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
-    widths = {"name": 0.4 * words, "lost": 0.6 * words}
-    shape = "r" + "".join(
-        f"p{{{widths.get(one.key, 0.3 * words):.3f}\\linewidth}}" if one.holds == WORDS else "c" for one in every[1:]
-    )
+    shape = "".join(_shape(one, words) for one in every)
     heads = [f"${_symbol(one.title)}$" if one.holds == JOINT else as_text(one.title) for one in every]
-    size = r"\footnotesize" if decimals else r"\small"
+    cells = [
+        [_cell(one, inside, number) for one in every]
+        for number, (inside, _) in enumerate((within(row, robot, limits=limits) for row in rows), start=1)
+    ]
+    notes = _notes(robot, rows, exact)
+    small = [r"\par\smallskip", r"\begin{minipage}{\linewidth}\raggedright", *notes, r"\end{minipage}"]
     lines = [
-        r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}",
-        f"\\label{{tab:{name}-corank-{summary.corank}}}",
+        r"\begin{table}[htbp]", r"\centering", r"\footnotesize" if decimals else r"\small",
+        r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}", f"\\label{{tab:{name}-corank-{summary.corank}}}",
         f"\\begin{{tabular}}{{{shape}}}", r"\hline",
-        " & ".join(heads) + r" \tabularnewline", r"\hline",
+        *_aligned([heads]), r"\hline", *_aligned(cells), r"\hline", r"\end{tabular}",
+        *(small if notes else []), r"\end{table}",
     ]  # fmt: skip
+    return "\n".join(lines)
+
+
+def _aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    return (" & ".join(row) + r" \tabularnewline" for row in rows)
+
+
+def _shape(column: Column, words: float) -> str:
+    """The column in the head of a table: right, centred, or so wide a paragraph of words."""
+    if column.key == "id":
+        return "r"
+    width = {"name": 0.4, "lost": 0.6}.get(column.key, 0.3) * words
+    return f"p{{{width:.3f}\\linewidth}}" if column.holds == WORDS else "c"
+
+
+def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> list[str]:
+    """What stands below a table: conditions and witnesses by row, letters of links, lengths."""
     notes = []
     for number, family in enumerate(rows, start=1):
-        inside, _ = within(family, robot, limits=limits)
-        lines.append(" & ".join(_cell(one, inside, number) for one in every) + r" \tabularnewline")
-        told = list(_conditions(family, exact))
-        if at_witness(family):
-            told.append(as_text(f"witness {witness_text(robot, family.witness)}"))
-        if told:
-            notes.append(f"\\noindent Row {number}: {'; '.join(told)}.\\par")
-    lines += [r"\hline", r"\end{tabular}"]
+        parts = [*_conditions(family, exact)]
+        parts += [as_text(f"witness {witness_text(robot, family.witness)}")] if at_witness(family) else []
+        notes += [f"\\noindent Row {number}: {'; '.join(parts)}.\\par"] if parts else []
     links = lost_told(robot, [words for family in rows for words in family.lost_words])
-    if links:
-        notes.append(f"\\noindent {as_text(links)}\\par")
-    if notes:
-        lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
-        if lengths:
-            notes.append(f"\\noindent Lengths: {lengths}.\\par")
-        lines += [r"\par\smallskip", r"\begin{minipage}{\linewidth}\raggedright", *notes, r"\end{minipage}"]
-    return "\n".join([*lines, r"\end{table}"])
+    notes += [f"\\noindent {as_text(links)}\\par"] if links else []
+    lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
+    return [*notes, *([f"\\noindent Lengths: {lengths}.\\par"] if lengths else [])]
 
 
 def _letters_in(notes: Sequence[str], exact: Derivation | None) -> Iterator[tuple[str, float]]:
@@ -138,24 +147,19 @@ def _symbol(name: str) -> str:
 def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
     row = None if derivation is None else derivation.of_row(family.id)
-    exact = [] if row is None else _beyond_columns(family, row)
-    bound = set(family.coupled)
+    known, bound = {one.number for one in family.pinned}, set(family.coupled)
+    exact = [] if row is None else [
+        *(text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known),
+        *row.latex[len(row.pinned) :],
+    ]  # fmt: skip
     own = [equation for equation in family.equations if bound & set(equation.joints)]
-    fitted = [f"${equation.latex()} = 0$" for equation in own]
-    chosen = [f"${one}$" for one in exact] or fitted
+    chosen = [f"${one}$" for one in exact] or [f"${equation.latex()} = 0$" for equation in own]
     for text in chosen[:_LINES]:
         yield text if len(text) <= _LONGEST else f"a condition of {len(text)} characters, see the JSON"
     if len(chosen) > _LINES:
         yield f"{len(chosen) - _LINES} more, see the JSON"
     if not family.named:
         yield "no condition found"
-
-
-def _beyond_columns(family: Family, row: ExactRow) -> list[str]:
-    """LaTeX of the exact conditions of the row, less those of joints in its columns."""
-    known = {one.number for one in family.pinned}
-    kept = [text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known]
-    return [*kept, *row.latex[len(row.pinned) :]]
 
 
 def as_text(text: str) -> str:

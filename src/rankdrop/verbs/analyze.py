@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -62,6 +63,19 @@ def derive(
     if exact == "off":
         return None, None
     seconds = SECONDS[exact]
+    derived, reason = _derived(robot, task, exact, seconds, seed=seed, fresh=fresh, progress=progress)
+    if derived is None:
+        return None, Derivation(NOT_DERIVED, exact, seconds, reason)
+    return derived, Derivation(
+        AGREES, exact, seconds, letters=dict(derived.letters), shifts=derived.shifts,
+        families=tuple(_row(family, robot) for family in derived.families),
+    )  # fmt: skip
+
+
+def _derived(
+    robot: Robot, task: Task, exact: str, seconds: float, *, seed: int, fresh: bool, progress: Progress | None
+) -> tuple[Conditions | None, str]:
+    """The complete derivation, shipped or made now; else None and why there is none."""
     try:
         derived = None if fresh or seed else known_conditions(robot, task, any_tip=True)
         if derived is None:
@@ -73,19 +87,15 @@ def derive(
     except RankdropError as error:
         if exact == "on":
             raise
-        return None, Derivation(NOT_DERIVED, exact, seconds, str(error))
+        return None, str(error)
     except KeyboardInterrupt:
-        return None, Derivation(NOT_DERIVED, exact, seconds, INTERRUPTED)
+        return None, INTERRUPTED
     if derived.interrupted:
-        return None, Derivation(NOT_DERIVED, exact, seconds, INTERRUPTED)
-    if not derived.complete:
-        out_of_time = derived.seconds >= seconds
-        reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
-        return None, Derivation(NOT_DERIVED, exact, seconds, reason)
-    return derived, Derivation(
-        AGREES, exact, seconds, letters=dict(derived.letters), shifts=derived.shifts,
-        families=tuple(_row(family, robot) for family in derived.families),
-    )  # fmt: skip
+        return None, INTERRUPTED
+    if derived.complete:
+        return derived, ""
+    out_of_time = f"the derivation takes more than {seconds:g} s"
+    return None, out_of_time if derived.seconds >= seconds else "; ".join(derived.left)
 
 
 def _tested(
@@ -176,34 +186,21 @@ def analyze(
     if how.within is not None:
         check_within(how.within)
     resolved = resolve_task(task, robot, length_scale=length_scale)
-    own, task_here = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
-    rank = generic_rank(own, task_here)
+    report = progress or _silent
+    own = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
+    rank = generic_rank(*own)
     derived, derivation = derive(
-        robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh, progress=_prefixed(progress, "exact")
-    )
-    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived.families]
+        robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
+        progress=lambda label, done, total: report(f"exact: {label}", done, total),
+    )  # fmt: skip
+    known = None if derived is None else [one.in_units(robot).as_family(own[0]) for one in derived.families]
     tables: list[CorankFamilies] = []
     unfinished = 1 if derivation is not None and derivation.interrupted else None
-    for corank in range(1, rank + 1) if unfinished is None else ():
-        try:
-            cloud = search(
-                own, corank, task=task_here, starts=how.starts, seed=how.seed, limits=how.limits, threads=how.threads,
-                progress=_labelled(progress, f"corank {corank}: search"), tolerances=tolerances,
-            )  # fmt: skip
-            if not cloud.complete:
-                raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
-            derived_here = None if known is None else [one for one in known if one.corank == corank]
-            tables.append(
-                families(
-                    cloud, known=derived_here, seed=how.seed, threads=how.threads,
-                    progress=_labelled(progress, f"corank {corank}: families"),
-                )
-            )  # fmt: skip
-        except KeyboardInterrupt:
-            unfinished = corank
-            break
-        if tables[-1].summary.converged == 0 and not any(one.corank > corank for one in known or ()):
-            break
+    try:
+        for table in _tables(*own, rank if unfinished is None else 0, known, how, tolerances, report):
+            tables.append(table)
+    except KeyboardInterrupt:
+        unfinished = len(tables) + 1
     if derivation is not None and derived is not None and unfinished is None:
         derivation = _tested(derivation, derived, rank, tables, limits=how.limits)
     rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
@@ -211,7 +208,7 @@ def analyze(
     near = None
     if unfinished is None and how.within is not None:
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
-                           progress=_labelled(progress, "shares"))  # fmt: skip
+                           progress=partial(report, "shares"))  # fmt: skip
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
@@ -227,6 +224,31 @@ def analyze(
     )
 
 
+def _tables(
+    robot: Robot, task: Task, rank: int, known: Sequence[Family] | None, how: AnalyzeOptions, tolerances: Tolerances,
+    report: Progress,
+) -> Iterator[CorankFamilies]:  # fmt: skip
+    """The families of each corank, tested by a search, down to the first corank that no start and no family reaches.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C during a search, or between two.
+    """
+    for corank in range(1, rank + 1):
+        cloud = search(
+            robot, corank, task=task, starts=how.starts, seed=how.seed, limits=how.limits, threads=how.threads,
+            progress=partial(report, f"corank {corank}: search"), tolerances=tolerances,
+        )  # fmt: skip
+        if not cloud.complete:
+            raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
+        made = families(
+            cloud, known=None if known is None else [one for one in known if one.corank == corank], seed=how.seed,
+            threads=how.threads, progress=partial(report, f"corank {corank}: families"),
+        )  # fmt: skip
+        yield made
+        if made.summary.converged == 0 and not any(one.corank > corank for one in known or ()):
+            return
+
+
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     return tuple(
         f"corank {one.summary.corank}: {one.mistaken:,} points of the searches with "
@@ -236,16 +258,8 @@ def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def _labelled(progress: Progress | None, label: str) -> Callable[[int, int], None] | None:
-    if progress is None:
-        return None
-    return lambda done, total: progress(label, done, total)
-
-
-def _prefixed(progress: Progress | None, label: str) -> Progress | None:
-    if progress is None:
-        return None
-    return lambda inner, done, total: progress(f"{label}: {inner}", done, total)
+def _silent(label: str, done: int, total: int) -> None:
+    """Progress that nobody asked for."""
 
 
 def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:

@@ -13,14 +13,15 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.codec import Record, plain
 from rankdrop.exact.family import ExactFamily
 from rankdrop.family.equation import System
 from rankdrop.family.record import Family, rescaled, slides_of
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
-from rankdrop.results.codec import Record, plain, robot_to_dict
-from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.analysis import robot_to_dict
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot

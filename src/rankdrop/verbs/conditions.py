@@ -10,12 +10,11 @@ from typing import Any
 from rankdrop.kinematics import check_robot
 from rankdrop.options import takes
 from rankdrop.questions import ConditionsOptions
-from rankdrop.results.conditions import Conditions, ConditionSettings
+from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import read_joints, read_lengths
 from rankdrop.task import Task
-from rankdrop.version import VERSION
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
@@ -40,7 +39,7 @@ def conditions(
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
         task: as in `resolve_task`; None is the one the arm is made for.
-        options: method, lengths, coranks, time limit and seed; or its fields as keywords. A third of the time limit is
+        options: method, lengths, coranks, time limit and seed; or its fields as keywords. Half of the time limit is
             the limit on the work done, counted in steps, so that the result does not depend on how fast the machine is
             unless time is what ends it. What was derived by then is returned, and so it is after Ctrl-C.
         progress: called as progress(label, done, total).
@@ -69,6 +68,5 @@ def conditions(
             return replace(shipped, settings=replace(shipped.settings, seconds=how.seconds))
     from rankdrop.verbs.deriving import derived  # what is shipped does without all that derives
 
-    asked = {name: value for name, value in vars(how).items() if name != "fresh"}
-    asked |= {"lengths": read_lengths(how.lengths), "basic": None if how.basic is None else read_joints(how.basic)}
-    return derived(robot, task, ConditionSettings(**asked, version=VERSION), progress)
+    basic = None if how.basic is None else read_joints(how.basic)
+    return derived(robot, task, replace(how, lengths=read_lengths(how.lengths), basic=basic), progress)

@@ -16,6 +16,8 @@ from rankdrop.certify.covering import (
     BUDGET,
     SPENT,
     SPLIT,
+    Batch,
+    BudgetSpent,
     Covering,
     batch_from_bytes,
     batch_to_bytes,
@@ -28,7 +30,6 @@ from rankdrop.certify.covering import (
     put_together,
     write_covering,
 )
-from rankdrop.certify.enclosed import Batch, BudgetSpent
 from rankdrop.errors import OptionError
 from rankdrop.families.box_matching import Explainer, spots
 from rankdrop.family.record import Family
@@ -38,10 +39,9 @@ from rankdrop.local.block import joint_scale
 from rankdrop.options import takes
 from rankdrop.proof.boxes import Plan, plan_from_entries
 from rankdrop.questions import CoverOptions
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
+from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.covered import Account, Covered
-from rankdrop.results.explanation.parts import known_families
+from rankdrop.results.explanation import known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
@@ -55,6 +55,7 @@ _LABEL = "parts covered"
 _QUICK, _QUICK_BY_ENCLOSURES = 1 << 22, 1 << 16  # leaves below which processes take longer to begin than the work
 
 Record = dict[str, Any]
+HERE = Engine(here=True)
 
 
 @takes(CoverOptions)
@@ -143,18 +144,22 @@ def _read_or_make(
             return kept
     folder = None if out is None else _parts_of(out)
     if plan.shape.leaves <= (_QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES) and engine.scheduler is None:
-        engine = Engine(here=True)
-    found = _by_chunks(robot, task, plan, folder, budget, engine, tell)
+        engine = HERE
+    found = covering(robot, task, plan, folder, budget, engine, tell)
     if found.complete and out is not None and folder is not None:
         write_covering(out, found)
         shutil.rmtree(folder, ignore_errors=True)
     return found
 
 
-def _by_chunks(
-    robot: Robot, task: Task, plan: Plan, folder: Path | None, budget: int, engine: Engine, tell: Report
-) -> Covering:
-    """Ended by Ctrl-C, or where the budget is spent: the chunks that are there then, of a budget as many as it pays."""
+def covering(
+    robot: Robot, task: Task, plan: Plan, folder: Path | None = None, budget: int = BUDGET,
+    engine: Engine = HERE, tell: Report = lambda label, done, total: None,
+) -> Covering:  # fmt: skip
+    """The covering of a plan, chunk by chunk.
+
+    Ended by Ctrl-C, or where the budget is spent: the chunks that are there then, of a budget as many as it pays.
+    """
     batches: dict[int, Batch] = {}
     count, shape, spent = chunks_of(plan), plan.shape, 0
 

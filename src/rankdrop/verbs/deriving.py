@@ -25,37 +25,43 @@ from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily, alone, merge
 from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.lint import round_points
+from rankdrop.exact.notation import Step
 from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.families.inspection import DIGITS, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values
-from rankdrop.results.conditions import Conditions, ConditionSettings
+from rankdrop.questions import ConditionsOptions
+from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.quantities import count
+from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
+from rankdrop.text.by_hand import steps_of
+from rankdrop.text.families import near_misses_text, on_no_family_text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
 Made = TypeVar("Made")
-_SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
-_LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
+_TREE = 0.85  # of the work left that the tree may take
+_SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
+_LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
 _POINTS = 24  # real points looked at on each set that has none modulo primes
-_LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
 
 
 def derived(
     robot: Robot,
     task: str | Task | None,
-    asked: ConditionSettings,
+    asked: ConditionsOptions,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Conditions:
     """The conditions of an arm; arguments and errors are those of `rankdrop.conditions`."""
     begun = monotonic()
     work = Work(asked.seconds / SLOWER, asked.seed, progress)
     given = exact_chain(robot, task, lengths=asked.lengths)
-    check_method(given, asked.method, basic=asked.basic, frame=asked.frame)
+    basic = None if asked.basic is None else read_joints(asked.basic)
+    check_method(given, asked.method, basic=basic, frame=asked.frame)
     lowest = 0 if asked.coranks is None else max(min(given.task.m, given.n) - asked.coranks, 0)
     chain, tree, work, remarks = _tree(given, lowest, optional=asked.lengths == "auto", work=work)
     left = list(tree.left)
@@ -64,10 +70,13 @@ def derived(
     first = _unless_interrupted(
         work, "the method for corank 1",
         lambda own: corank_one(
-            chain, asked.method, tree, found, own, steps=asked.steps, chosen=(asked.basic, asked.frame)
+            chain, asked.method, tree, found, own, chosen=(basic, asked.frame)
         ),
-        CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",)),
+        CorankOne("tree", "interrupted before another method was tried", None, ("the method for corank 1",)),
     )  # fmt: skip
+    steps: tuple[Step, ...] = ()
+    if asked.steps or isinstance(first.derived, Tree):
+        steps = _unless_interrupted(work, "the steps", lambda _: steps_of(chain, first.derived), ())
     determinants: Determinants | None = None
     if asked.steps:
         determinants = _unless_interrupted(work, "the determinant", lambda own: determinants_of(chain, own), None)
@@ -75,7 +84,7 @@ def derived(
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left, derive=asked.special)
-    check, over = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
+    check, over, misses = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
     if left:  # what is left over belongs to what was not derived
         left += over
         over = []
@@ -85,10 +94,10 @@ def derived(
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
+        remarks=(*chain.remarks, *remarks, *misses, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
-        steps=first.steps,
+        steps=steps,
         determinants=determinants,
         families=posed_exactly(robot, chain.task, found),
         lowest=lowest,
@@ -129,7 +138,7 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
     for this arm, or where letters rule out its lengths.
     """
     optional = optional and bool(chain.letters)
-    with work.share(_LETTERS if optional else _SHARE):
+    with work.share(_LETTERS if optional else _TREE):
         tree = rank_tree(chain, work, lowest=lowest)
     broken = _broken(chain, work)
     over = len(tree.unresolved)
@@ -140,7 +149,7 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
     if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
         return chain, tree, work, ()
     plain, again = replace(chain, letters={}, written={}), work.again()
-    with again.share(_SHARE):
+    with again.share(_TREE):
         other = rank_tree(plain, again, lowest=lowest)
     if not double and decided_by_numbers(chain, tree, other):
         return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
@@ -218,13 +227,15 @@ def _cloud(
     points: int,
     work: Work,
     left: list[str],
-) -> tuple[Check, list[str]]:
-    """Singular configurations found numerically, tried on the families, and sentences on those left over.
+) -> tuple[Check, list[str], list[str]]:
+    """Singular configurations found numerically, tried on the families, and sentences on those left over and on those
+    that 50 digits show not to be singular.
 
     What was not looked for goes to `left`.
     """
     tested = agree = 0
-    over = []
+    over: list[str] = []
+    misses: list[str] = []
     here = [family.in_units(chain.robot) for family in families]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
@@ -239,19 +250,21 @@ def _cloud(
             if not len(met.q):
                 break
             met = met.up_to(generic_rank - lowest)
-            check, remaining = explained(met, [family.equations for family in here if family.corank >= corank])
+            equations = [family.equations for family in here if family.corank >= corank]
+            check, remaining = explained(met, equations)
+            wrong, sigma = near_misses(met, remaining, equations)
         except KeyboardInterrupt:
             work.interrupt()
             break
-        tested, agree = tested + check.tested, agree + check.agree
+        singular = check.tested - len(wrong)
+        tested, agree = tested + singular, agree + check.agree
+        remaining = np.setdiff1d(remaining, wrong)
+        if len(wrong):
+            misses.append(near_misses_text(corank, len(wrong), sigma, DIGITS))
         if len(remaining):
             one = out_of_units(chain.robot, met.q[remaining[0]])
-            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in one)
-            over.append(
-                f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
-                f"family, q = ({q}) is one"
-            )
-    return Check(tested, agree), over
+            over.append(on_no_family_text(corank, len(remaining), singular, one))
+    return Check(tested, agree), over, misses
 
 
 def _sets_without_points(
@@ -273,28 +286,20 @@ def _sets_without_points(
             unmet[piece.key] = piece
         elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
             lost[piece.key] = piece
-    short = [piece for piece in unmet.values() if _terms(piece) <= _LONG]
     words = f"no real point was found, nor one modulo {len(PRIMES)} primes"
-    told = [f"{', '.join(row.texts)}: {words}" for row in merge(short)]
-    if len(unmet) > len(short):
-        told.append(f"{len(unmet) - len(short)} sets with long conditions: no real point was found on them either")
+    told = [f"{row.text}: {words}" for row in merge(list(unmet.values()))]
     return [_sentence(list(lost.values()), bool(chain.letters))] if lost else [], told
 
 
 def _sentence(lost: Sequence[ZeroSet], letters: bool) -> str:
     sets = count(len(lost), "set of real configurations", "sets of real configurations")
-    shortest = min(lost, key=_terms)
-    texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
-    where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""
+    shortest = min(map(alone, lost), key=lambda row: row.terms)
+    where = f" ({'' if len(lost) == 1 else 'one is '}{shortest.text})"
     return (
         f"{sets}{where} could not be looked into: roots of numbers that stand in the conditions exist modulo none of "
         f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not "
         f"known{'' if letters else '; --lengths letters may avoid this'}"
     )
-
-
-def _terms(piece: ZeroSet) -> int:
-    return sum(map(len, piece.equations))
 
 
 def _settled(

@@ -12,8 +12,7 @@ from rankdrop.kinematics import check_robot, one_configuration
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.parts import Asked, how_far, known_families, straight_motions, verdict_of
+from rankdrop.results.explanation import Explanation, known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -41,8 +40,7 @@ def explain(
     of the tool is slower than `speed` or `turn_speed` with every joint at its rate limit; *always-singular*, the arm is
     deficient for the task at every configuration and not more so here; else *regular*.
 
-    Rank, distances and verdict are worked out at once. Every other part, the certified radius too, is worked out when
-    it is first asked for, printed or written, and kept; it is the same whenever that is.
+    Every part is worked out when it is first asked for, printed or written, and kept; it is the same whenever that is.
 
     Families come from `analysis`, else from the atlas shipped with the package where the arm is in it, else they are
     found on the spot from points around q.
@@ -82,12 +80,4 @@ def explain(
     families, source = known_families(robot, resolved, analysis, tolerances)
     here = at(robot, configuration, resolved, tolerances)
     here.check_moves()
-    return _explained(Asked(here, families, source, how))
-
-
-def _explained(asked: Asked) -> Explanation:
-    """How far and the verdict; all else when it is asked for, at the configuration or at the singular one near it."""
-    far = how_far(asked)
-    straight = straight_motions(asked)
-    verdict, cause = verdict_of(asked, far, [one for one in straight if one.speed < one.limit])
-    return Explanation(asked, verdict, cause, far, straight)
+    return Explanation(here, families, source, how)

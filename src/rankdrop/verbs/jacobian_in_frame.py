@@ -20,6 +20,7 @@ from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
 from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.transform import rotation, translation
 from rankdrop.task import Task
 from rankdrop.units import out_of_units
 
@@ -126,19 +127,11 @@ def _frame(chain: Chain, q: Array, k: int) -> Array:
             angle += float(q[j - 1])
         else:
             slide += float(q[j - 1])
-        found = found @ _screwed(angle, slide, 2)
+        found = found @ rotation("z", angle) @ translation(0.0, 0.0, slide)
         if j < k:
             twist = atan2(float(section.twist.sin), float(section.twist.cos))
-            found = found @ _screwed(twist, float(section.a), 0)
+            found = found @ rotation("x", twist) @ translation(float(section.a), 0.0, 0.0)
     return np.asarray(found)
-
-
-def _screwed(angle: float, slide: float, axis: int) -> Array:
-    found, (i, j) = np.eye(4), ((axis + 1) % 3, (axis + 2) % 3)
-    found[i, i] = found[j, j] = np.cos(angle)
-    found[j, i], found[i, j] = np.sin(angle), -np.sin(angle)
-    found[axis, 3] = slide
-    return found
 
 
 def _inverse(chain: Chain, rows: Sequence[Sequence[Polynomial]], seconds: float) -> ClosedInverse:

@@ -342,13 +342,9 @@ def _label(response: Any) -> None:
 
 def _set_security_headers(headers: Any, cookie: str | None) -> None:
     """No other page may frame this one, and nothing is loaded from elsewhere."""
-    headers["X-Frame-Options"] = "DENY"
-    headers["Referrer-Policy"] = "no-referrer"
-    headers["Cache-Control"] = "no-store"
-    headers["Content-Security-Policy"] = (
-        "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; connect-src 'self' ws: data: blob:; "
-        "frame-ancestors 'none'"
-    )
+    own = "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; connect-src 'self' ws: data: blob:; "
+    headers.update({"X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
+                    "Content-Security-Policy": f"{own}frame-ancestors 'none'"})  # fmt: skip
     if cookie is not None:
         headers["Set-Cookie"] = cookie
 

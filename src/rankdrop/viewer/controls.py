@@ -1,13 +1,11 @@
 """The panel in viser: status, sliders and what can be done with the arm. The tabs stand in files of their own.
 
-The handle at the tip: pull it, and the arm follows.
-
-Inverse kinematics of the handle at the tip: the damped inverse of the product, step by step after the hand.
+The handle at the tip: pull it, and the arm follows by the damped inverse, step by step after the hand.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import degrees, radians
 from threading import Lock
@@ -15,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.kinematics import pose
 from rankdrop.local import damped_inverse, sampling_box
+from rankdrop.motion import Aim
 from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot
 from rankdrop.task import WORLD_ALIGNED, Task
@@ -30,6 +28,7 @@ if TYPE_CHECKING:
 
 
 _MARGIN = 1e-6
+_FAR = 0.02  # what is missing from here on is reported [length scales, rad]
 
 
 def put(handle: Any, value: Any) -> None:
@@ -58,7 +57,10 @@ class Controls:
         self._said = ""  # the details, while they are of the configuration that is shown
         self.message = gui.add_html("")
         self.tabs = gui.add_tab_group()
+        self.joints = tuple(f"{number} {joint.name}" for number, joint in enumerate(self.robot.variables, start=1))
         self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
+        self._handle = server.scene.add_transform_controls("/handle", scale=0.22 * self.live.size, visible=False)
+        self._handle.on_update(self._handle_moved)
         with self.tabs.add_tab("Joints"):
             self.sliders = [self._slider(i) for i in range(self.robot.n)]
             self.button("all joints to 0", lambda: session.go(np.zeros(self.robot.n)))
@@ -78,23 +80,38 @@ class Controls:
             hint=f"limits {joint.lower * unit:.4g} … {joint.upper * unit:.4g}{sign}" if limited else "no limits",
         )  # fmt: skip
 
-        @slider.on_update
-        def _(event: viser.GuiEvent[Any]) -> None:
-            if event.client_id is not None:  # a hand moved it, not `shown`
-                self.session.set_joint(index, slider.value / unit, slider)
-
+        slider.on_update(lambda event: self._dragged(event, index))
         return slider
+
+    def _dragged(self, event: viser.GuiEvent[Any], index: int) -> None:
+        if event.client_id is not None:  # a hand moved it, not `shown`
+            slider = self.sliders[index]
+            self.session.set_joint(index, slider.value / self._unit[index], slider)
 
     def button(self, label: str, act: Callable[[], object], *, hint: str | None = None,
                colour: Any = "gray") -> viser.GuiButtonHandle:  # fmt: skip
         """A button; what goes wrong behind it is told in the panel."""
         handle = self.server.gui.add_button(label, hint=hint, color=colour)
-
-        @handle.on_click
-        def _(_event: object) -> None:
-            self.attempt(act)
-
+        handle.on_click(lambda _: self.attempt(act))
         return handle
+
+    def buttons(self, label: str, acts: Mapping[str, Callable[[], object]], *,
+                visible: bool = True) -> viser.GuiButtonGroupHandle:  # fmt: skip
+        """A row of buttons: word -> what it does."""
+        handle = self.server.gui.add_button_group(label, tuple(acts), visible=visible)
+        handle.on_click(lambda _: self.attempt(acts[handle.value]))
+        return handle
+
+    def upload(self, label: str, types: str, act: Callable[[Any], object]) -> viser.GuiUploadButtonHandle:
+        """A button that gives a file of the reader's to `act`."""
+        handle = self.server.gui.add_upload_button(label, mime_type=types, color="gray")
+        handle.on_upload(lambda event: self.attempt(lambda: act(event.target.value)))
+        return handle
+
+    def check(self, label: str, value: bool, act: Callable[[bool], object], hint: str | None = None) -> None:
+        """A box to be checked."""
+        handle = self.server.gui.add_checkbox(label, value, hint=hint)
+        handle.on_update(lambda _: self.attempt(lambda: act(handle.value)))
 
     def attempt(self, act: Callable[[], object]) -> None:
         """Do it, and say what went wrong."""
@@ -114,6 +131,8 @@ class Controls:
             self.now = now
             of_this = self.found is not None and np.array_equal(self.found.q, now.q)
             self._tell(now, self.found if of_this else None)
+        if source is not self._handle:
+            self._place_handle(now)
         for index, slider in enumerate(self.sliders):
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
@@ -130,10 +149,9 @@ class Controls:
     def _place(self, index: int, value: float) -> None:
         slider = self.sliders[index]
         shown = round(value, 1 if self._unit[index] != 1.0 else 3)  # as many digits as the box has room for
-        if shown < slider.min:
-            slider.min = shown
-        if shown > slider.max:
-            slider.max = shown
+        if not slider.min <= shown <= slider.max:
+            slider.min = min(slider.min, shown)
+            slider.max = max(slider.max, shown)
         if slider.value != shown:
             put(slider, shown)
 
@@ -144,6 +162,33 @@ class Controls:
             self.found = found
             if self.now is not None and np.array_equal(self.now.q, found.q):
                 self._tell(self.now, found)
+
+    def show_handle(self, shown: bool) -> None:
+        """Show or hide the handle at the tip."""
+        self._handle.visible = shown
+        if self.now is not None:
+            self._place_handle(self.now)
+
+    def _place_handle(self, now: Now) -> None:
+        if self._handle.visible:
+            self._handle.position = now.links[-1][:3, 3]
+            self._handle.wxyz = wxyz(now.links[-1][:3, :3])
+
+    def _handle_moved(self, event: Any) -> None:
+        if getattr(event, "client_id", None) is not None:  # a hand moved it, not `shown`
+            from viser.transforms import SO3
+
+            target = np.eye(4)
+            target[:3, :3] = SO3(np.array(self._handle.wxyz)).as_matrix()
+            target[:3, 3] = self._handle.position
+            self.attempt(lambda: self.pull(target))
+
+    def pull(self, target: Array) -> None:
+        """Move the arm towards a pose (4, 4) of its tip."""
+        q, missing = pulled(self.robot, self.live.task, self.session.q, target)
+        self.session.set(q, self._handle)
+        if missing > _FAR:
+            self.say("the tip cannot follow to there from here: a limit, a singularity, or out of reach")
 
     def _random(self) -> Array:
         low, high = sampling_box(self.robot, self.live.task, limits=True)
@@ -173,80 +218,19 @@ def pulled(robot: Robot, task: Task, q: Array, target: Array) -> tuple[Array, fl
     Returns:
         (n,) the nearest configuration met, and what is missing there: ‖(Δp / length scale; θ)‖ of the task's rows.
     """
-    along = replace(task, frame=WORLD_ALIGNED)
+    aim = Aim(robot, replace(task, frame=WORLD_ALIGNED))
+    units = np.where(np.array(aim.rows) < 3, aim.length, 1.0)
     lower, upper = np.minimum(robot.lower, q), np.maximum(robot.upper, q)  # where it stands beyond a limit it may stay
-    best, missing = q, _missing(robot, along, q, target)
+    best, error = q, aim.error(target, q[None])[0]
     for _ in range(STEPS):
-        if missing <= _THERE:
+        if np.linalg.norm(error) <= _THERE:
             break
-        twist = _twist(robot, best, target)[list(along.rows)]
-        step = damped_inverse(robot, best, along, damping=DAMPING, threshold=THRESHOLD) @ twist
+        inverse = damped_inverse(robot, best, aim.task, damping=DAMPING, threshold=THRESHOLD)
+        step = inverse @ (units * error)
         step *= min(1.0, _MOST / max(float(np.abs(step).max()), 1e-12))
         further = np.clip(best + step, lower, upper)
-        left = _missing(robot, along, further, target)
-        if left >= missing:
+        left = aim.error(target, further[None])[0]
+        if np.linalg.norm(left) >= np.linalg.norm(error):
             break
-        best, missing = further, left
-    return best, missing
-
-
-def _twist(robot: Robot, q: Array, target: Array) -> Array:
-    """(6,) what is missing from the pose at q to the target, in the axes of the base [m, rad]."""
-    at = pose(robot, q)
-    turned = target[:3, :3] @ at[:3, :3].T
-    axis = 0.5 * np.array([turned[2, 1] - turned[1, 2], turned[0, 2] - turned[2, 0], turned[1, 0] - turned[0, 1]])
-    sine = float(np.linalg.norm(axis))
-    angle = np.arctan2(sine, 0.5 * (np.trace(turned) - 1.0))
-    turn = axis * (angle / sine) if sine > 1e-12 else axis
-    return np.concatenate([target[:3, 3] - at[:3, 3], turn])
-
-
-def _missing(robot: Robot, task: Task, q: Array, target: Array) -> float:
-    twist = _twist(robot, q, target) / np.array([task.scale(robot)] * 3 + [1.0] * 3)
-    return float(np.linalg.norm(twist[list(task.rows)]))
-
-
-_FAR = 0.02  # what is missing from here on is told [length scales, rad]
-
-
-class Handle:
-    """Arrows and rings at the tip; hidden until asked for.
-
-    Args:
-        controls: the panel, whose message tells what cannot be reached.
-    """
-
-    def __init__(self, controls: Controls) -> None:
-        self.controls = controls
-        size = controls.live.body.size
-        self._gizmo = controls.server.scene.add_transform_controls("/handle", scale=0.22 * size, visible=False)
-        self._gizmo.on_update(self._moved)
-
-    def show(self, shown: bool) -> None:
-        """Show or hide it."""
-        self._gizmo.visible = shown
-        if shown and self.controls.now is not None:
-            self.shown(self.controls.now, None)
-
-    def _moved(self, event: Any) -> None:
-        if getattr(event, "client_id", None) is None:  # `shown` placed it, no hand
-            return
-        from viser.transforms import SO3
-
-        target = np.eye(4)
-        target[:3, :3], target[:3, 3] = SO3(np.array(self._gizmo.wxyz)).as_matrix(), np.array(self._gizmo.position)
-        self.controls.attempt(lambda: self.pull(target))
-
-    def pull(self, target: Array) -> None:
-        """Move the arm towards a pose (4, 4) of its tip."""
-        live, session = self.controls.live, self.controls.session
-        q, missing = pulled(live.robot, live.task, session.q, target)
-        session.set(q, self)
-        if missing > _FAR:
-            self.controls.say("the tip cannot follow to there from here: a limit, a singularity, or out of reach")
-
-    def shown(self, now: Now, source: object) -> None:
-        """Follow the arm, unless the arm follows the handle."""
-        if source is not self and self._gizmo.visible:
-            self._gizmo.position = now.links[-1][:3, 3]
-            self._gizmo.wxyz = wxyz(now.links[-1][:3, :3])
+        best, error = further, left
+    return best, float(np.linalg.norm(error))

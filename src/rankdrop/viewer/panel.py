@@ -11,7 +11,10 @@ from html import escape
 from math import isfinite
 
 from rankdrop.family import Family
-from rankdrop.results import Explanation, Record, angle, angle_below, lost_text, numbers, short
+from rankdrop.local import Circuit
+from rankdrop.results import Explanation, Record, lost_text
+from rankdrop.robot import count
+from rankdrop.text import angle, angle_below, numbers, short
 from rankdrop.viewer.scene import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
@@ -37,8 +40,8 @@ def status_html(
         now: what is known at once, with the distance by families.
         length_of_chain, generic_rank: of the arm.
         known: how many families are.
-        found: the explanation of this very configuration, once there is one: verdict, distance and nearest family are
-            then its own, so that no two lines contradict each other.
+        found: the explanation of this very configuration, once there is one: it gives the verdict, and `details_html`
+            family and distance, so that no two lines contradict each other.
     """
     verdict = now.verdict if found is None else found.verdict
     background, ink, sign = VERDICTS[verdict]
@@ -46,13 +49,10 @@ def status_html(
         f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
         f'font-weight:700">{sign} {verdict}</span>'
     )
-    rank = f"rank {now.seen.rank} of {generic_rank}"
     idle = length_of_chain - now.seen.rank
-    lines = [
-        f"{badge} &nbsp;{rank}" + (f", {idle} idle joint motion{'s' if idle > 1 else ''}" if idle else ""),
-        _family_line(now, known) if found is None else _found_line(now, known, found),
-        _bars(now, generic_rank),
-    ]
+    motions = f", {count(idle, 'idle joint motion')}" if idle else ""
+    lines = [f"{badge} &nbsp;rank {now.seen.rank} of {generic_rank}{motions}",
+             *([_family_line(now, known)] if found is None else []), _bars(now, generic_rank)]  # fmt: skip
     if now.outside:
         lines.append(f"<b>beyond a limit:</b> joint {numbers(now.outside)}")
     return lines_html(lines)
@@ -69,18 +69,6 @@ def _family_line(now: Now, known: int) -> str:
     if now.nearest is None:
         return first
     return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {name_html(now.nearest)}"
-
-
-def _found_line(now: Now, known: int, found: Explanation) -> str:
-    if now.seen.corank:
-        return _family_line(now, known)
-    nearest, family = found.far.nearest, found.far.nearest_family
-    if nearest is None:
-        return "no singular configuration was found near"
-    line = f"nearest singular configuration found: {angle(nearest.distance)} away"
-    if family is None:
-        return line
-    return f"{line}<br><span style='{_QUIET}'>family:</span> {name_html(family.family)}"
 
 
 def name_html(family: Family) -> str:
@@ -112,26 +100,24 @@ def _bars(now: Now, generic_rank: int) -> str:
 
 
 def details_html(found: Explanation) -> str:
-    """What the explanation adds a moment later: reason, lost motions, circuits, certified radius.
-
-    `status_html` stands above it and says the distance from where nothing is lost, and the known family that is met.
-    """
-    lines = [escape(found.reason)] if found.verdict in ("singular", "always-singular") else []
-    if len(found.met) > 1 or any(not one.family.id for one in found.met):
-        names = ", ".join(name_html(one.family) for one in found.met[:3])
-        lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
+    """What the explanation adds a moment later: its summary, lost motions in two frames, circuits to blame."""
+    summary = found.sections(parts=("summary",))[-1]
+    lines = [f"<b>{escape(summary.title)}</b>", *map(escape, summary.lines)]
     if found.lost.words:
         if found.verdict != "singular":
             lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
         lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
-    lines += [
-        f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
-        f"<b>joints {numbers(one.numbers)}</b>{': ' + escape(one.words) if one.words else ''}"
-        for i, one in enumerate(found.blame.smallest)
-    ]
-    if found.certified_radius:
-        lines.append(f"<span style='{_QUIET}'>proven free of any:</span> {angle_below(found.certified_radius)}")
-    return lines_html(lines)
+    return lines_html([*lines, *(_blame_line(i, one) for i, one in enumerate(found.blame.smallest))])
+
+
+def _blame_line(place: int, circuit: Circuit) -> str:
+    """One circuit to blame; `place`: from 0, the smallest first."""
+    colour = CIRCUITS[min(place, len(CIRCUITS) - 1)]
+    words = f": {escape(circuit.words)}" if circuit.words else ""
+    return (
+        f"<span style='{_QUIET}'>to blame:</span> <span style='color:{colour}'>■</span> "
+        f"<b>joints {numbers(circuit.numbers)}</b>{words}"
+    )
 
 
 def _lost_line(seen: Record) -> str:

@@ -23,6 +23,8 @@ from rankdrop.robot import Array, JointKind, Robot, reach
 from rankdrop.task import Task, link_index
 
 THIN = 0.022  # radius of a capsule, as a share of the reach
+_HALF = 2.5  # of a joint, in radii of a link
+_AXIS = 0.3 / (_HALF * THIN)  # half the line of an axis, 0.3 of the reach, over half its joint
 _SHORT = 1e-6  # a capsule shorter than this share of the reach is left out
 
 
@@ -46,43 +48,38 @@ class Bar:
     variable: int = 0
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
-    """Capsules along the links, barrels at the joints, rods of the slides, and the size by which they are drawn [m]."""
-
-    capsules: tuple[Bar, ...]
-    barrels: tuple[Bar, ...]
-    rods: tuple[Bar, ...]
-    size: float
+Body = dict[str, tuple[Bar, ...]]
+"""Bars of an arm: "link" (capsules), "joint" (barrels), "rod" (of the slides)."""
 
 
 def body_of(robot: Robot) -> Body:
     """The arm as bars through the points of `skeleton`, as the page and the figures draw it."""
     size = reach(robot)
     thin = THIN * size
-    frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
+    into = [np.linalg.inv(frame) for frame in (np.eye(4), *(joint.frame for joint in robot.joints))]
     points, middles = skeleton(robot)
     ends = [np.zeros(3), *points, robot.home[:3, 3]]
     own = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
-    capsules = tuple(
-        Bar(link, _into(frames[link], start), _into(frames[link], end), thin)
+    links = tuple(
+        Bar(link, carried(into[link], start), carried(into[link], end), thin)
         for link, (start, end) in enumerate(pairwise(ends)) if np.linalg.norm(end - start) > _SHORT * size
     )  # fmt: skip
     barrels, rods = [], []
     for number, (joint, point, middle) in enumerate(zip(robot.joints, points, middles, strict=True), start=1):
         slides = joint.kind is JointKind.PRISMATIC
-        half = 2.5 * thin * (joint.screw[:3] if slides else joint.screw[3:])
-        variable, link = own[joint.name if joint.mimic is None else joint.mimic.leader], number - slides
-        low, high = (_into(frames[link], middle + way) for way in (-half, half))
-        barrels.append(Bar(link, low, high, 1.55 * thin, number, variable))
+        half = _HALF * thin * (joint.screw[:3] if slides else joint.screw[3:])
+        marks = (number, own[joint.name if joint.mimic is None else joint.mimic.leader])
+        low, high = (carried(into[number - slides], middle + way) for way in (-half, half))
+        barrels.append(Bar(number - slides, low, high, 1.55 * thin, *marks))
         if slides:
-            before, after = (_into(frames[k], point) for k in (number - 1, number))
-            rods.append(Bar(number - 1, before, after, 0.8 * thin, number, variable))
-    return Body(capsules, tuple(barrels), tuple(rods), size)
+            before, after = (carried(into[k], point) for k in (number - 1, number))
+            rods.append(Bar(number - 1, before, after, 0.8 * thin, *marks))
+    return {"link": links, "joint": tuple(barrels), "rod": tuple(rods)}
 
 
-def _into(frame: Array, point: Array) -> Array:
-    return np.asarray(frame[:3, :3].T @ (point - frame[:3, 3]))
+def carried(pose: Array, points: Array) -> Array:
+    """(..., 3) points moved by a pose (4, 4)."""
+    return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
 
 LENGTH = 0.45  # of an arrow, as a share of the size
@@ -116,9 +113,7 @@ class Arrow:
 
     def segments(self) -> Array:
         """(DASHES, 2, 3) the dashes of a dotted shaft."""
-        cuts = np.linspace(0.0, 1.0, 2 * DASHES)[:, None]
-        points = self.start + cuts * (self.neck - self.start)
-        return np.asarray(points.reshape(DASHES, 2, 3))
+        return np.linspace(self.start, self.neck, 2 * DASHES).reshape(DASHES, 2, 3)
 
 
 def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
@@ -128,10 +123,9 @@ def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
         links: (N + 2, 4, 4) from `link_poses`.
         task: its frame.
     """
-    joints = len(links) - 2
-    carrier = links[link_index(task.frame.origin, joints, "origin")]
-    axes = links[link_index(task.frame.axes, joints, "axes"), :3, :3]
-    return axes, np.asarray(carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3])
+    frame, joints = task.frame, len(links) - 2
+    axes, carrier = (links[link_index(which, joints, "frame")] for which in (frame.axes, frame.origin))
+    return axes[:3, :3], carried(carrier, np.array(frame.point))
 
 
 def arrows(directions: Array, links: Array, task: Task, size: float, share: float = LENGTH) -> tuple[Arrow, ...]:
@@ -145,21 +139,18 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
         share: of the size that an arrow is long.
     """
     axes, point = task_frame(links, task)
-    long = share * size
-    found = []
+    made, long = [], share * size
     for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
         arrow, axis, turns = arrow_of(direction)
-        ring = np.empty((0, 2, 3))
-        if axis.any():
-            round_about = point + long * ring_about(axes @ axis)
-            ring = np.stack([round_about[:-1], round_about[1:]], axis=1)
-        found.append(Arrow(point, point + long * (axes @ arrow), turns, number, ring))
-    return tuple(found)
+        ring = point + long * ring_about(axes @ axis) if axis.any() else np.empty((0, 3))
+        segments = np.stack([ring[:-1], ring[1:]], axis=1)
+        made.append(Arrow(point, point + long * (axes @ arrow), turns, number, segments))
+    return tuple(made)
 
 
 def rods(body: Body, links: Array) -> Array:
     """(R, 2, 3) ends of the slides' rods in the base frame [m]."""
-    ends = [[_out(links[rod.link], rod.start), _out(links[rod.link + 1], rod.end)] for rod in body.rods]
+    ends = [[carried(links[rod.link], rod.start), carried(links[rod.link + 1], rod.end)] for rod in body["rod"]]
     return np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
 
 
@@ -168,26 +159,17 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
 
     One line for each of them, in their order; of a variable that moves several joints, the axis of the first.
     """
-    lines = []
-    for variable in variables:
-        barrel = next(one for one in body.barrels if one.variable == variable)
-        low, high = (_out(links[barrel.link], point) for point in (barrel.start, barrel.end))
-        way, centre = 0.3 * body.size * (high - low) / np.linalg.norm(high - low), (low + high) / 2
-        lines.append([centre - way, centre + way])
-    return np.array(lines, dtype=np.float64).reshape(-1, 2, 3)
+    barrels = [next(one for one in body["joint"] if one.variable == variable) for variable in variables]
+    ends = [carried(links[one.link], np.stack([one.start, one.end])) for one in barrels]
+    lines = np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
+    middles = lines.mean(axis=1, keepdims=True)
+    return np.asarray(middles + _AXIS * (lines - middles))
 
 
 def circuit_of(circuits: Sequence[Sequence[int]]) -> dict[int, int]:
     """Variable -> the first of the circuits (from 0) that it belongs to: the smallest, as they are ordered."""
-    found: dict[int, int] = {}
-    for index, numbers in enumerate(circuits):
-        for number in numbers:
-            found.setdefault(number, index)
-    return found
-
-
-def _out(frame: Array, point: Array) -> Array:
-    return np.asarray(frame[:3, :3] @ point + frame[:3, 3])
+    blamed = dict.fromkeys(number for numbers in circuits for number in numbers)
+    return {number: next(k for k, one in enumerate(circuits) if number in one) for number in blamed}
 
 
 def wxyz(turns: Array) -> Array:
@@ -208,28 +190,40 @@ def turn_onto(axis: Array) -> Array:
     return np.asarray(np.eye(3) + skew + skew @ skew / (1 + cosine))
 
 
-def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArray[np.uint32]]:
-    """Vertices (V, 3) and triangles (F, 3) of a capsule, outward normals."""
+def revolved(start: Array, end: Array, outline: Array, sides: int) -> tuple[Array, NDArray[np.uint32]]:
+    """Vertices (V, 3) and triangles (F, 3), outward normals, of a solid of revolution about the way from start to end.
+
+    Args:
+        start, end: (3,) [m].
+        outline: (P, 2) place along the way and radius [m]; a point given twice makes a sharp edge.
+        sides: of the circle.
+    """
     way = end - start
     length = float(np.linalg.norm(way))
     turn = turn_onto(way / length) if length > 0 else np.eye(3)
+    around = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
+    place, radius = outline[:, :1] + 0.0 * around, outline[:, 1:]
+    vertices = np.stack([radius * np.cos(around), radius * np.sin(around), place], axis=-1).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(len(outline) - 1), np.arange(sides), indexing="ij")
+    a, b = i * sides + j, i * sides + (j + 1) % sides
+    faces = np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1).reshape(-1, 3)
+    corners = vertices[faces]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return vertices @ turn.T + start, faces[areas > 1e-9 * areas.max()].astype(np.uint32)
+
+
+def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArray[np.uint32]]:
+    """Vertices and triangles of a capsule."""
     polar = np.linspace(0.0, np.pi / 2, RINGS)
-    below = [(-radius * np.cos(a), radius * np.sin(a)) for a in polar]
-    above = [(length + radius * np.cos(a), radius * np.sin(a)) for a in polar[::-1]]
-    around = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
-    rings = [[(r * np.cos(b), r * np.sin(b), z) for b in around] for z, r in below + above]
-    vertices = np.array(rings).reshape(-1, 3) @ turn.T + start
-    i, j = np.meshgrid(np.arange(2 * RINGS - 1), np.arange(AROUND), indexing="ij")
-    a, b = i * AROUND + j, i * AROUND + (j + 1) % AROUND
-    c, d = a + AROUND, b + AROUND
-    faces = np.concatenate([np.stack([a, b, d], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
-    return vertices, faces.astype(np.uint32)
+    cap = radius * np.stack([-np.cos(polar), np.sin(polar)], axis=1)
+    far = cap[::-1] * [-1.0, 1.0] + [float(np.linalg.norm(end - start)), 0.0]
+    return revolved(start, end, np.concatenate([cap, far]), AROUND)
 
 
 def barrel_mesh(
     start: Array, end: Array, radius: float, *, sides: int = AROUND + 8, taper: float = 1.0
 ) -> tuple[Array, NDArray[np.uint32]]:
-    """Vertices and triangles of a closed cylinder; its flat ends have vertices of their own, for sharp edges.
+    """Vertices and triangles of a closed cylinder with sharp edges.
 
     Args:
         start, end: (3,) middles of its flat ends [m].
@@ -237,20 +231,9 @@ def barrel_mesh(
         sides: of its outline; 4 make a box.
         taper: radius of its far end over that of its near end: 0.001 makes a cone.
     """
-    around = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
-    n = len(around)
-    circle = np.stack([radius * np.cos(around), radius * np.sin(around), np.zeros(n)], axis=-1)
-    length = np.linalg.norm(end - start)
-    half = np.array([0.0, 0.0, length / 2])
-    low, high = circle - half, circle * taper + half
-    poles = np.stack([-half, half])
-    vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto((end - start) / length).T + (start + end) / 2
-    j = np.arange(n)
-    k = (j + 1) % n
-    side = np.concatenate([np.stack([j, k, n + k], -1), np.stack([j, n + k, n + j], -1)])
-    bottom = np.stack([2 * n + k, 2 * n + j, np.full(n, 4 * n)], -1)
-    top = np.stack([3 * n + j, 3 * n + k, np.full(n, 4 * n + 1)], -1)
-    return vertices, np.concatenate([side, bottom, top]).astype(np.uint32)
+    low, high = np.array([0.0, radius]), np.array([float(np.linalg.norm(end - start)), taper * radius])
+    outline = np.array([low * [1, 0], low, low, high, high, high * [1, 0]])
+    return revolved(start, end, outline, sides)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +286,7 @@ class Live:
         self.robot, self.task, self.families = robot, task, families
         self.monitor = Monitor(robot, task, families)
         self.generic_rank = self.monitor.generic_rank
-        self.body = body_of(robot)
+        self.body, self.size = body_of(robot), reach(robot)
         self._lower, self._upper = robot.lower - 1e-9, robot.upper + 1e-9
 
     def look(self, q: Array) -> Now:
@@ -329,7 +312,7 @@ class Live:
             at_least=float(far.at_least[0]),
             links=links,
             lost=lost,
-            arrows=arrows(lost, links, self.task, self.body.size),
+            arrows=arrows(lost, links, self.task, self.size),
             blamed=blamed,
             outside=tuple(int(i) + 1 for i in np.flatnonzero((q < self._lower) | (q > self._upper))),
         )

@@ -18,14 +18,12 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
 from rankdrop.viewer.access import Gate, bound_uploads, free_port, new_token, start_gated, stop
-from rankdrop.viewer.controls import Controls, Handle
+from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.scene import Live, Now
 from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
-from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, TourTab
-from rankdrop.viewer.tab_path import PathTab
-from rankdrop.viewer.tab_share import ShareTab, state_of
-from rankdrop.viewer.tab_slice import SliceTab
+from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, SliceTab, TourTab
+from rankdrop.viewer.tab_path import PathTab, ShareTab, state_of
 
 if TYPE_CHECKING:
     import viser
@@ -104,7 +102,6 @@ class Viewer:
         self.stage.look_at_arm()
         self.controls = Controls(self.server, self.session, self.stage)
         bound_uploads(self.server, self.controls.say)
-        self._handle = Handle(self.controls)
         self._escape = EscapeTab(self.controls)
         self._families = FamiliesTab(self.controls, _SOURCES[source])
         self.path = PathTab(self.controls, deg=wishes.deg)
@@ -123,20 +120,16 @@ class Viewer:
         gui = self.server.gui
         with self.controls.tabs.add_tab("View"):
             gui.add_html(panel.legend_html())
-            night = gui.add_checkbox("dark page", dark)
-            weakest = gui.add_checkbox("weakest motion", True, hint="arrows at regular configurations too")
-            numbers = gui.add_checkbox("joint numbers", True)
-            handle = gui.add_checkbox("handle at the tip", False, hint="pull it: the joints follow, by damped inverse")
-            ghost = gui.add_checkbox("nearest singular posture", True, hint="as a ghost, while the arm is regular")
-            if self.stage.has_meshes:
-                drawn = gui.add_checkbox("meshes", True)
-                drawn.on_update(lambda _: self.stage.show_meshes(drawn.value))
-        night.on_update(lambda _: self._paint(dark=night.value))
-        handle.on_update(lambda _: self._handle.show(handle.value))
-        ghost.on_update(lambda _: self._allow_ghost(ghost.value))
-        numbers.on_update(lambda _: self.stage.show_numbers(numbers.value))
-        weakest.on_update(lambda _: self._show_weakest(weakest.value))
-        self._paint(dark=dark)
+            for label, value, act, hint in (
+                ("dark page", dark, self._paint, None),
+                ("weakest motion", True, self._show_weakest, "arrows at regular configurations too"),
+                ("joint numbers", True, self.stage.show_numbers, None),
+                ("handle at the tip", False, self.controls.show_handle, "pull it: the joints follow"),
+                ("nearest singular posture", True, self._allow_ghost, "as a ghost, while the arm is regular"),
+                *([("meshes", True, self.stage.show_meshes, None)] if self.stage.has_meshes else []),
+            ):
+                self.controls.check(label, value, act, hint)
+        self._paint(dark)
 
     def _show_weakest(self, shown: bool) -> None:
         self.stage.always_weakest = shown
@@ -168,7 +161,7 @@ class Viewer:
         self._others.append(viewer)
         return viewer.url
 
-    def _paint(self, *, dark: bool) -> None:
+    def _paint(self, dark: bool) -> None:
         self.server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
                                         control_width="large", brand_color=(0, 114, 178))  # fmt: skip
         self.stage.paint(dark=dark)
@@ -180,15 +173,12 @@ class Viewer:
         near = found is not None and now.verdict == "near" and np.abs(found.q - now.q).max() < 0.1
         circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
         self.stage.blame([one.numbers for one in circuits], now)
-        self.controls.shown(now, source)
-        self.path.shown(now, source)
-        self.share.shown(now, source)
-        self._handle.shown(now, source)
+        for part in (self.controls, self.path, self.share, self.slice):
+            part.shown(now, source)
         if now.seen.corank or self.session.moving:
             self.stage.show_ghost(None)
         elif found is not None:  # it may have been explained before it was drawn
             self._show_ghost(found)
-        self.slice.shown(now, source)
 
     def explained(self, found: Explanation) -> None:
         """Show what an explanation adds."""

@@ -48,7 +48,7 @@ class Stage:
 
     def __init__(self, server: viser.ViserServer, live: Live, meshes: tuple[Mesh, ...]) -> None:
         self.server, self.live = server, live
-        self.size = live.body.size
+        self.size = live.size
         self.always_weakest = True
         self.blamed: dict[int, int] = {}
         scene = server.scene
@@ -70,24 +70,27 @@ class Stage:
 
     def _add_body(self) -> None:
         scene, body = self.server.scene, self.live.body
-        self._capsules = [
-            scene.add_mesh_simple(f"/arm/{one.link}/capsule{i}", *capsule_mesh(one.start, one.end, one.radius))
-            for i, one in enumerate(body.capsules)
-        ]
-        self._barrels = [
-            scene.add_mesh_simple(f"/arm/{one.link}/barrel{one.joint}",
-                                  *barrel_mesh(one.start, one.end, one.radius))
-            for one in body.barrels
-        ]  # fmt: skip
+        self._capsules = self._add_bars("arm", "link")
+        self._barrels = self._add_bars("arm", "joint")
         self._labels = [
             scene.add_label(f"/arm/{one.link}/number{one.joint}", str(one.variable), position=(one.start + one.end) / 2,
                             anchor="center-center", font_screen_scale=0.75)
-            for one in body.barrels
+            for one in body["joint"]
         ]  # fmt: skip
-        radius = 2 * body.rods[0].radius if body.rods else 0.01
-        self._rods = scene.add_line_segments("/rods", _NONE, _LIGHT_ARM, thickness=radius, visible=bool(body.rods))
+        radius = 2 * body["rod"][0].radius if body["rod"] else 0.01
+        self._rods = scene.add_line_segments("/rods", _NONE, _LIGHT_ARM, thickness=radius, visible=bool(body["rod"]))
         self.grid = scene.add_grid("/floor", 4 * self.size, 4 * self.size, cell_size=0.1 * self.size,
                                    section_size=0.5 * self.size, position=(0.0, 0.0, -0.002 * self.size))  # fmt: skip
+
+    def _add_bars(self, root: str, kind: str, share: float = 1.0, **look: Any) -> list[viser.MeshHandle]:
+        """Meshes of the links or joints below a root of the scene; radii and joints are shortened to a share."""
+        handles = []
+        for i, one in enumerate(self.live.body[kind]):
+            cut = (1 - share) / 2 * (one.end - one.start)
+            ends = (one.start, one.end) if kind == "link" else (one.start + cut, one.end - cut)
+            shape = (capsule_mesh if kind == "link" else barrel_mesh)(*ends, share * one.radius)
+            handles.append(self.server.scene.add_mesh_simple(f"/{root}/{one.link}/{kind}{i}", *shape, **look))
+        return handles
 
     def _add_marks(self) -> None:
         scene, size = self.server.scene, self.size
@@ -105,13 +108,8 @@ class Stage:
         self._ghost_on = True
         self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
         look: Any = {"color": rgb(VERMILION), "opacity": 0.35, "cast_shadow": False}
-        for i, one in enumerate(self.live.body.capsules):
-            shape = capsule_mesh(one.start, one.end, _WITHIN * one.radius)
-            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *shape, **look)
-        for it in self.live.body.barrels:
-            cut = (1 - _WITHIN) / 2 * (it.end - it.start)
-            shape = barrel_mesh(it.start + cut, it.end - cut, _WITHIN * it.radius)
-            scene.add_mesh_simple(f"/ghost/{it.link}/barrel{it.joint}", *shape, **look)
+        for kind in ("link", "joint"):
+            self._add_bars("ghost", kind, _WITHIN, **look)
 
     def show_ghost(self, q: Array | None) -> None:
         """The ghost at a configuration, but for links that stand there already; None hides it."""
@@ -144,17 +142,16 @@ class Stage:
 
     def paint(self, *, dark: bool) -> None:
         """Colours of the body and the floor for a light or a dark page."""
-        self._arm = _DARK_ARM if dark else _LIGHT_ARM
-        self._joint = _DARK_JOINT if dark else _LIGHT_JOINT
+        arm, self._joint = (_DARK_ARM, _DARK_JOINT) if dark else (_LIGHT_ARM, _LIGHT_JOINT)
         for one in self._capsules:
-            one.color = self._arm
-        self._rods.colors = np.array(self._arm, dtype=np.uint8)
+            one.color = arm
+        self._rods.colors = np.array(arm, dtype=np.uint8)
         self.grid.cell_color = (60, 60, 64) if dark else (222, 222, 222)
         self.grid.section_color = (92, 92, 98) if dark else (176, 176, 176)
         self._paint_joints()
 
     def _paint_joints(self) -> None:
-        for barrel, handle in zip(self.live.body.barrels, self._barrels, strict=True):
+        for barrel, handle in zip(self.live.body["joint"], self._barrels, strict=True):
             index = self.blamed.get(barrel.variable)
             handle.color = self._joint if index is None else _circuit_colour(index)
 
@@ -165,7 +162,7 @@ class Stage:
             mesh.visible = shown
         for one in [*self._capsules, *self._barrels]:
             one.visible = not shown
-        self._rods.visible = bool(self.live.body.rods) and not shown
+        self._rods.visible = bool(self.live.body["rod"]) and not shown
 
     def show_numbers(self, shown: bool) -> None:
         """Numbers at the joints."""
@@ -188,8 +185,7 @@ class Stage:
     def show(self, now: Now) -> None:
         """Draw a configuration."""
         with self.server.atomic():
-            turns = wxyz(now.links[:, :3, :3])
-            for link, turn, pose in zip(self.links, turns, now.links, strict=True):
+            for link, turn, pose in zip(self.links, wxyz(now.links[:, :3, :3]), now.links, strict=True):
                 link.wxyz = turn
                 link.position = pose[:3, 3]
             ends = rods(self.live.body, now.links)
@@ -201,18 +197,18 @@ class Stage:
         strong = now.verdict in {"singular", "near"}
         shown = now.arrows if strong or self.always_weakest else ()
         colour, lit = (rgb(VERMILION), _LIT) if strong else (rgb(SKY), rgb(SKY))
-        solid = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
         turning = [arrow for arrow in shown if arrow.turns]
-        self._set(self._solid, np.array(solid), lit)
-        self._set(self._heads, np.array([[1.05 * arrow.neck - 0.05 * arrow.end, arrow.end] for arrow in turning]), lit)
-        dashes = [arrow.segments() for arrow in turning]
-        self._set(self._dashes, np.concatenate(dashes) if dashes else np.zeros(0), colour)
-        self._set(self._rings, np.concatenate([arrow.ring for arrow in shown]) if shown else np.zeros(0), colour)
+        shafts = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
+        heads = [[1.05 * arrow.neck - 0.05 * arrow.end, arrow.end] for arrow in turning]
+        self._set(self._solid, shafts, lit)
+        self._set(self._heads, heads, lit)
+        self._set(self._dashes, [line for arrow in turning for line in arrow.segments()], colour)
+        self._set(self._rings, [line for arrow in shown for line in arrow.ring], colour)
 
-    def _set(self, handle: viser.ArrowsHandle | viser.LineSegmentsHandle, points: Array, colour: Rgb) -> None:
-        handle.visible = bool(len(points))
-        if len(points):
-            handle.points = points.astype(np.float32)
+    def _set(self, handle: viser.ArrowsHandle | viser.LineSegmentsHandle, lines: list[Any], colour: Rgb) -> None:
+        handle.visible = bool(lines)
+        if lines:
+            handle.points = np.array(lines, dtype=np.float32)
             handle.colors = np.array(colour, dtype=np.uint8)
 
 

@@ -1,27 +1,36 @@
-"""The tab "Families": go to the nearest point of a family, to its witness, and walk along it.
+"""The tabs "Families", "Tour", "Escape" and "Slice": the singular set around the arm.
 
-The tab "Tour": the families one after the other, one sentence each in large type, for teaching.
-
-The tab "Escape": motions out of the singularity, or away from the nearest one.
+Families: go to the nearest point of a family, to its witness, and walk along it. Tour: the families one after the
+other, one sentence each in large type, for teaching. Escape: motions out of the singularity, or away from the nearest
+one. Slice: the singular set over two or three joints, as points in a box next to the arm.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from html import escape as plain
-from math import radians
+from itertools import product
+from math import degrees, radians
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rankdrop.families import Walk, family_distances
-from rankdrop.family import Family
-from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, self_motion
-from rankdrop.results import Explanation, angle, condition_sentences, motion, short
-from rankdrop.robot import Array, count, lost_told
+from rankdrop.families import Walk, family_distances, in_slice
+from rankdrop.family import Family, short_name
+from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
+from rankdrop.results import Explanation, condition_sentences
+from rankdrop.robot import Array, Robot, count, lost_told
+from rankdrop.task import Task
+from rankdrop.text import angle, motion, short
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
+from rankdrop.viewer.scene import Now
+from rankdrop.viewer.stage import rgb
 
 if TYPE_CHECKING:
     import viser
@@ -42,49 +51,49 @@ class FamiliesTab:
 
     def __init__(self, controls: Controls, source: str) -> None:
         self.controls = controls
-        self.families = controls.live.families
+        self.families = {f"{family.id} {family.name}": family for family in controls.live.families}
+        gui = controls.server.gui
         with controls.tabs.add_tab("Families"):
             controls.button("go to the nearest singular configuration", self._nearest, colour="blue")
             if not self.families:
-                controls.server.gui.add_html(panel.message_html(
+                gui.add_html(panel.message_html(
                     "No families are known for this arm. `rankdrop analyze … --json FILE` finds them; "
                     "then start with --analysis FILE."))  # fmt: skip
                 return
-            self._choice = controls.server.gui.add_dropdown("family", self._names(), initial_value=self._names()[0])
-            self._about = controls.server.gui.add_html("")
-            controls.button("go to its closest point", self._closest)
-            controls.button("go to its witness", lambda: controls.session.go(np.array(self.family.witness)))
-            self._add_walk()
-            controls.server.gui.add_html(panel.message_html(f"families: {source}"))
-            self._choice.on_update(self._chosen)
-            self._chosen(None)
+            self.ui = SimpleNamespace(
+                choice=gui.add_dropdown("family", tuple(self.families)),
+                about=gui.add_html(""),
+                closest=controls.button("go to its closest point", self._closest),
+                witness=controls.button("go to its witness", self._witness),
+                **self._walk_controls(),
+                source=gui.add_html(panel.message_html(f"families: {source}")),
+            )
+        self.ui.choice.on_update(lambda _: self._describe())
+        self._describe()
 
-    def _add_walk(self) -> None:
-        gui, names = self.controls.server.gui, [joint.name for joint in self.controls.robot.variables]
-        with gui.add_folder("walk along the family"):
-            options = [f"{number} {name}" for number, name in enumerate(names, start=1)]
-            self._joint = gui.add_dropdown("by joint", tuple(options), initial_value=options[0])
-            arrows: Any = gui.add_button_group("step", ("◀ 5°", "5° ▶"))
-            going: Any = gui.add_button_group("walk", ("◀", "■", "▶"))
-            self._told = gui.add_html("")
-        arrows.on_click(lambda _: self.controls.attempt(lambda: self._step(-1 if arrows.value.startswith("◀") else 1)))
-        going.on_click(lambda _: self.controls.attempt(lambda: self._go({"◀": -1, "■": 0, "▶": 1}[going.value])))
-
-    def _names(self) -> tuple[str, ...]:
-        return tuple(f"{family.id} {family.name}" for family in self.families)
+    def _walk_controls(self) -> dict[str, Any]:
+        controls = self.controls
+        with controls.server.gui.add_folder("walk along the family"):
+            return {
+                "joint": controls.server.gui.add_dropdown("by joint", controls.joints),
+                "step": controls.buttons("step", {"◀ 5°": lambda: self._step(-1), "5° ▶": lambda: self._step(1)}),
+                "walk": controls.buttons("walk", {"◀": lambda: self._go(-1), "■": controls.session.stop,
+                                                  "▶": lambda: self._go(1)}),
+                "told": controls.server.gui.add_html(""),
+            }  # fmt: skip
 
     @property
     def family(self) -> Family:
         """The chosen one."""
-        return self.families[self._names().index(self._choice.value)]
+        return self.families[self.ui.choice.value]
 
-    def _chosen(self, _event: object) -> None:
-        family = self.family
-        conditions = map(plain, condition_sentences(self.controls.robot, self.controls.live.task, family))
-        lines = [f"<b>{plain(family.name)}</b>", f"corank {family.corank}, dimension {family.dimension}", *conditions,
+    def _describe(self) -> None:
+        family, robot = self.family, self.controls.robot
+        lines = [f"<b>{plain(family.name)}</b>", f"corank {family.corank}, dimension {family.dimension}",
+                 *map(plain, condition_sentences(robot, self.controls.live.task, family)),
                  *(f"lost: {plain(words)}" for words in family.lost_words),
-                 plain(lost_told(self.controls.robot, family.lost_words))]  # fmt: skip
-        self._about.content = panel.lines_html(lines)
+                 plain(lost_told(robot, family.lost_words))]  # fmt: skip
+        self.ui.about.content = panel.lines_html(lines)
 
     def _nearest(self) -> None:
         session, live = self.controls.session, self.controls.live
@@ -93,6 +102,9 @@ class FamiliesTab:
             self.controls.say("no singular configuration was found")
         else:
             session.go(np.array(nearest.q))
+
+    def _witness(self) -> None:
+        self.controls.session.go(np.array(self.family.witness))
 
     def _closest(self) -> None:
         point = self._nearest_point()
@@ -109,25 +121,25 @@ class FamiliesTab:
         self.controls.say(f"{angle(record.distance)} away" if record.distance > _ON else "")
         return np.array(record.q)
 
-    def _walk_from_here(self) -> tuple[Walk, Array, int] | None:
-        live = self.controls.live
-        walk, joint = Walk(live.robot, live.task, self.family), int(self._joint.value.split()[0])
-        q = walk.back(self.controls.session.q)
-        if q is None or np.abs(q - self.controls.session.q).max() > 1e-4:
+    def _start_of_walk(self) -> tuple[Walk, Array, int] | None:
+        """The walk, the configuration on the family where it starts, and the joint that leads it; None: no walk."""
+        live, session = self.controls.live, self.controls.session
+        walk, joint = Walk(live.robot, live.task, self.family), int(self.ui.joint.value.split()[0])
+        q = walk.back(session.q)
+        if q is None or np.abs(q - session.q).max() > 1e-4:
             q = self._nearest_point()
         if q is None:
             return None
         movable = walk.movable(q)
-        self._told.content = panel.message_html(f"joints that move along it here: {', '.join(map(str, movable))}")
-        if joint not in movable:
-            self.controls.say(f"joint {joint} stands still along {self.family.id}; choose one of "
-                              f"{', '.join(map(str, movable))}")  # fmt: skip
-            return None
-        return walk, q, joint
+        names = ", ".join(map(str, movable))
+        self.ui.told.content = panel.message_html(f"joints that move along it here: {names}")
+        if joint in movable:
+            return walk, q, joint
+        self.controls.say(f"joint {joint} stands still along {self.family.id}; choose one of {names}")
+        return None
 
     def _step(self, sign: int) -> None:
-        ready = self._walk_from_here()
-        if ready is not None:
+        if (ready := self._start_of_walk()) is not None:
             walk, q, joint = ready
             there = walk.step(q, joint, sign * STEP)
             if there is None:
@@ -136,19 +148,14 @@ class FamiliesTab:
                 self.controls.session.go(there)
 
     def _go(self, sign: int) -> None:
-        if sign == 0:
-            self.controls.session.stop()
-            return
-        ready = self._walk_from_here()
-        if ready is not None:
+        if (ready := self._start_of_walk()) is not None:
             self.controls.session.follow(_walking(*ready, sign * PACE))
 
 
-def _walking(walk: Walk, q: Array, joint: int, pace: float) -> Iterator[Array]:
-    here: Array | None = q
-    while here is not None:
-        yield here
-        here = walk.step(here, joint, pace)
+def _walking(walk: Walk, q: Array | None, joint: int, pace: float) -> Iterator[Array]:
+    while q is not None:
+        yield q
+        q = walk.step(q, joint, pace)
 
 
 _PARTS = ("shoulder", "elbow", "wrist")
@@ -159,7 +166,7 @@ def stops_of(families: tuple[Family, ...]) -> tuple[Family, ...]:
     """The families of a tour: shoulder, elbow and wrist of corank 1 first, then others of corank 1, at most eight."""
     first = [family for family in families if family.corank == 1 and family.named]
     order = {part: place for place, part in enumerate(_PARTS)}
-    ranked = sorted(first, key=lambda family: order.get(family.name.split(":")[0].split(" ")[0], len(_PARTS)))
+    ranked = sorted(first, key=lambda family: order.get(short_name(family.name).split(" ")[0], len(_PARTS)))
     return tuple(ranked[:_STOPS])
 
 
@@ -169,13 +176,18 @@ def sentence_of(lost: str) -> str:
     Args:
         lost: of a family (`Family.lost_words`).
     """
-    if lost.startswith("cannot rotate"):
-        return "The tool cannot turn about the red arrow."
-    if lost.startswith("cannot translate"):
-        return "The tool cannot move along the red arrow."
-    if "nearly no motion along" in lost:
-        return "The tool can hardly move along the red arrow."
+    for part, sentence in _LOST.items():
+        if part in lost:
+            return sentence
     return "Moving along the red arrow and turning are tied together: one freedom of the tool is lost."
+
+
+_LOST = {
+    "cannot rotate": "The tool cannot turn about the red arrow.",
+    "cannot translate": "The tool cannot move along the red arrow.",
+    "nearly no motion along": "The tool can hardly move along the red arrow.",
+}
+"""What a loss begins with -> a sentence for the back of a room."""
 
 
 class TourTab:
@@ -185,15 +197,13 @@ class TourTab:
         self.controls = controls
         self.stops = stops_of(controls.live.families)
         self.place = -1
-        gui = controls.server.gui
         with controls.tabs.add_tab("Tour"):
-            if not self.stops:
-                gui.add_html(panel.message_html("No families are known for this arm: there is nothing to show."))
-                return
-            stops = count(len(self.stops), "stop")
-            controls.button("next", lambda: self.go(1), colour="blue")
-            controls.button("back", lambda: self.go(-1))
-            self._told = gui.add_html(panel.large_html("Singularities", f"{stops}: press next."))
+            text = panel.message_html("No families are known for this arm: there is nothing to show.")
+            if self.stops:
+                controls.button("next", lambda: self.go(1), colour="blue")
+                controls.button("back", lambda: self.go(-1))
+                text = panel.large_html("Singularities", f"{count(len(self.stops), 'stop')}: press next.")
+            self._told = controls.server.gui.add_html(text)
 
     def go(self, steps: int) -> None:
         """To another stop, round and round."""
@@ -216,37 +226,31 @@ class EscapeTab:
     def __init__(self, controls: Controls) -> None:
         self.controls = controls
         with controls.tabs.add_tab("Escape"):
-            self._best = controls.button("best direction", lambda: self._along("best_direction"), colour="blue")
-            self._pair = controls.button("best two joints", lambda: self._along("best_pair"))
-            self._still = controls.button("with the tool held still", self._keep_still)
-            self._single = [
-                controls.button(f"joint {number} {joint.name}", partial(self._move_joint, number))
-                for number, joint in enumerate(controls.robot.variables, start=1)
-            ]
-            controls.button("stop", controls.session.stop)
+            self.ui = SimpleNamespace(
+                best=controls.button("best direction", lambda: self._along("best_direction"), colour="blue"),
+                pair=controls.button("best two joints", lambda: self._along("best_pair")),
+                still=controls.button("with the tool held still", self._keep_still),
+                single=[controls.button(f"joint {joint}", partial(self._move_joint, number))
+                        for number, joint in enumerate(controls.joints, start=1)],
+                stop=controls.button("stop", controls.session.stop),
+            )  # fmt: skip
 
     def explained(self, found: Explanation) -> None:
         """Label the buttons with what they do from here."""
         out, r = found.escape, found.rank.generic_rank
-        lost = bool(out.corank)
-        best = {one.number: one for one in out.single}
-        for number, button in enumerate(self._single, start=1):
-            one = best[number]
-            unit = found.robot.variables[number - 1].unit
-            name = f"joint {number} {one.joint}"
+        for one in out.single:
             usable = one.order is not None and one.within_limits and abs(one.step) > 0
-            self._label(button, f"{name}: {motion(one.step, unit)} → σ{r} = {short(one.sigma_after, 2)}" if usable
-                        else f"{name}: {_why_not(one, lost)}", usable)  # fmt: skip
-        self._label(self._best, _direction_label("best direction", out.best_direction, r), out.best_direction.step > 0)
-        pair = out.best_pair
-        self._label(self._pair, "best two joints" if pair is None else _direction_label(
-            f"joints {' and '.join(map(str, pair.numbers))}", pair, r), pair is not None and pair.step > 0)  # fmt: skip
-        self._label(self._still, "with the tool held still" if out.still else "tool held still: none found"
-                    if out.avoidable is None else "tool held still: impossible", out.still is not None)  # fmt: skip
-
-    def _label(self, button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
-        button.label = text
-        button.disabled = not usable
+            way = f"{motion(one.step, found.robot.variables[one.number - 1].unit)} → σ{r} = {short(one.sigma_after, 2)}"
+            told = way if usable else _why_not(one, lost=bool(out.corank))
+            _label(self.ui.single[one.number - 1], f"joint {one.number} {one.joint}: {told}", usable)
+        pair, name = out.best_pair, "best two joints"
+        if pair is not None:
+            name = _direction_label(f"joints {' and '.join(map(str, pair.numbers))}", pair, r)
+        _label(self.ui.pair, name, pair is not None and pair.step > 0)
+        _label(self.ui.best, _direction_label("best direction", out.best_direction, r), out.best_direction.step > 0)
+        still = "none found" if out.avoidable is None else "impossible"
+        _label(self.ui.still, "with the tool held still" if out.still else f"tool held still: {still}",
+               out.still is not None)  # fmt: skip
 
     def _now(self) -> Escape:
         """Ways out from where the arm is at this moment: what was explained may be of another place."""
@@ -279,7 +283,12 @@ class EscapeTab:
         session.follow(traced.q)
 
 
-def _why_not(one: JointEscape, lost: bool) -> str:
+def _label(button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
+    button.label = text
+    button.disabled = not usable
+
+
+def _why_not(one: JointEscape, *, lost: bool) -> str:
     if one.order is not None:
         return "no room inside the limits"
     return f"gains {one.gain} of the rank, not all" if one.gain and lost else "no help"
@@ -287,3 +296,178 @@ def _why_not(one: JointEscape, lost: bool) -> str:
 
 def _direction_label(name: str, one: Direction, r: int) -> str:
     return f"{name} → σ{r} = {short(one.sigma_after, 2)}" if one.step > 0 else f"{name}: no room inside the limits"
+
+
+EDGE = 0.8  # of the box, as a share of the arm's size
+AXES = np.array([[0.78, 0.62, 0.0], [0.0, 0.0, 1.0], [-0.62, 0.78, 0.0]]) / np.array([[0.9964], [1.0], [0.9964]])
+"""Directions of the first, second, third joint: across, up and away from the camera as the viewer places it."""
+CORNER = np.array([-1.3, 0.12, 0.0]) @ AXES  # left of the arm, above the floor
+
+
+@dataclass(frozen=True, eq=False)
+class SliceBox:
+    """Two or three joints along the edges of a box; two stand upright in a plane.
+
+    Attributes:
+        joints: numbers from 1, along `AXES`.
+        low, high: (d,) range of each [rad, m].
+        corner: (3,) of the box [m].
+        edge: [m].
+    """
+
+    joints: tuple[int, ...]
+    low: Array
+    high: Array
+    corner: Array
+    edge: float
+
+    @classmethod
+    def of(cls, robot: Robot, task: Task, joints: tuple[int, ...], size: float, *, limits: bool) -> SliceBox:
+        """The box for some joints of an arm of this size [m]."""
+        low, high = sampling_box(robot, task, limits=limits)
+        chosen = [joint - 1 for joint in joints]
+        return cls(joints, low[chosen], high[chosen], size * CORNER, EDGE * size)
+
+    def place(self, q: Array) -> Array:
+        """(N, 3) where configurations (N, n) stand in the box [m]."""
+        share = (q[:, [joint - 1 for joint in self.joints]] - self.low) / np.maximum(self.high - self.low, 1e-300)
+        return np.asarray(self.corner + self.edge * share @ AXES[: len(self.joints)])
+
+    def lines(self) -> Array:
+        """(E, 2, 3) edges of the box, or of the square of two joints [m]."""
+        corners = [np.array(one, dtype=np.float64) for one in product((0, 1), repeat=len(self.joints))]
+        edges = [[a, b] for i, a in enumerate(corners) for b in corners[i + 1 :] if np.abs(a - b).sum() == 1.0]
+        return np.asarray(self.corner + self.edge * np.array(edges) @ AXES[: len(self.joints)])
+
+    def labels(self, robot: Robot) -> list[tuple[str, Array]]:
+        """What to write where: the joints at the middles of their edges, the ends of their ranges at the corners."""
+        found = []
+        for number, (joint, low, high) in enumerate(zip(self.joints, self.low, self.high, strict=True)):
+            unit = robot.variables[joint - 1].unit
+            way = AXES[number] * self.edge
+            aside = -0.09 * self.edge * AXES[0 if number == 1 else 1]
+            start = self.corner + (self.edge * AXES[0] if number == 2 else 0.0)
+            found.append((f"{joint} {robot.variables[joint - 1].name}", start + 0.5 * way + 2.0 * aside))
+            found.append((_value(low, unit), start + 0.06 * way + aside))
+            found.append((_value(high, unit), start + 0.94 * way + aside))
+        return found
+
+
+def _value(value: float, unit: str) -> str:
+    return f"{degrees(value):.0f}°" if unit == "rad" else f"{value:.3g} m"
+
+
+COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)
+"""Of the families, in their order; after the last one the first again."""
+UNKNOWN = "#888888"
+STARTS = {2: 1500, 3: 6000}
+FOLLOWING = 400  # starts while the arm moves
+_NONE = "–"
+
+
+class SliceTab:
+    """Choose joints, draw, and see where the arm stands in the slice."""
+
+    def __init__(self, controls: Controls) -> None:
+        self.controls = controls
+        self._busy = threading.Lock()
+        self._drawn: tuple[SliceBox, Array] | None = None
+        gui, names = controls.server.gui, controls.joints
+        with controls.tabs.add_tab("Slice"):
+            if len(names) < 2:
+                gui.add_html(panel.message_html("a slice needs two joints"))
+                return
+            first = min(1, len(names) - 2)
+            self.ui = SimpleNamespace(
+                axes=[
+                    gui.add_dropdown("across", names, initial_value=names[first]),
+                    gui.add_dropdown("up", names, initial_value=names[first + 1]),
+                    gui.add_dropdown("deep", (_NONE, *names), initial_value=_NONE),
+                ],
+                draw=controls.button("draw the singular set", self.draw, colour="blue"),
+                follow=gui.add_checkbox("follow", False, hint="draw it anew when other joints move"),
+                clear=controls.button("clear", self.clear),
+                told=gui.add_html(""),
+            )
+
+    def draw(self) -> None:
+        """Find the points and put them into the scene."""
+        with self._busy:
+            self._draw(self.controls.session.q, None)
+
+    def _draw(self, q: Array, starts: int | None) -> None:
+        joints = tuple(int(one.value.split()[0]) for one in self.ui.axes if one.value != _NONE)
+        starts = starts or STARTS[len(joints)]
+        live, size, limits = self.controls.live, self.controls.stage.size, self.controls.session.limits
+        points = in_slice(live.robot, live.task, q, joints, starts=starts, limits=limits)
+        box = SliceBox.of(live.robot, live.task, joints, size, limits=limits)
+        scene = self.controls.server.scene
+        families = live.monitor.look(points.q).family if len(points.q) else np.zeros(0, dtype=np.int32)
+        colours = np.array([rgb(_colour(int(index))) for index in families], dtype=np.uint8)
+        with self.controls.server.atomic():
+            self._frame(box)
+            scene.remove_by_name("/slice/points")
+            if len(points.q):
+                scene.add_point_cloud("/slice/points", box.place(points.q), colours, point_shape="circle",
+                                      point_size=(0.009 if len(joints) == 2 else 0.005) * size,
+                                      precision="float32")  # fmt: skip
+        self._drawn = box, q.copy()
+        self._mark(q)
+        self.ui.told.content = panel.lines_html(_slice_notes(live.families, families, points.corank, starts))
+
+    def _frame(self, box: SliceBox) -> None:
+        scene, size = self.controls.server.scene, self.controls.stage.size
+        scene.add_line_segments("/slice/box", box.lines().astype(np.float32), (128, 128, 128), thickness=0.004 * size)
+        for i, (text, place) in enumerate(box.labels(self.controls.robot)):
+            scene.add_label(f"/slice/label{i}", text, position=place, anchor="center-center", font_screen_scale=0.8)
+        for i in range(3 * len(box.joints), 9):
+            scene.remove_by_name(f"/slice/label{i}")
+
+    def _mark(self, q: Array) -> None:
+        if self._drawn is not None:
+            size = self.controls.stage.size
+            self.controls.server.scene.add_icosphere(
+                "/slice/here", 0.022 * size, color=rgb(panel.ORANGE), position=self._drawn[0].place(q[None])[0]
+            )
+
+    def clear(self) -> None:
+        """Take it off the scene."""
+        self._drawn = None
+        self.controls.server.scene.remove_by_name("/slice")
+
+    def shown(self, now: Now, _source: object) -> None:
+        """Move the mark; where the other joints have moved and it is wanted, draw anew in the background."""
+        if self._drawn is None:
+            return
+        box, at = self._drawn
+        self._mark(now.q)
+        others = [j for j in range(len(at)) if j + 1 not in box.joints]
+        if self.ui.follow.value and np.abs(now.q - at)[others].max(initial=0.0) > 1e-6 and self._busy.acquire(False):
+            threading.Thread(target=self._redraw, daemon=True, name="rankdrop-slice").start()
+
+    def _redraw(self) -> None:
+        try:
+            self._draw(self.controls.session.q, FOLLOWING * (len(self.ui.axes) - 1))
+        except Exception as error:
+            self.controls.say(str(error))
+        finally:
+            self._busy.release()
+
+
+def _colour(index: int) -> str:
+    return UNKNOWN if index < 0 else COLOURS[index % len(COLOURS)]
+
+
+def _slice_notes(
+    known: Sequence[Family], families: NDArray[np.int32], corank: NDArray[np.int64], starts: int
+) -> list[str]:
+    """How many points of which family, as HTML, and what a missing one does not prove."""
+    if not len(corank):
+        return [f"none of {starts} starts met a singularity in this slice; that is no proof"]
+    lines = [f"{len(corank)} of {starts} starts arrived; the ball is where the arm stands"]
+    for index in np.unique(families).tolist():
+        here = families == index
+        name = f"{known[index].id} {plain(known[index].name)}" if index >= 0 else "on no known family"
+        ranks = ", ".join(str(k) for k in np.unique(corank[here]))
+        lines.append(f"<span style='color:{_colour(index)}'>■</span> {name}: {int(here.sum())}, corank {ranks}")
+    return lines

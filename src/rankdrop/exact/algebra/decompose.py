@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations, product
+from itertools import combinations
 
 from rankdrop.exact.algebra.field import Point, residue, roots_at, value_at
 from rankdrop.exact.algebra.polynomial import (
@@ -20,6 +20,7 @@ from rankdrop.exact.algebra.polynomial import (
     Atom,
     Polynomial,
     coefficients,
+    divides,
     factor,
     flint,
     gcd,
@@ -33,7 +34,6 @@ from rankdrop.exact.algebra.solving import (
     atoms,
     binds_more,
     combined,
-    divides,
     divisions,
     eliminable,
     factors,
@@ -82,8 +82,6 @@ def decompose(
     for system in _distinct(choices):
         angles = {atom.joint: atom.value for atom in system if atom.pinned}
         polynomials = [atom.f for atom in system if not atom.pinned]
-        if len(angles) < sum(atom.pinned for atom in system):
-            continue  # one joint at two angles
         if angles:
             there = [ring.form(f).at(angles) for f in polynomials]
             found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
@@ -181,7 +179,7 @@ def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomia
         replace(
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
-            equations=(*(primitive(h) for h, _ in factor(f)[1] if place in used(h)), *piece.equations),
+            equations=(*(primitive(h) for h, _ in factor(f) if place in used(h)), *piece.equations),
             known=(*piece.known, *(_at_pins(piece, others) if used(parts[1]) else ())),
         )
     ]
@@ -247,8 +245,7 @@ def _several(
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
         one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
-        if one.samples:
-            return [*_free_on_top(ring, pins, base, tops, most, work), one]
+        return [*_free_on_top(ring, pins, base, tops, most, work), one]
     work.leave(pins, system)
     return []
 
@@ -295,10 +292,22 @@ def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
     return value_at(ring, f, values) == 0
 
 
-def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:
-    """One atom out of each condition, in all ways, doubles left out; a system that contains another one too."""
-    systems = {frozenset(atoms): list(dict.fromkeys(atoms)) for atoms in product(*choices)}
-    return [system for key, system in systems.items() if not any(other < key for other in systems)]
+def _distinct(choices: list[list[Atom]]) -> list[dict[Atom, None]]:
+    """Systems that hold an atom of each condition, none of which contains another one or pins a joint at two angles."""
+    systems: list[dict[Atom, None]] = [{}]
+    for choice in choices:
+        longer: list[dict[Atom, None]] = []
+        for system in systems:
+            if any(atom in system for atom in choice):
+                longer.append(system)
+                continue
+            pins = {atom.joint for atom in system if atom.pinned}
+            longer += [{**system, atom: None} for atom in choice if not (atom.pinned and atom.joint in pins)]
+        systems = []
+        for system in sorted(longer, key=len):
+            if not any(other.keys() <= system.keys() for other in systems):
+                systems.append(system)
+    return systems
 
 
 def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
@@ -397,14 +406,16 @@ def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
     for joint, _ in form.at_pi:
         if joint not in one.pins and ring.index[f"t{joint}"] not in taken:
             pieces += pinned(one, joint, "pi", work)
+    # where a denominator vanishes, the condition as it was given still binds the solved variable
+    given = [f] if any(solved.place in used(f) and used(solved.denominator) for solved in one.solved) else []
     for part in factors(ring, form.f, work):
-        pieces += _with(one, part, work)
-    for edge in with_points(_edges(one, work), work):
-        inside, _ = edge.parted(ring.trig_zero_set(f), f) if edge.several else (edge, None)
-        if inside is not None and inside.half_vanishes(f):
-            pieces.append(inside)
+        cuts = _with(one, part, work)
+        pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts] if given else cuts
+    pieces += _edges(one, work)
     pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
-    return independent([piece for piece in pieces if piece.half_vanishes(f)])
+    zero = ring.trig_zero_set(f)
+    vanishing = [piece.parted(zero, f)[0] if piece.several else piece for piece in pieces]
+    return independent([piece for piece in vanishing if piece is not None and piece.half_vanishes(f)])
 
 
 def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import lru_cache
 from math import prod
 from typing import Any
 
@@ -33,10 +32,7 @@ from rankdrop.exact.algebra.work import tick
 P = PRIMES[0]
 """The one that is taken first."""
 
-_KEPT = 400_000
-"""Terms of polynomials of one ring that are remembered modulo primes: twenty megabytes or so. Most derivations have
-50,000."""
-_RINGS = 4  # for which they are remembered: a derivation has one with letters, one with numbers, seldom a third
+_SHORT = 24  # terms up to which a polynomial is evaluated term by term: a call of the library costs as much
 
 
 class Point(dict[str, int]):
@@ -54,11 +50,6 @@ class Point(dict[str, int]):
     def changed(self, values: Mapping[str, int]) -> Point:
         """The point with other values of some variables."""
         return Point({**self, **values}, self.prime)
-
-
-def modulus(point: Mapping[str, int]) -> int:
-    """The prime that values are residues of; `P` where they do not tell."""
-    return point.prime if isinstance(point, Point) else P
 
 
 def modulo(value: Any, prime: int = P) -> int:
@@ -91,34 +82,41 @@ def reduced(f: Polynomial, prime: int = P) -> Polynomial:
     return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
 
 
-Remembered = dict[tuple[int, int], tuple[Polynomial, Polynomial, tuple[str, ...]]]
-"""(id of a polynomial, prime) -> the polynomial, so that its id is no other one's, `reduced`, names of variables."""
+Terms = list[tuple[int, list[tuple[str, int]]]]
+"""Coefficient modulo a prime, and (variable, power) of each variable that occurs, of each term."""
+Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
+"""A polynomial, so that its id is no other one's, `reduced`, names of the variables, and the terms of a short one."""
 
 
-@lru_cache(maxsize=_RINGS)
-def residues_of(_ring: Ring) -> tuple[list[int], Remembered]:
-    """The number of remembered terms and what is remembered for a ring; of rings not used for long nothing is."""
-    return [0], {}
-
-
-def _residues(ring: Ring, f: Polynomial, prime: int) -> tuple[Polynomial, tuple[str, ...]]:
-    """`reduced`, and the names of the variables."""
-    terms, kept = residues_of(ring)
-    known = kept.get((id(f), prime))
+def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
+    key = (id(f), prime)
+    known: Image | None = ring.images.get(key)
     if known is None:
-        terms[0] += 1 + len(f)
-        if terms[0] > _KEPT:
-            kept.clear()
-            terms[0] = 1 + len(f)
-        known = kept[id(f), prime] = (f, reduced(f, prime), tuple(f.context().names()))
-    return known[1:]
+        image, names = reduced(f, prime), tuple(f.context().names())
+        short: Terms = []
+        if len(f) <= _SHORT:
+            short = [
+                (int(value), [(name, int(power)) for name, power in zip(names, powers, strict=True) if power])
+                for powers, value in image.to_dict().items()
+            ]
+        known = ring.images.keep(key, (f, image, names, short), len(f))
+    return known
 
 
-def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
+def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
     tick(3 + 0.12 * len(f))
-    residues, names = _residues(ring, f, modulus(point))
-    return int(residues(*(point.get(name, 0) for name in names)))
+    prime = point.prime
+    _, image, names, short = _image(ring, f, prime)
+    if not short:
+        return int(image(*[point.get(name, 0) for name in names]))
+    total = 0
+    for value, powers in short:
+        for name, power in powers:
+            x = point.get(name, 0)
+            value = value * (x if power == 1 else pow(x, power, prime)) % prime
+        total += value
+    return total % prime
 
 
 def residues(
@@ -126,33 +124,33 @@ def residues(
 ) -> list[tuple[list[list[int]], int]]:
     """A matrix at each of the points, and the prime that its entries are modulo."""
     return [
-        ([[value_at(ring, x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
+        ([[0 if x.is_zero() else value_at(ring, x, point) for x in column] for column in columns], point.prime)
         for point in points
     ]
 
 
-def univariate(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+def univariate(ring: Ring, f: Polynomial, name: str, point: Point) -> list[int]:
     """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
     put, names = _put(ring, f, (name,), point)
     return dense(put, names.index(name))
 
 
-def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Point) -> Polynomial:
     """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
     put, names = _put(ring, f, (one, two), point)
     a, b = names.index(one), names.index(two)
     module = flint()
-    context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
+    context = module.nmod_mpoly_ctx.get(["x", "y"], point.prime, module.Ordering.lex)
     return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
 
 
 def _put(
-    ring: Ring, f: Polynomial, left: Sequence[str], point: Mapping[str, int]
+    ring: Ring, f: Polynomial, left: Sequence[str], point: Point
 ) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
     tick(10 + len(f))
-    residues, names = _residues(ring, f, modulus(point))
-    return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
+    _, image, names, _ = _image(ring, f, point.prime)
+    return image.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
 def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
@@ -165,7 +163,7 @@ def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
 def stands(point: Point, joint: int, value: str) -> bool:
     """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
     cosine, sine = COS_SIN[value]
-    prime = modulus(point)
+    prime = point.prime
     return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % prime, sine % prime)
 
 
@@ -218,7 +216,7 @@ def rank(rows: Sequence[Sequence[int]], prime: int = P) -> int:
     return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], prime).rank())
 
 
-def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -> Point | None:
+def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | None:
     """Add sines and cosines to values of t_j, q_j and lengths, modulo their prime; None where 1 + t_j² = 0, which does
     not happen.
 
@@ -227,7 +225,7 @@ def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -
         tangents: value of every variable of the half-angle ring that is not pinned.
         pins: joints at simple angles.
     """
-    prime = modulus(tangents)
+    prime = tangents.prime
     point = Point(tangents, prime)
     point.update(roots_at(ring, prime))
     for j in ring.revolute:
@@ -249,6 +247,6 @@ def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -
 
 def random_point(ring: Ring, rng: random.Random) -> Point:
     """A random point of the whole joint space modulo P, lengths random too."""
-    point = complete(ring, {name: rng.randrange(1, P) for name in ring.names}, {})
+    point = complete(ring, Point({name: rng.randrange(1, P) for name in ring.names}), {})
     assert point is not None  # −1 is not a square modulo P
     return point

@@ -11,17 +11,33 @@ coefficients (Trager). Polynomials without roots take the plain way.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache, reduce
-from itertools import product
+from itertools import islice, product
 from math import gcd as whole_gcd
 from math import isqrt, lcm, prod
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from rankdrop.errors import MissingExtraError
+
+
+class OutOfTime(Exception):
+    """A limit has passed; whoever catches it says what is left.
+
+    Args:
+        words: which limit.
+    """
+
+    def __init__(self, words: str = "the limit on work was met") -> None:
+        super().__init__(words)
+
+
+class TooLong(OutOfTime):
+    """A polynomial would grow too long on the way that was tried; another way may do."""
+
 
 Polynomial = Any
 """A `flint.fmpq_mpoly`; which ring it lives in is said where the name is used."""
@@ -52,6 +68,12 @@ def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
     for e, value in f.terms():
         parts.setdefault(e[place], {})[(*e[:place], 0, *e[place + 1 :])] = value
     return [context.from_dict(parts.get(power, {})) for power in range(max(parts, default=0) + 1)]
+
+
+def coefficient(f: Polynomial, place: int, power: int) -> Polynomial:
+    """The one of `coefficients` at one power."""
+    found = {(*e[:place], 0, *e[place + 1 :]): value for e, value in f.terms() if e[place] == power}
+    return f.context().from_dict(found)
 
 
 SIMPLE = ("0", "pi", "pi/2", "-pi/2")
@@ -99,12 +121,10 @@ class Factors(NamedTuple):
     """A polynomial on the torus, taken apart.
 
     Attributes:
-        content: rational factor.
         letters: factors in lengths alone, with multiplicities: they vanish for special arms only.
         atoms: factors that depend on the configuration, with multiplicities.
     """
 
-    content: Any
     letters: tuple[tuple[Polynomial, int], ...]
     atoms: tuple[tuple[Atom, int], ...]
 
@@ -348,56 +368,111 @@ def is_number(f: Polynomial) -> bool:
 
 
 def quotient(f: Polynomial, g: Polynomial) -> Polynomial | None:
-    """f / g; None where g does not divide f."""
-    bottom, cofactor = norm(g)
-    result, rest = divmod(reduced_roots(f * cofactor), bottom)
+    """f / g; None where g does not divide f. Over the roots from images modulo primes, tested modulo one more.
+
+    Raises:
+        TooLong: the primes do not suffice for its coefficients.
+    """
+    if not any(g.degrees()[place] for place, _ in _relations(g.context())):
+        return _exact(f, g)
+    return _from_images(f, g, _exact, lambda h, f, g: h * g == f)
+
+
+def _exact(f: Polynomial, g: Polynomial) -> Polynomial | None:
+    result, rest = divmod(f, g)
     return result if rest == 0 else None
 
 
+def divides(h: Polynomial, f: Polynomial) -> bool:
+    """Whether a polynomial divides another one that is not 0; over the roots modulo a prime of 61 bits."""
+    if f == 0:
+        return False
+    if roots_in(f):
+        f, prime = _image(f)
+        h, _ = _image(h, prime)
+    return bool(divmod(f, h)[1] == 0)
+
+
 def gcd(f: Polynomial, g: Polynomial) -> Polynomial:
-    """A greatest common divisor: over the roots from its images modulo primes, for every choice of signs of the roots.
+    """A greatest common divisor: over the roots from its images modulo primes, tested modulo one more.
 
     Raises:
-        ArithmeticError: the primes do not suffice for its coefficients.
+        TooLong: the primes do not suffice for its coefficients.
     """
     if not (roots_in(f) and f != 0 and g != 0):
         return f.gcd(g)
+    found = _from_images(f, g, _common, lambda h, f, g: divmod(f, h)[1] == 0 and divmod(g, h)[1] == 0)
+    return f.context().constant(1) if found is None else primitive(found)
+
+
+def _common(f: Polynomial, g: Polynomial) -> Polynomial | None:
+    common = f.gcd(g)
+    return None if common.is_constant() else common
+
+
+_LIFTED = 256  # primes, for coefficients of 8,000 bits
+
+
+def _lifting(names: tuple[str, ...]) -> Iterator[int]:
+    """Primes modulo which roots exist: all of `primes_with` but the last, then those below `PRIMES`."""
+    known = primes_with(names)[:-1]
+    yield from known
+    below = (p for p in range(PRIMES[-1] - 4, 0, -4) if flint().fmpz(p).is_prime())
+    further = (p for p in below if residues_of_roots(names, p) is not None)
+    yield from islice(further, _LIFTED - len(known))
+
+
+Combine = Callable[[Polynomial, Polynomial], Polynomial | None]
+
+
+def _from_images(
+    f: Polynomial, g: Polynomial, combine: Combine, holds: Callable[[Polynomial, Polynomial, Polynomial], bool]
+) -> Polynomial | None:
+    """What two polynomials over the roots are combined into, from its images modulo primes; None where one has none.
+
+    Args:
+        f, g: the polynomials.
+        combine: their images, for one choice of signs of the roots.
+        holds: whether an image of the result is right for those of both, modulo a prime that it was not made from.
+    """
     names = roots_in(f)
+    last = primes_with(names)[-1]
     known: dict[tuple[int, ...], int] = {}
     modulus = 1
-    for prime in primes_with(names):
-        image = _gcd_modulo(f, g, names, prime)
+    for number, prime in enumerate(_lifting(names), 1):
+        image = _combined(f, g, names, prime, combine)
         if image is None:
-            return f.context().constant(1)
+            return None
         step = pow(modulus, -1, prime)
         known = {e: (a := known.get(e, 0)) + modulus * ((image.get(e, 0) - a) * step % prime)
                  for e in {*known, *image}}  # fmt: skip
         modulus *= prime
-        found = _rational(known, modulus, f.context())
-        if found is not None and quotient(f, found) is not None and quotient(g, found) is not None:
-            return primitive(found)
-    raise ArithmeticError("a common divisor with long coefficients")
+        found = _rational(known, modulus, f.context()) if number < 8 or number % 8 == 0 else None
+        if found is not None and holds(*(_image(x, last)[0] for x in (found, f, g))):
+            return found
+    raise TooLong("a condition with roots of numbers has too long coefficients")
 
 
-def _gcd_modulo(f: Polynomial, g: Polynomial, names: tuple[str, ...], prime: int) -> dict[tuple[int, ...], int] | None:
-    """Coefficients modulo a prime of the monic common divisor, by the powers of all variables; None where it is 1."""
-    context, module = f.context(), flint()
-    places = [place for place, _ in _relations(context)]
+def _combined(
+    f: Polynomial, g: Polynomial, names: tuple[str, ...], prime: int, combine: Combine
+) -> dict[tuple[int, ...], int] | None:
+    """Coefficients modulo a prime of the combination of two polynomials, by the powers of all variables."""
+    places = [place for place, _ in _relations(f.context())]
     basis = list(product((0, 1), repeat=len(places)))
     choices, images = list(_embeddings(names, prime)), []
     for choice in choices:
-        one, two = (image_modulo(h, choice, prime) for h in (f, g))
-        common = one.gcd(two)
-        if common.is_constant():
+        both = combine(*(image_modulo(h, choice, prime) for h in (f, g)))
+        if both is None:
             return None
-        images.append({tuple(map(int, e)): int(c) for e, c in common.to_dict().items()})
+        images.append({tuple(map(int, e)): int(c) for e, c in both.to_dict().items()})
     rows = [[prod(choice[name] ** e for name, e in zip(names, powers, strict=True)) % prime for powers in basis]
             for choice in choices]  # fmt: skip
-    inverse = module.nmod_mat(len(rows), len(rows), [x for row in rows for x in row], prime).inv().tolist()
+    inverse = flint().nmod_mat(len(rows), len(rows), [x for row in rows for x in row], prime).inv().tolist()
     result: dict[tuple[int, ...], int] = {}
     for e in {e for image in images for e in image}:
+        values = [image.get(e, 0) for image in images]
         for powers, row in zip(basis, inverse, strict=True):
-            value = sum(int(x) * image.get(e, 0) for x, image in zip(row, images, strict=True)) % prime
+            value = sum(int(x) * y for x, y in zip(row, values, strict=True)) % prime
             if value:
                 whole = list(e)
                 for place, power in zip(places, powers, strict=True):
@@ -427,29 +502,37 @@ def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) 
     return context.from_dict(found)
 
 
-def factor(f: Polynomial) -> tuple[Polynomial, list[tuple[Polynomial, int]]]:
-    """(number, irreducible factors with their multiplicities), as `f.factor()`; factors over the roots are primitive.
+def factor(f: Polynomial) -> list[tuple[Polynomial, int]]:
+    """Irreducible factors with their multiplicities; over the roots they are primitive.
 
-    The number is one of `fmpq`; over the roots it is the rational one that is left where the factors are as they stand,
-    which then are equal to f but for an invertible number.
+    Over the roots a multiplicity is that modulo a prime of 61 bits: the factors are known to divide.
     """
     if not roots_in(f):
-        content, found = f.factor()
-        return content, [(one, int(power)) for one, power in found]
+        return [(one, int(power)) for one, power in f.factor()[1]]
     rational = reduce(lambda a, b: a.gcd(b), _components(f))
     pieces = [piece for one, _ in rational.factor()[1] for piece in ([one] if 1 in one.degrees() else _split(one))]
     rest = quotient(f, rational)
     if not is_number(rest):
         pieces += _split(rest)
-    result: list[tuple[Polynomial, int]] = []
-    for piece in {str(one): one for one in map(primitive, pieces)}.values():
-        power, here = 0, f
-        while (smaller := quotient(here, piece)) is not None:
-            power, here = power + 1, smaller
-        result.append((piece, power))
-    whole = prod((one**power for one, power in result), start=f.context().constant(1))
-    left = quotient(f, reduced_roots(whole))
-    return (left.leading_coefficient() if left is not None else flint().fmpq(1)), result
+    image, prime = _image(f)
+    distinct = {str(one): one for one in map(primitive, pieces)}.values()
+    return [(piece, _multiplicity(image, _image(piece, prime)[0])) for piece in distinct]
+
+
+def _image(f: Polynomial, prime: int = 0) -> tuple[Polynomial, int]:
+    """f modulo a prime with its roots, the first one if none is given; and the prime."""
+    prime = prime or primes_with(roots_in(f))[0]
+    return image_modulo(f, residues_of_roots(roots_in(f), prime) or {}, prime), prime
+
+
+def _multiplicity(f: Polynomial, g: Polynomial) -> int:
+    """How often g divides f, both modulo a prime."""
+    power = 0
+    while True:
+        f, rest = divmod(f, g)
+        if rest != 0:
+            return power
+        power += 1
 
 
 def _components(f: Polynomial) -> list[Polynomial]:
@@ -470,6 +553,9 @@ def _split(f: Polynomial) -> list[Polynomial]:
     """The different irreducible factors of a polynomial over the roots."""
     if _stays_irreducible(f):
         return [f]
+    content = _content(f)
+    if content is not None:
+        return [piece for part in (content, quotient(f, content)) for piece in _split(part)]
     for shift in range(_SHIFTS):
         turned = _shifted(f, shift)
         found = norm(turned)[0].factor()[1]
@@ -480,7 +566,23 @@ def _split(f: Polynomial) -> list[Polynomial]:
             return [f]
         if (root := _squarefree(f)) is not None:
             return _split(root)
-    raise ArithmeticError("no shift makes the norm of a polynomial squarefree")
+    raise TooLong("no shift makes the norm of a polynomial squarefree")
+
+
+def _content(f: Polynomial) -> Polynomial | None:
+    """A factor without one of the variables of f; None where every factor has them all."""
+    roots = {place for place, _ in _relations(f.context())}
+    for place in used(f):
+        if place in roots:
+            continue
+        content = f.context().constant(0)
+        for part in coefficients(f, place):
+            content = gcd(content, part) if part != 0 else content
+            if content != 0 and is_number(content):
+                break
+        if not is_number(content):
+            return content
+    return None
 
 
 def _stays_irreducible(f: Polynomial) -> bool:

@@ -30,6 +30,7 @@ from rankdrop.exact.algebra.polynomial import (
     Number,
     Polynomial,
     Surd,
+    coefficient,
     coefficients,
     factor,
     flint,
@@ -40,12 +41,17 @@ from rankdrop.exact.algebra.polynomial import (
     used,
     with_inner,
 )
-from rankdrop.exact.algebra.work import OutOfTime, tick
+from rankdrop.exact.algebra.work import TooLong, tick
 from rankdrop.robot.model import Array
 
 _BITS = 500  # of a coefficient: twice as many take four times as long to factor
 MANY = 20_000
 """Polynomials of more terms than this take minutes and gigabytes to factor."""
+
+KEPT = 400_000
+"""Terms of polynomials that a ring remembers: twenty megabytes or so. Most derivations have 50,000."""
+_SHORT, _LASTING = 1_000, 15_000  # terms up to which factoring takes milliseconds, and seconds
+_FAMILIAR = 400  # terms up to which the factors of a polynomial are remembered: minors return on many sets
 
 _LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
 
@@ -81,6 +87,28 @@ def replace_angles(
     return reduce(add, (value(place, one) * part for one, part in inner))
 
 
+class Memory(dict[Any, Any]):
+    """What was computed of polynomials of a ring, emptied when these have more than `KEPT` terms; it ends with its
+    ring.
+
+    Attributes:
+        terms: of the polynomials, and one for each.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.terms = 0
+
+    def keep(self, key: Any, value: Any, terms: int) -> Any:
+        """Remember what was computed of a polynomial of so many terms, and return it."""
+        self.terms += 1 + terms
+        if self.terms > KEPT:
+            self.clear()
+            self.terms = 1 + terms
+        self[key] = value
+        return value
+
+
 class Ring:
     """Both rings over the rationals, for named joints and lengths.
 
@@ -96,6 +124,8 @@ class Ring:
         t, q_half, letter_half: generators of `half`.
         names: names of the variables of `half`, in order.
         primes: modulo which points of it are taken: those with its roots.
+        images: of polynomials modulo primes.
+        known: half-angle forms of trigonometric polynomials, and factors of forms.
 
     Example:
         >>> ring = Ring([1, 2])
@@ -125,6 +155,7 @@ class Ring:
         self.t = {j: made[f"t{j}"] for j in self.revolute}
         self.q_half = {j: made[f"q{j}"] for j in self.prismatic}
         self.letter_half = {name: made[name] for name in self.letters}
+        self.images, self.known = Memory(), Memory()
         self.zero, self.one = self.trig.constant(0), self.trig.constant(1)
         self._circle = [self.s[j] ** 2 + self.c[j] ** 2 - 1 for j in self.revolute]
 
@@ -167,6 +198,13 @@ class Ring:
     def to_half(self, p: Polynomial) -> Form:
         """p · Π (1 + t_j²)^m_j in half-angle tangents, which counts for the degrees 2 m_j; m_j is the degree of p."""
         p = self.reduce(p)
+        if len(p) > _FAMILIAR:
+            return self._in_half_angles(p)
+        key = str(p)
+        known: Form = self.known.get(key) or self.known.keep(key, self._in_half_angles(p), len(p))
+        return known
+
+    def _in_half_angles(self, p: Polynomial) -> Form:
         terms = list(p.terms())
         tick(20 + 20 * len(terms))
         n = self.angles
@@ -196,8 +234,18 @@ class Ring:
         Returns:
             Factors; p vanishes where one of the atoms holds, or, for special lengths, one of the letters' factors.
         """
-        content, letters, atoms = self.to_half(p).factors()
-        return Factors(content, letters, tuple(sorted(atoms, key=lambda pair: order(pair[0]))))
+        letters, atoms = self.to_half(p).factors()
+        return Factors(letters, tuple(sorted(atoms, key=lambda pair: order(pair[0]))))
+
+    def factors_within(self, p: Polynomial, seconds: float) -> Factors | None:
+        """`factor`; None where the polynomial is long and would take more work than that [s], or cannot be stopped."""
+        try:
+            form = self.to_half(p)
+        except TooLong:
+            return None
+        if len(form.f) > _SHORT and (len(form.f) > _LASTING or form.cost * 1e-6 > seconds):
+            return None
+        return self.factor(p)
 
     def is_unit(self, f: Polynomial) -> bool:
         """Whether f is 1 + t_j² up to a number: without a real zero."""
@@ -240,11 +288,16 @@ class Ring:
         """The primitive trigonometric polynomial with the zeros of f; None where some t_j has odd degree.
 
         t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2), which is trigonometric in θ when D is even.
+
+        Raises:
+            TooLong: f has more than `MANY` terms; this cannot be interrupted.
         """
         degrees = f.degrees()
         n = self.angles
         if any(degrees[k] % 2 for k in range(n)):
             return None
+        if len(f) > MANY:
+            raise TooLong(f"a condition of {len(f):,} terms is too long to be written in sines and cosines")
         tick(20 + 20 * len(f))
 
         @cache
@@ -256,12 +309,14 @@ class Ring:
         def rest(items: Terms) -> Polynomial:
             return self.trig.from_dict({(0,) * (2 * n) + tuple(e[n:]): number for e, number in items})
 
-        return primitive(self.reduce(replace_angles(list(f.terms()), n, lambda e, k: e[k], value, rest)))
+        found = self.reduce(replace_angles(list(f.terms()), n, lambda e, k: e[k], value, rest))
+        tick(4 * len(found))
+        return primitive(found)
 
     def trig_zero_set(self, f: Polynomial) -> Polynomial:
         """A trigonometric polynomial with the zeros of f: `to_trig`, of f² where f itself has half angles."""
         found = self.to_trig(f)
-        return found if found is not None else self.to_trig(f * f)
+        return found if found is not None else self.to_trig(self.product(f, f))
 
     def powers_at(self, f: Polynomial, theta: Array, degrees: Sequence[int] = ()) -> list[list[Array]]:
         """The powers that f contains of each variable that moves, at θ (..., n); f is of either ring.
@@ -282,10 +337,10 @@ class Ring:
         """Of two polynomials, not reduced.
 
         Raises:
-            OutOfTime: it would have millions of terms; it cannot be interrupted, and takes gigabytes.
+            TooLong: it would have millions of terms; it cannot be interrupted, and takes gigabytes.
         """
         if len(one) * len(two) > _LONGEST or max(len(one), len(two)) > 5 * MANY:
-            raise OutOfTime(f"a product of polynomials of {len(one):,} and {len(two):,} terms would grow too long")
+            raise TooLong(f"a product of polynomials of {len(one):,} and {len(two):,} terms would grow too long")
         return one * two
 
     def determinant(self, rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
@@ -349,11 +404,7 @@ class Form:
         f, degrees = self.f, list(self.degrees)
         for joint, value in pins.items():
             place = self.ring.index[f"t{joint}"]
-            if value == "pi":
-                parts = coefficients(f, place)
-                f = parts[-1] if len(parts) > degrees[place] else f * 0
-            else:
-                f = f.subs({f"t{joint}": TANGENT[value]})
+            f = coefficient(f, place, degrees[place]) if value == "pi" else f.subs({f"t{joint}": TANGENT[value]})
             degrees[place] = 0
         return Form(self.ring, f, tuple(degrees))
 
@@ -363,17 +414,30 @@ class Form:
         return [Form(self.ring, part, left) for part in coefficients(self.f, place) if part != 0]
 
     def factors(self) -> Factors:
-        """Content, factors in lengths alone, and atoms, those at π first; f is not 0.
+        """Factors in lengths alone, and atoms, those at π first; f is not 0.
 
         Raises:
-            OutOfTime: f has more than `MANY` terms; factoring cannot be interrupted.
+            TooLong: f has more than `MANY` terms; factoring cannot be interrupted.
         """
         ring, f = self.ring, self.f
         if len(f) > MANY:
-            raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
-        digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
-        tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
-        content, found = factor(f)
+            raise TooLong(f"a condition of {len(f):,} terms is too long to be factored")
+        if len(f) > _FAMILIAR:
+            return self._factored()
+        key = (str(f), self.degrees)
+        known: Factors = ring.known.get(key) or ring.known.keep(key, self._factored(), len(f))
+        return known
+
+    @property
+    def cost(self) -> float:
+        """Work of factoring it [µs]."""
+        digits = int(self.f.coeffs()[0].p).bit_length() if self.f != 0 else 0
+        return 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
+
+    def _factored(self) -> Factors:
+        ring, f = self.ring, self.f
+        tick(self.cost)
+        found = factor(f)
         letters = list[tuple[Polynomial, int]]()
         atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
         for one, multiplicity in found:
@@ -381,7 +445,7 @@ class Form:
                 letters.append((primitive(one), multiplicity))
             elif not ring.is_unit(one):
                 atoms.append((ring.atom(one), multiplicity))
-        return Factors(content, tuple(letters), tuple(atoms))
+        return Factors(tuple(letters), tuple(atoms))
 
 
 def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:

@@ -25,14 +25,13 @@ from rankdrop.exact.algebra.polynomial import (
     coefficients,
     flint,
     primes_with,
-    quotient,
     reduced_roots,
     residues_of_roots,
     roots_in,
     used,
 )
 from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.work import OutOfTime, Work, tick
+from rankdrop.exact.algebra.work import TooLong, Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two
 
@@ -67,12 +66,15 @@ def substituted(f: Polynomial, solved: Solved) -> Polynomial:
     """f(t_k = N / D) · D^degree.
 
     Raises:
-        OutOfTime: it would have millions of terms; the product cannot be interrupted.
+        TooLong: it would have millions of terms; the product cannot be interrupted.
     """
     parts = coefficients(f, solved.place)
-    longest = max(len(solved.numerator), len(solved.denominator))
-    if len(f) * longest ** (len(parts) - 1) > _HUGE:
-        raise OutOfTime(f"a condition of {len(f):,} terms would grow too long with a solution of {longest:,} put in")
+    longest, power = max(len(solved.numerator), len(solved.denominator)), len(parts) - 1
+    degrees = zip(f.degrees(), solved.numerator.degrees(), solved.denominator.degrees(), strict=True)
+    bounds = [1 + max(int(d), 0) + power * max(int(a), int(b), 0) for d, a, b in degrees]
+    dense = longest * prod(bounds) // bounds[solved.place]
+    if min(len(f) * longest**power, dense) > _HUGE:
+        raise TooLong(f"a condition of {len(f):,} terms would grow too long with a solution of {longest:,} put in")
     powers = [f.context().constant(1)]
     for _ in parts[1:]:
         powers.append(reduced_roots(powers[-1] * solved.denominator))
@@ -107,7 +109,7 @@ def atoms(form: Form, work: Work) -> list[Atom]:
     """The irreducible conditions under one of which a form vanishes, those at π first, less those that have no real
     zero for a plain reason; empty where it never does. Lengths are assumed not to vanish.
     """
-    _, letters, every = form.factors()
+    letters, every = form.factors()
     for one, _ in letters:
         work.assume(one)
     return [atom for atom, _ in every if atom.pinned or not plainly_positive(form.ring, atom.f)]
@@ -131,11 +133,6 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
         sign = positive
         alone = alone or not any(powers[: ring.moving])
     return alone
-
-
-def divides(h: Polynomial, f: Polynomial) -> bool:
-    """Whether the first polynomial divides the second one."""
-    return f != 0 and quotient(f, h) is not None
 
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
@@ -274,44 +271,55 @@ def _zeros(
     """Whether there is a common zero modulo a prime on one random slice; None where there may be others."""
     module = flint()
     context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
-    x, y = context.gens()
-    variables = (x, y)[:dimension]
+    variables = context.gens()[:dimension]
     names = system[0].context().names()
     known = residues_of_roots(roots_in(system[0]), prime) or {}
-    tangents = {names[place] for f in system for place in used(f) if names[place][0] == "t" and place < moving}
     forms = []
-    for place, name in enumerate(system[0].context().names()):
+    for place, name in enumerate(names):
         start = residue(lengths[name], prime) if name in lengths else rng.randrange(prime)
-        start = known.get(name, start)
-        form = context.constant(start)
+        form = context.constant(known.get(name, start))
         forms.append(sum((rng.randrange(prime) * v for v in variables), form) if place < moving else form)
-    circles = [1 + forms[place] ** 2 for place, name in enumerate(system[0].context().names()) if name in tangents]
+    places = sorted({place for f in system for place in used(f) if place < moving})
+    circles = [1 + forms[place] ** 2 for place in places if names[place][0] == "t"]
     sliced = sorted(
         (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
     )
     tick(sum(20 + len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
-    if dimension == 1:
-        common = reduce(lambda f, g: f.gcd(g), sliced)
-        for circle in circles:
-            common = _without(common, circle)
-        return False if common.is_constant() else (True if roots(dense(common, 0), prime) else None)
+    return (_zero_on_line if dimension == 1 else _zero_in_plane)(sliced, circles, prime)
+
+
+def _zero_on_line(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], prime: int) -> bool | None:
+    common = _common(sliced)
+    for circle in circles:
+        common = _without(common, circle)
+    if common.is_constant():
+        return False
+    return True if roots(dense(common, 0), prime) else None
+
+
+def _zero_in_plane(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], prime: int) -> bool | None:
     sliced = [f for f in sliced if f != 0]  # for special lengths a condition may always hold
     if len(sliced) < 2:
         return True
-    common = reduce(lambda f, g: f.gcd(g), (sliced[0].resultant(f, "y") for f in sliced[1:]))
+    first = sliced[0]
+    common = _common([first.resultant(f, "y") for f in sliced[1:]])
     if common == 0:
         return True
     for circle in circles:
         if not common.is_constant():
-            common = _without(common, sliced[0].resultant(circle, "y"))
+            common = _without(common, first.resultant(circle, "y"))
     if not common.is_constant():  # a zero of the first with each of the others need not be one of all
-        for f, g in combinations(sliced[1:], 2):
-            both = f.resultant(g, "y")
-            common = common if both == 0 else common.gcd(both)
+        others = [f.resultant(g, "y") for f, g in combinations(sliced[1:], 2)]
+        common = _common([common, *(both for both in others if both != 0)])
     if common.is_constant():
         return False
     for at in roots(dense(common, 0), prime):
-        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(dense(f.subs({"x": at}), 1), prime) for f in sliced))
+        there = _common([flint().nmod_poly(dense(f.subs({"x": at}), 1), prime) for f in sliced])
         if there.degree() > 0 and roots([int(value) for value in there.coeffs()], prime):
             return True
     return None
+
+
+def _common(polynomials: Sequence[Polynomial]) -> Polynomial:
+    """Their greatest common divisor."""
+    return reduce(lambda f, g: f.gcd(g), polynomials)

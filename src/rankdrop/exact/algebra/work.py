@@ -15,7 +15,9 @@ from math import inf
 from time import process_time
 from typing import Any
 
+from rankdrop.exact.algebra.polynomial import OutOfTime as OutOfTime
 from rankdrop.exact.algebra.polynomial import Polynomial, is_number, primitive
+from rankdrop.exact.algebra.polynomial import TooLong as TooLong
 
 _spent = 0.0
 
@@ -37,20 +39,9 @@ GRACE = 5.0
 """Time left after the user has asked to stop [s]."""
 
 
-SLOWER = 3.0
+SLOWER = 2.0
 """Seconds of the processor's time for each second of work: a machine so many times slower finds the same, and so does a
 busy one."""
-
-
-class OutOfTime(Exception):
-    """A limit has passed; whoever catches it says what is left.
-
-    Args:
-        words: which limit.
-    """
-
-    def __init__(self, words: str = "the limit on work was met") -> None:
-        super().__init__(words)
 
 
 class Work:

@@ -73,7 +73,13 @@ class ZeroSet:
         """Every configuration."""
         return cls(ring, {})
 
-    @property
+    @classmethod
+    def where(cls, ring: Ring, atom: Atom) -> ZeroSet:
+        """The configurations at which one atom holds."""
+        own = () if atom.pinned else (atom.f,)
+        return cls(ring, {atom.joint: atom.value} if atom.pinned else {}, rest=own, equations=own)
+
+    @cached_property
     def codimension(self) -> int:
         """Number of joints less the dimension."""
         return len(self.pins) + len(self.solved) + len(self.rest)
@@ -129,33 +135,21 @@ class ZeroSet:
         Conditions in a variable that no other one is in are solved for it at last; two that are left then are solved
         together; of more the long ones have to follow from the short ones.
         """
-        taken = {one.place for one in self.solved}
-        names = {id(f): [self.ring.names[k] for k in used(f) if k < self.ring.moving and k not in taken]
-                 for f in self.rest}  # fmt: skip
-        waiting = sorted(self.rest, key=len)
-        last: list[tuple[Polynomial, str]] = []
-        implied: list[Polynomial] = []
+        names = {id(f): {self.ring.names[k] for k in self._moving(f)} for f in self.rest}
+        waiting, last, implied = sorted(self.rest, key=len), list[tuple[Polynomial, str]](), list[Polynomial]()
         while waiting:
-            own = ((f, [x for x in names[id(f)] if all(x not in names[id(g)] for g in waiting if g is not f)])
-                   for f in waiting)  # fmt: skip
-            free = [(f, mine) for f, mine in own if mine]
+            own = [(f, names[id(f)].difference(*(names[id(g)] for g in waiting if g is not f))) for f in waiting]
+            free = [(f, sorted(mine)) for f, mine in own if mine]
             if free:
                 f, mine = rng.choice(free)
                 last.append((f, rng.choice(mine)))
                 waiting = [g for g in waiting if g is not f]
             elif len(waiting) > 2:
                 implied.append(waiting.pop())
-            else:
+            elif len(waiting) == 2 and self._solve_pair(waiting, names, values, rng):
                 break
-        if waiting:
-            shared = [x for x in names[id(waiting[0])] if x in names[id(waiting[-1])]]
-            if len(waiting) < 2 or len(shared) < 2:
+            else:
                 return False
-            x, y = rng.sample(shared, 2)
-            zeros = list(common_zeros(*(bivariate(self.ring, f, x, y, values) for f in (waiting[0], waiting[1]))))
-            if not zeros:
-                return False
-            values.update(zip((x, y), rng.choice(zeros), strict=True))
         for f, name in reversed(last):
             line = univariate(self.ring, f, name, values)
             candidates = roots(line, values.prime)
@@ -164,6 +158,24 @@ class ZeroSet:
                     return False
                 values[name] = rng.choice(candidates)
         return all(value_at(self.ring, f, values) == 0 for f in implied)
+
+    def _solve_pair(
+        self, pair: list[Polynomial], names: Mapping[int, set[str]], values: Point, rng: random.Random
+    ) -> bool:
+        """Change values of two variables that two conditions share so that both hold; whether they do."""
+        shared = sorted(names[id(pair[0])] & names[id(pair[1])])
+        if len(shared) < 2:
+            return False
+        x, y = rng.sample(shared, 2)
+        zeros = list(common_zeros(*(bivariate(self.ring, f, x, y, values) for f in pair)))
+        if zeros:
+            values.update(zip((x, y), rng.choice(zeros), strict=True))
+        return bool(zeros)
+
+    def _moving(self, f: Polynomial) -> list[int]:
+        """Places of the variables of joints in a condition that no other one is solved for."""
+        taken = {one.place for one in self.solved}
+        return [place for place in used(f) if place < self.ring.moving and place not in taken]
 
     def _towers(self, values: Point, place: int) -> Iterator[Point]:
         """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
@@ -210,25 +222,26 @@ class ZeroSet:
         over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own, and
         where the variables have single values every prime is tried.
         """
-        ring = self.ring
-        taken = {one.place for one in self.solved}
-        f, g = self.rest[:2]
-        one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
+        ring, (f, g) = self.ring, self.rest[:2]
+        one, two = {*self._moving(f)}, {*self._moving(g)}
         places = {p for h in self.rest for p in used(h) if p < ring.moving or ring.names[p] not in ROOTS}
         points = len(places) == len(self.rest) and max(places) < ring.moving
-        pairs = [
-            (a, b) for a, b in combinations(sorted(one | two), 2) if (a in one and b in two) or (b in one and a in two)
-        ]
-        for a, b in pairs:
-            names = ring.names[a], ring.names[b]
+        for pair in combinations(sorted(one | two), 2):
+            if not (one & {*pair} and two & {*pair}):
+                continue
+            x, y = (ring.names[place] for place in pair)
             for prime in ring.primes if points else ring.primes[:_PLANES]:
                 values = self._start(rng, prime)
-                two_in = (bivariate(self.ring, h, *names, values) for h in (f, g))
-                zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
-                for here in (tower for zero in zeros for tower in self._towers(zero, 2)):
-                    point = complete(ring, here, self.pins) if self._fill_in(here) else None
-                    if point is not None and self._chosen(point):
-                        yield point
+                zeros = common_zeros(*(bivariate(ring, h, x, y, values) for h in (f, g)))
+                for zero in zeros:
+                    yield from self._above(values.changed(dict(zip((x, y), zero, strict=True))))
+
+    def _above(self, values: Point) -> Iterator[Point]:
+        """The points of the set at which the first two conditions are solved."""
+        for here in self._towers(values, 2):
+            point = complete(self.ring, here, self.pins) if self._fill_in(here) else None
+            if point is not None and self._chosen(point):
+                yield point
 
     def parted(self, p: Polynomial, f: Polynomial) -> tuple[ZeroSet | None, ZeroSet | None]:
         """The sets among several on which a condition holds, and those on which it does not; None for no such set.

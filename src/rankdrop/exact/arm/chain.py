@@ -329,11 +329,12 @@ class Chain:
 
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
-        pose = self._link_pose(k, m)
+        pose = self.link_pose(k, m)
         point = [pose[i][3] for i in range(3)]
         return self.screws(k) if k == m else [moved(self.ring, one, point) for one in self.screws(k)]
 
-    def _link_pose(self, k: int, m: int) -> Matrix:
+    def link_pose(self, k: int, m: int) -> Matrix:
+        """The pose of the frame of link m in that of link k."""
         pose = next(pose for j, pose in self._poses(k) if j == m) if m != k else identity(self.ring)
         return times(self.ring, pose, self._joint(m)) if m > k else pose  # the frame before joint m turns and slides
 
@@ -345,8 +346,8 @@ class Chain:
         part in the task's rows where it is one of the added screws.
         """
         ring = self.ring
-        last = self._link_pose(k, self.n)
-        first = last if self.in_body else times(ring, self._link_pose(k, 1), inverse(ring, self._joint(1)))
+        last = self.link_pose(k, self.n)
+        first = last if self.in_body else times(ring, self.link_pose(k, 1), inverse(ring, self._joint(1)))
         tip = self._tip_in(last)
         found = list(self.screws(k))
         for row in sorted({*range(6)} - {*self.task.rows}):
@@ -412,7 +413,7 @@ class Chain:
 
     def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the tip."""
-        point = self._tip_in(self._link_pose(k, self.n))
+        point = self._tip_in(self.link_pose(k, self.n))
         return [moved(self.ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:

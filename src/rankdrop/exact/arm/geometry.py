@@ -275,11 +275,8 @@ def named_lengths(
     values = _values(links, tip)
     if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
-    own = {name: x for name, x in robot.lengths if name not in ROOTS} if isinstance(lengths, str) else {}
-    power = exponent(robot)
-    known = decimals(shifted(value, -power) for value in own.values())
-    named = given or {name: x * Fraction(10) ** power for name, x in zip(own, known, strict=True)}
-    letters = dict(named)
+    letters = _own_letters(robot) if isinstance(lengths, str) else dict(given)
+    named = {*letters}
     written: dict[Place, tuple[int, str]] = {}
     for (i, which), value in values.items():
         # a distance along an axis and one across it may agree by chance: they keep letters of their own, unless named
@@ -290,14 +287,26 @@ def named_lengths(
         letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     used = {name for _, name in written.values()}
-    if not used >= set(given):
+    _check_used({name: value for name, value in given.items() if name not in used}, values)
+    return {name: value for name, value in letters.items() if name in used}, written
+
+
+def _check_used(unused: Mapping[str, Fraction], values: Mapping[Place, Fraction]) -> None:
+    if unused:
         raise OptionError(
             "no length of the arm has this value",
             where="lengths",
-            got=", ".join(f"{name} = {float(value)} m" for name, value in given.items() if name not in used),
+            got=", ".join(f"{name} = {float(value)} m" for name, value in unused.items()),
             allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
         )
-    return {name: value for name, value in letters.items() if name in used}, written
+
+
+def _own_letters(robot: Robot) -> dict[str, Fraction]:
+    """The letters that a robot names itself [m]."""
+    own = {name: value for name, value in robot.lengths if name not in ROOTS}
+    power = exponent(robot)
+    known = decimals(shifted(value, -power) for value in own.values())
+    return {name: value * Fraction(10) ** power for name, value in zip(own, known, strict=True)}
 
 
 def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:

@@ -129,8 +129,12 @@ def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
     return found
 
 
-def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
-    """Raises OptionError unless `basic` is None or six different joints of the chain."""
+def check_basic(chain: Chain, basic: Sequence[int] | None, frame: int | None) -> None:
+    """Raises OptionError unless `basic` is None or six different joints of the chain, and `frame` None or a link before
+    the last one, for all six rows."""
+    if frame is not None and (chain.task.rows != POSE or not 1 <= frame < chain.n):
+        allowed = f"1 … {chain.n - 1}, for all six rows"
+        raise OptionError("no such link frame", where="frame", got=frame, allowed=allowed)
     if basic is not None and (len(set(basic)) != 6 or len(basic) != 6 or not set(basic) <= set(range(1, chain.n + 1))):
         raise OptionError(
             "the basic screws are six different joints", where="basic", got=str(list(basic)), allowed=f"1 … {chain.n}"

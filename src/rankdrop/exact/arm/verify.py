@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from rankdrop.exact.algebra.field import Point, modulus, random_point, rank, residue
+from rankdrop.exact.algebra.field import Point, random_point, rank, residue
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.family.record import Check
 from rankdrop.robot.model import JointKind
@@ -44,7 +44,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
         >>> rank_modulo(chain, random_points(chain, 1)[0])
         6
     """
-    return rank(_twists(chain, point), modulus(point)) - (6 - chain.task.m)
+    return rank(_twists(chain, point), point.prime) - (6 - chain.task.m)
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
@@ -62,7 +62,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
     """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z; then one for
     each row that the task leaves out.
     """
-    prime = modulus(point)
+    prime = point.prime
     turned = [[int(i == j) for j in range(3)] for i in range(3)]
     place = [0, 0, 0]
     found = []
@@ -103,7 +103,7 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
     value = chain.tip["aid".index(which)] if place == chain.n else getattr(chain.sections[place], which)
-    return residue(value, modulus(point))
+    return residue(value, point.prime)
 
 
 def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:

@@ -1,25 +1,91 @@
-"""The commands monitor and jacobian: an arm with its families as a C header; the Jacobian seen from a link."""
+"""The commands robots, monitor and jacobian: the catalogue; an arm as a C header; the Jacobian seen from a link."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from rankdrop import results, verbs
+from rankdrop import robot as catalogue
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, OUTPUT, ROBOT, ArmOptions, Output, command, open_arm, parse_configuration
-from rankdrop.cli.terminal import (
-    check_target,
-    check_targets,
-    hand_over,
-    print_sections,
-    reporter,
-    write_json,
-    write_text,
+from rankdrop.cli.command import (
+    NO_OPTIONS,
+    OUTPUT,
+    PROGRESS,
+    ROBOT,
+    ArmOptions,
+    Done,
+    Output,
+    command,
+    open_arm,
+    parse_configuration,
 )
+from rankdrop.cli.terminal import check_target, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+_NO_MAKER = "Documents"
+
+
+@command
+def robots(
+    text: Annotated[str, Parameter(help="Only arms whose name, maker or description hold these words.")] = "",
+    /,
+    *,
+    output: Output = OUTPUT,
+) -> Done:
+    """List the arms of the catalogue.
+
+    Their names stand in place of a file; the list is sorted by maker. JSON has the source of each arm's numbers as
+    well; without a file name, --json prints it.
+
+    For example:
+        rankdrop robots
+        rankdrop robots fanuc
+        rankdrop robots "7R spherical shoulder"
+        rankdrop robots fanuc --json fanuc.json
+
+    Exit code 0: some arm fits; 3: none does, and similar names are listed.
+    """
+    entries = catalogue.search_catalog(text)
+    files = {"json": lambda: [asdict(entry) for entry in entries]}
+    return Done(lambda: [_listed(entries, text)], files, holds=bool(entries))
+
+
+def _listed(entries: Sequence[catalogue.CatalogEntry], text: str) -> Iterator[RenderableType]:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    if not entries:
+        yield f"No arm of the catalogue fits {text!r}{_similar(text)}."
+        return
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    table.add_column("name", no_wrap=True)
+    table.add_column("joints", justify="right")
+    table.add_column("task", no_wrap=True)
+    table.add_column("what it is")
+    for maker in sorted({entry.maker for entry in entries}, key=lambda maker: (not maker, maker.casefold())):
+        table.add_row(Text(maker or _NO_MAKER, style="bold"))
+        for entry in entries:
+            if entry.maker == maker:
+                table.add_row(f"  {entry.name}", str(entry.n), entry.task, entry.about)
+    hint = "Or give a file: URDF, xacro, MJCF, or a DH or screw table in TOML. Where the numbers come from: --json."
+    yield from (table, "", hint)
+
+
+def _similar(text: str) -> str:
+    every = catalogue.search_catalog("")
+    words = {word for entry in every for word in (entry.name, entry.maker.lower()) if word}
+    similar = get_close_matches(text.lower(), sorted(words), n=5, cutoff=0.5)
+    return f"; similar: {', '.join(similar)}" if similar else "; a file does as well as a name"
 
 
 @dataclass(frozen=True)
@@ -44,6 +110,7 @@ def monitor(
     header: Annotated[str, Parameter(help="The file to write; - for stdout.", allow_leading_hyphen=True)],
     options: MonitorOptions = MonitorOptions(),
     arm: ArmOptions = NO_OPTIONS,
+    report: PROGRESS,
 ) -> int:
     """Write an arm and its families as a C header.
 
@@ -59,14 +126,12 @@ def monitor(
     Exit code 0: written; 2: bad input.
     """
     from rankdrop import Monitor, analyze
-    from rankdrop.results import Analysis, known_analysis
 
     check_target(header, "--header")
     model, task = open_arm(robot, arm)
-    found = known_analysis(model, task) if options.analysis is None else Analysis.load(options.analysis)
+    found = results.known_analysis(model, task) if options.analysis is None else results.Analysis.load(options.analysis)
     if found is None:
-        with reporter(quiet=options.quiet) as report:
-            found = analyze(model, task, starts=options.starts, progress=report)
+        found = analyze(model, task, starts=options.starts, progress=report)
     watched = Monitor(model, task, found.families, start=options.start, stop=options.stop)
     write_text(watched.header(options.mark), header)
     return exits.FINE
@@ -87,7 +152,9 @@ class JacobianOptions(Options):
     inverse: Annotated[bool, option("The inverse as well, for as many rows as joints")] = False
     lengths: Annotated[str, option('auto, letters, numbers, or letters with their values: "a=0.635,d=120mm"')] = "auto"
     time_limit: Annotated[float, option("Limit for the closed inverse", unit="s", gt=0)] = 60.0
-    latex: Annotated[str | None, option("Write the closed forms as LaTeX to this file; - for stdout")] = None
+    latex: Annotated[
+        str | None, option("Write the closed forms as LaTeX to this file; - for stdout", writes=())
+    ] = None  # fmt: skip
 
 
 @command
@@ -98,7 +165,7 @@ def jacobian(
     options: JacobianOptions = JacobianOptions(),
     arm: ArmOptions = NO_OPTIONS,
     output: Output = OUTPUT,
-) -> int:
+) -> Done:
     """Write the Jacobian of a link's frame, and its inverse.
 
     In closed form, with letters for the lengths where that is possible; with --q in numbers, with --q and --symbolic
@@ -114,26 +181,17 @@ def jacobian(
     Exit code 0: all checks hold; 3: one fails, or there is no inverse because the configuration is singular; 2: bad
     input.
     """
-    from rankdrop.robot import read_lengths
-    from rankdrop.verbs import link_jacobian
-
-    check_targets({"--latex": options.latex, "--json": output.json})
     if options.latex is not None and options.q is not None and not options.symbolic:
         raise OptionError("numbers are not written as LaTeX", where="--latex", mend="give --symbolic as well")
     point = options.at.strip()
     if point != "tip" and not point.isdecimal():
         raise OptionError("this is no reference point", where="--at", got=repr(point), allowed="tip, or a link from 1")
     model, task = open_arm(robot, arm)
-    found = link_jacobian(
+    found = verbs.link_jacobian(
         model, options.frame, task, at=None if point == "tip" else int(point),
         q=None if options.q is None else parse_configuration(options.q, model, deg=options.deg),
-        symbolic=options.symbolic or options.q is None, inverse=options.inverse, lengths=read_lengths(options.lengths),
-        seconds=options.time_limit / 3.0,
+        symbolic=options.symbolic or options.q is None, inverse=options.inverse,
+        lengths=catalogue.read_lengths(options.lengths), seconds=options.time_limit / 3.0,
     )  # fmt: skip
-    hand_over(
-        lambda: print_sections(found.sections()),
-        (options.latex, lambda target: write_text(found.latex(), target)),
-        (output.json, lambda target: write_json(found.to_dict(), target)),
-    )
     missing = options.inverse and found.numbers is not None and found.numbers.inverse is None
-    return exits.FINE if found.holds and not missing else exits.UNEXPLAINED
+    return Done(found.sections, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)

@@ -1,6 +1,6 @@
 """Numbers, motions and screws of an explanation as text: few digits, with units, no noise.
 
-The failure of single joints, and the most fault-tolerant configurations, in words.
+The failure of single joints, the most fault-tolerant configurations, and coverings, in words.
 """
 
 from __future__ import annotations
@@ -8,20 +8,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from math import ceil, degrees, floor, inf, isinf, log10, pi
+from typing import Any
 
 import numpy as np
 
 from rankdrop.families.tolerant import Place, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
+from rankdrop.local.ordered import Hunt, OrderedReport
 from rankdrop.local.ways_out import Escape
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.text.families import FREE, joint_symbol
 
+_PLACES = 20  # of a covering that are printed
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
 _TURNS = 4 * pi  # joint values beyond it look like degrees [rad]
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_NUMBER = re.compile(r"\d+$")
 _EXPONENT = re.compile(r"e([+-])0*(\d+)$")
 
 
@@ -130,6 +135,19 @@ def numbers(members: Sequence[int]) -> str:
     return ", ".join(map(str, members))
 
 
+def joint_word(number: int, name: str) -> str:
+    """A joint in a sentence: "joint 4"; by its name where that has another number.
+
+    Example:
+        >>> joint_word(4, "a4"), joint_word(4, "elbow"), joint_word(4, "a3"), joint_word(4, "joint_3")
+        ('joint 4', 'joint 4', 'joint a3', 'joint_3')
+    """
+    digits = _NUMBER.search(name)
+    if digits is None or int(digits[0]) == number:
+        return f"joint {number}"
+    return name if "joint" in name.lower() else f"joint {name}"
+
+
 def plural(word: str, count: int) -> str:
     """ "motion" or "motions"."""
     return word if count == 1 else f"{word}s"
@@ -157,6 +175,8 @@ _EDGE = {
     "one sign": "the tool is at an edge of its reach: it can go back, not on",
     "flat": "whether the tool is at an edge of its reach is not decided here",
 }
+SWEEP_NEXT = "Next: --all lists every variant, --html FILE draws maps of the measures."
+"""Last line of what a sweep begins with."""
 LOST_TYPE = {
     1: "the tool moves along the lost direction only like the square of the joint motion",
     2: "the tool moves along the lost direction only after a motion of the joints that leaves it still",
@@ -267,3 +287,157 @@ def _why_none(tolerant: Tolerant) -> str:
         return f"without {which} the rank is below {tolerant.generic_rank} at every configuration"
     where = "within the joint limits " if tolerant.limits else ""
     return f"of {tolerant.done:,} starts {where}none leads to one; absence of a find is not a proof"
+
+
+def cover_sentence(covered: Any) -> str:
+    """What may be said of a covering, in one sentence."""
+    tree, plan, account = covered.covering.tree, covered.covering.plan, covered.account
+    what = _covered_what(plan.corank)
+    if not covered.complete:
+        share = 100 * float(tree.finished.mean())
+        why = f" ({covered.covering.stopped})" if covered.covering.stopped else ""
+        return f"Not complete{why}: {share:.1f} % of the joint space was covered, nothing is said of the rest."
+    if not tree.leaves:
+        return f"There is no {what}{' within the limits' * plan.limits}: all of the joint space is proven free."
+    if account is None:
+        return f"Covered: every {what} lies in one of {tree.leaves:,} boxes."
+    if not account.spots:
+        return (
+            f"Nothing else exists down to {covered.width:.3g} rad. Every box that may hold a {what} "
+            f"is explained by a known family; none lies farther than {account.diagonal:.3g} rad from one."
+        )
+    boxes, proven = (sum(getattr(one, name) for one in account.spots) for name in ("boxes", "proven"))
+    return (
+        f"Not all is explained: known families leave {boxes:,} boxes in {count(len(account.spots), 'place')} "
+        f"to look at, {proven:,} of them proven to hold a singularity."
+    )
+
+
+def _covered_what(corank: int) -> str:
+    return "singular configuration" if corank == 1 else f"configuration of corank {corank} or more"
+
+
+def cover_sections(covered: Any, *, deg: bool = True) -> tuple[Section, ...]:
+    """A covering: what may be said, boxes, families that explain them, places to look at; again what may be said."""
+    covering, plan, tree = covered.covering, covered.covering.plan, covered.covering.tree
+    units = covered.robot.units
+    whose = "" if covered.complete else " of the part done"
+    inside = f"; every {_covered_what(plan.corank)}{whose} is in one" if tree.leaves else whose
+    rows = [
+        ("joints that decide", ", ".join(f"{'θ' if units[j - 1] == 'rad' else 'q'}{j}" for j in plan.variables)),
+        ("method", plan.method),
+        ("boxes no wider than", f"{covered.width:.4g} rad"),
+        ("proven free", f"{100 * covering.free_share:.2f} % of the joint space{' within the limits' * plan.limits}"),
+        ("boxes left", f"{tree.leaves:,}{inside}"),
+        ("boxes tested", f"{covering.tested:,}"),
+    ]  # fmt: skip
+    if tree.leaves:
+        share = 100 * tree.proven_leaves / tree.leaves
+        rows.insert(5, ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1f} %)"))
+    first, after = Section("", lines=(cover_sentence(covered),)), (f"sha256 {covered.sha256}",) * covered.complete
+    account = () if covered.account is None else _account_sections(covered.account, plan.variables, deg=deg)
+    boxes = Section(f"{covered.robot.name}: covering", columns=("what", "found"), rows=tuple(rows), texts=(0, 1),
+                    after=after)  # fmt: skip
+    return first, boxes, *account, first
+
+
+def _account_sections(account: Any, joints: tuple[int, ...], *, deg: bool) -> Iterator[Section]:
+    """Which families explain the boxes, and the places that none does."""
+    pairs = zip(account.families, account.explained, strict=True)
+    rows = [(family.id, family.name, f"{number:,}") for family, number in pairs if number]
+    rows += [("", "no family, but proven free on a closer look", f"{account.freed:,}")] if account.freed else []
+    notes = ("A box counts for the first family that has a point within half a diagonal of its centre.",
+             "A box that was halved on counts for a family from which nothing that is left of it is farther than a "
+             "diagonal.")  # fmt: skip
+    yield Section("Explained", f"by families from: {account.source}", columns=("family", "", "boxes"), rows=tuple(rows),
+                  texts=(0, 1), notes=notes)  # fmt: skip
+    if account.spots:
+        factor, unit = (degrees(1.0), "°") if deg else (1.0, "rad")
+        places = tuple(
+            (f"{one.boxes:,}", f"{one.proven:,}", one.kind, f"{one.sigma:.2g}",
+             ", ".join(f"{value * factor:.4g}" for value in one.q[np.array(joints) - 1]))
+            for one in account.spots[:_PLACES]
+        )  # fmt: skip
+        more = len(account.spots) - _PLACES
+        yield Section(
+            "Places to look at", "no known family explains these boxes",
+            columns=("boxes", "proven", "", "σ", f"joints {numbers(joints)} [{unit}]"), rows=places, texts=(2, 4),
+            after=(f"and {more:,} more places",) if more > 0 else (),
+        )  # fmt: skip
+
+
+def procedure_text(report: OrderedReport) -> str:
+    """GR's procedure on an ordered screw set, one line a fact; lines end without blanks.
+
+    Example:
+        >>> from rankdrop.local.ordered import OrderedScrewSet, report
+        >>> from rankdrop.robot.open import open_robot
+        >>> text = procedure_text(report(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7)))
+        >>> print(text.splitlines()[0])
+        7 screws of dimension 5, elsewhere 6: 1 task freedom lost, 2 dependencies
+    """
+    return "\n".join(_procedure_lines(report)) + "\n"
+
+
+def _procedure_lines(report: OrderedReport) -> Iterator[str]:
+    screws = report.dimension + report.dependencies
+    lost = f"{report.lost} task {plural('freedom', report.lost)} lost" if report.lost else "not singular"
+    both = f"{report.dependencies} dependenc{'y' if report.dependencies == 1 else 'ies'}"
+    yield f"{screws} screws of dimension {report.dimension}, elsewhere {report.generic}: {lost}, {both}"
+    if report.subsets:
+        yield from ("", "Runs with a loss (screws, dimension, loss):")
+    for run in report.subsets:
+        marks = (", passes the msos test" if run.msos else "") + (", minimal" if run.minimal else "")
+        yield f"  {run.first}–{run.last}  {run.dimension}  {run.loss}{marks}"
+    yield from ("", "As printed (screws moved up to the end of the run only):")
+    for instruction, lines in report.steps:
+        yield f"  {instruction};"
+        yield from (f"    {line}" for line in lines)
+    if report.lost:
+        yield from (f"  conclusion: actuate {_joints(report.printed)}", "", *_corrected(report))
+
+
+def _corrected(report: OrderedReport) -> Iterator[str]:
+    """The same with every later screw carried along, and what finite motion says."""
+    for trial in report.trials:
+        if trial.dimensions != trial.carried:
+            yield (
+                f"newscrews({trial.actuator}, {trial.subset[1]}): dimensions {_runs(trial.dimensions)} as printed, "
+                f"{_runs(trial.carried)} with every later screw carried along"
+            )
+    yield from ("", "Every joint, carried to the end of the chain, and judged by finite motion:")
+    for joint in report.joints:
+        verdict = "escapes" if joint.escapes else f"gains {joint.gain}" if joint.gain else "does not escape"
+        yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {_runs(joint.dimensions)}"
+    yield f"  conclusion: actuate {_joints(report.escapes)}"
+    if report.disagreements:
+        yield from ("", "Disagreements with the printed procedure:", *(f"  {one}" for one in report.disagreements))
+
+
+def _runs(dimensions: Iterable[tuple[int, int, int]]) -> str:
+    return " ".join(f"{first}–{last}:{dimension}" for first, last, dimension in dimensions)
+
+
+def _joints(members: Sequence[int]) -> str:
+    return numbers(members) or "none"
+
+
+def hunt_words(hunt: Hunt) -> str:
+    """Whom Hunt's matrix of cofactors names, and whether finite motion agrees; or why it names nobody."""
+    rows, joints = hunt.shape
+    if rows != joints:
+        return f"Hunt's matrix of cofactors is of a square Jacobian; this one has {rows} rows, {joints} joints"
+    if not hunt.applies:
+        regular = "tells nothing at a regular configuration"
+        what = f"is zero where {hunt.lost} freedoms are lost" if hunt.lost else regular
+        return f"Hunt's matrix of cofactors {what}: it names no screw"
+    named = [one.number for one in hunt.joints if one.named]
+    leading = [one.number for one in hunt.joints if one.tells]
+    missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
+    wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
+    text = f"Hunt's cofactors name the screws {numbers(named)}; they tell that "
+    text += f"joint {numbers(leading)} leads out at first order" if leading else "no joint leads out at first order"
+    if missed:
+        return f"{text}; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
+    return f"{text}; finite motion does not confirm it of joint {numbers(wrong)}" if wrong else (
+        f"{text}, and finite motion agrees")

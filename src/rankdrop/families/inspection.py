@@ -1,0 +1,403 @@
+"""Singular points of a search: what D says of each, and which of those that no family explains are singular at all.
+
+At a regular point of the set of corank ≥ k, ker D is the tangent space and the rows of D span the conormal space C.
+Two questions about C give the signature of the point's family, and the same answers hold all over the family:
+
+- which unit covectors e_j lie in C (joint j is pinned) or are orthogonal to it (joint j is free); the rest are coupled;
+- which small whole-number covectors m lie in C: then m·q is constant on the family, θ3 + θ5 = 0 say.
+
+The rank of D drops where families meet. Such points are marked irregular: they take part in no grouping.
+
+A search counts σ ≤ 1e-9 as zero. An arm a few micrometres away from a special structure has whole surfaces with a
+smaller σ, and these are no singularities. Points on no family are therefore followed down with 50 digits. For a kept
+rank r, with U and V from the point in double precision,
+
+    S(q) = A₂₂ − A₂₁ A₁₁⁻¹ A₁₂,  A = Uᵀ J(q) V,
+
+vanishes exactly where rank J ≤ r. S is worked out with 50 digits and its derivative D in double precision, so that
+Newton's steps −D⁺S gain about 15 digits each where D has full rank, and halve y where D vanishes with y, S being y². At
+a minimum S is orthogonal to the range of D, and the steps end there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop.families.points import Cloud, explained
+from rankdrop.families.searching import refine
+from rankdrop.family.equation import Equation
+from rankdrop.problem import Mask, Problem
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, link_index
+from rankdrop.tolerances import Tolerances
+
+WELL = 1e-5  # singular values of D [1/rad] above this are clearly not zero: five times `block_rank`
+APART = 1e-4  # σ of a kept singular value [1] above which a point is not next to a higher corank
+HIGHER = 1e-6  # σ of a kept singular value below which a point has a higher corank
+_MANY = 10  # coupled joints beyond which whole-number relations are looked for between two only
+INTEGER = 1e-7  # a covector whose part outside C is shorter than this lies in C
+_NEARLY = 1e-12  # squares below this are looked at exactly: a hundred times what `INTEGER` leaves
+_AT_ONCE = 512  # points whose relations are looked for together: of a long arm, with 10 joints coupled, 20 MB
+_ENTRIES = 4_000_000  # entries of D that are held at once: those of 10,000 points of a 10R's corank 1, 32 MB
+
+Covector = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Signature:
+    """Rank of D, joints (from 0) pinned, free and coupled, whole-number relations."""
+
+    rank: int
+    pinned: tuple[int, ...]
+    free: tuple[int, ...]
+    coupled: tuple[int, ...]
+    relations: tuple[Covector, ...] = ()
+
+    @property
+    def residual(self) -> int:
+        """Number of independent equations beside the pinned joints and the relations."""
+        return self.rank - len(self.pinned) - len(self.relations)
+
+    def covectors(self, n: int) -> tuple[Covector, ...]:
+        """The linear conditions of the family: unit covectors of pinned joints, then the relations."""
+        return tuple(tuple(int(i == j) for i in range(n)) for j in self.pinned) + self.relations
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """Points of a cloud with what D says about each.
+
+    Attributes:
+        q: (N, n).
+        sigma: (N, min(m, n)) singular values of the task Jacobian.
+        exact: (N,) corank exactly k.
+        regular: (N,) corank exactly k, and every singular value of D clearly zero or clearly not.
+        condition: (N,) smallest singular value of D that is not zero.
+        signatures: one per point; None where irregular.
+        tangent: (N, n, n) projector on ker D.
+    """
+
+    q: Array
+    sigma: Array
+    exact: Mask
+    regular: Mask
+    condition: Array
+    signatures: tuple[Signature | None, ...]
+    tangent: Array
+
+
+def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspection:
+    """Signature of every point of a cloud.
+
+    Args:
+        problem: the arm, and the corank; of its tolerances `block_rank` and `tangent` are used.
+        q: (N, n) points with σ[rank] = 0.
+        signatures: False: the rest alone, all signatures None.
+
+    Returns:
+        Inspection with arrays over the N points.
+    """
+    robot, rank, tolerances = problem.robot, problem.rank, problem.tolerances
+    count, n = len(q), problem.n
+    if not count:
+        empty = np.zeros(0, dtype=np.bool_)
+        return Inspection(q, np.zeros((0, min(problem.task.m, n))), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
+    entries = (problem.task.m - rank) * (n - rank) * n  # of D
+    if count * entries > _ENTRIES and count > 1:
+        each = max(_ENTRIES // entries, 1)
+        parts = [inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)]
+        names = ("q", "sigma", "exact", "regular", "condition", "tangent")
+        arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        return Inspection(**arrays, signatures=tuple(one for part in parts for one in part.signatures))
+    local = problem.block(q)
+    sigma = np.asarray(local.sigma)
+    exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
+    d = np.asarray(local.d).reshape(count, -1, n)
+    s, v = _right(d)
+    s = np.concatenate([s, np.zeros((count, n - s.shape[1]))], axis=1) if s.shape[1] < n else s[:, :n]
+    ranks = (s > tolerances.block_rank).sum(axis=1)
+    smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
+    clear = sigma[:, rank - 1] > APART if rank else np.ones(count, dtype=np.bool_)
+    regular = exact & clear & (smallest > WELL)
+    inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
+    conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
+    taken = regular if signatures else np.zeros_like(regular)
+    signed = _signatures(robot, conormal, tangent, ranks, taken, tolerances)
+    return Inspection(q, sigma, exact, regular, smallest, signed, tangent)
+
+
+_WIDEST = 16  # narrow side of a matrix that the core takes apart
+
+
+def _right(d: Array) -> tuple[Array, Array]:
+    """Singular values (N, min(e, n)) and right vectors (N, n, n), by columns, of matrices (N, e, n)."""
+    if min(d.shape[1:]) <= _WIDEST:
+        _, s, v = _core.svd(np.ascontiguousarray(d))
+        return s, v
+    _, s, vt = np.linalg.svd(d, full_matrices=d.shape[1] < d.shape[2])
+    return s, vt.swapaxes(1, 2)
+
+
+def _signatures(
+    robot: Robot, conormal: Array, tangent: Array, ranks: NDArray[np.int64], regular: Mask, tolerances: Tolerances
+) -> tuple[Signature | None, ...]:
+    """Signatures from projectors on the conormal and the tangent space (N, n, n) of codimension `ranks` (N,); None
+    where a point is not regular."""
+    result: list[Signature | None] = [None] * len(conormal)
+    pinned, free = (np.einsum("njj->nj", space) < tolerances.tangent for space in (tangent, conormal))
+    where = np.flatnonzero(regular)
+    keys, alike = np.unique(np.column_stack([ranks, pinned, free])[where], axis=0, return_inverse=True)
+    for number, (rank, *held) in enumerate(keys.tolist()):
+        points = where[alike.reshape(-1) == number]
+        joints = range(robot.n)
+        pins, frees = (tuple(j for j in joints if part[j]) for part in (held[: robot.n], held[robot.n :]))
+        coupled = tuple(j for j in joints if j not in pins and j not in frees)
+        turning = tuple(j for j in coupled if robot.periodic[j])
+        for point, relations in zip(points, _relations(conormal[points], turning, robot.n), strict=True):
+            result[point] = Signature(rank, pins, frees, coupled, relations)
+    return tuple(result)
+
+
+@lru_cache(maxsize=64)
+def candidates(coupled: tuple[int, ...], n: int) -> NDArray[np.int64]:
+    """(c, n) whole-number covectors on coupled joints: entries ±1 on 2–4 joints, ±1, ±2 on 2; simplest first.
+
+    On 2 joints only where there are more than `_MANY`: there would be tens of thousands.
+    """
+    found = []
+    for size in (2, 3, 4) if len(coupled) <= _MANY else (2,):
+        values = (-2, -1, 1, 2) if size == 2 else (-1, 1)
+        for support in combinations(coupled, size):
+            for entries in product(values, repeat=size):
+                if entries[0] > 0 and np.gcd.reduce(np.abs(entries)) == 1:
+                    row = np.zeros(n, dtype=np.int64)
+                    row[list(support)] = entries
+                    found.append(row)
+    found.sort(key=lambda row: (np.count_nonzero(row), int(np.abs(row).sum()), tuple(-row)))
+    rows = np.array(found, dtype=np.int64).reshape(-1, n)
+    rows.flags.writeable = False  # the same to everyone who asks
+    return rows
+
+
+def _relations(conormal: Array, coupled: tuple[int, ...], n: int) -> list[tuple[Covector, ...]]:
+    """For every point an independent set of the simplest whole-number covectors in its conormal space."""
+    tried = candidates(coupled, n)
+    if not len(tried):
+        return [()] * len(conormal)
+    entries = (tried[:, :, None] * tried[:, None, :]).reshape(len(tried), -1).T.astype(np.float64)  # m mᵀ of each
+    length = (tried * tried).sum(axis=1)
+    cache: dict[bytes, tuple[Covector, ...]] = {}
+    result = []
+    for first in range(0, len(conormal), _AT_ONCE):
+        part = conormal[first : first + _AT_ONCE]
+        near = length - part.reshape(len(part), -1) @ entries < _NEARLY  # |m − C m|² = |m|² − mᵀC m, C a projector
+        point, which = np.nonzero(near)
+        off = tried[which] - np.einsum("nij,nj->ni", part[point], tried[which])
+        near[point, which] = np.linalg.norm(off, axis=-1) < INTEGER
+        for row in near:
+            key = row.tobytes()
+            if key not in cache:
+                cache[key] = independent(tried[row])
+            result.append(cache[key])
+    return result
+
+
+def independent(rows: NDArray[np.int64]) -> tuple[Covector, ...]:
+    """Of covectors in order, those that the earlier ones do not span."""
+    chosen: list[Covector] = []
+    for row in rows:
+        if np.linalg.matrix_rank(np.array([*chosen, row])) > len(chosen):
+            chosen.append(tuple(int(x) for x in row))
+    return tuple(chosen)
+
+
+POLISHED = 1e-15  # σ of a polished point [1]
+ROUNDING = 1e-15  # σ below this is zero to the precision of the arm's own numbers
+DIGITS = 50
+FURTHER = 1e-2  # a singular configuration farther away says nothing about a point [rad]
+_DECIDED = 48  # points that are followed with so many digits
+_STEPS = 60
+_LONGEST = 0.05  # of a step [rad; slides divided by the length scale]
+_RESTING = 1e-9  # a shorter step that makes σ no smaller ends on a minimum
+_ZERO = 1e-25  # σ at which a descent ends [1]
+_CUTS = (1e-8, 1e-13)  # singular values of D below this share of the largest are left out: tried one after the other
+Numbers = NDArray[Any]
+"""An array of `flint.arb`."""
+
+
+def polished(problem: Problem, q: Array, iterations: int = 8) -> Array:
+    """Singular points driven on to σ ≤ 1e-15: signatures of arms that are nearly special need it."""
+    if not len(q):
+        return q
+    finer = replace(problem.tolerances, target=POLISHED)
+    found = refine(
+        problem.robot, q, problem.corank, task=problem.task, limits=problem.limits, iterations=iterations,
+        tolerances=finer,
+    )  # fmt: skip
+    better = found.sigma[:, problem.rank] <= problem.tolerances.singular
+    return np.where(better[:, None], found.q, q)
+
+
+def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask]) -> tuple[Mask, float]:
+    """Points on no family that are not singular, and how small σ is next to them.
+
+    Args:
+        problem: the arm, and the corank.
+        q: (N, n) points with σ[rank] ≤ `singular` that no family explains.
+        on_family: (N,) which of configurations (N, n) lie on a family.
+
+    Returns:
+        (N,) the points next to which there is no singular configuration, or only one on a family. All of them, where
+        none of `_DECIDED` is singular; else those alone that were followed. The smallest minimum of σ that is not zero;
+        inf without one.
+    """
+    wrong = np.zeros(len(q), dtype=np.bool_)
+    if not len(q):
+        return wrong, np.inf
+    order = np.argsort(problem.sigma(q)[:, problem.rank], kind="stable")
+    chosen = order[np.unique(np.linspace(0, len(q) - 1, _DECIDED).round().astype(int))]
+    ends = [descents(problem, one) for one in q[chosen]]
+    at = np.array([[end for end, _ in both] for both in ends])  # (chosen, descents, n)
+    sigma = np.array([[one for _, one in both] for both in ends])
+    near = (sigma <= ROUNDING) & (problem.length(at - q[chosen][:, None]) <= FURTHER)
+    known = np.zeros_like(near)
+    known[near] = on_family(at[near])
+    new = near.any(axis=1) & ~known.any(axis=1)
+    wrong[chosen[~new] if new.any() else slice(None)] = True
+    lowest = sigma.min(axis=1)
+    return wrong, float(lowest[lowest > ROUNDING].min(initial=np.inf))
+
+
+def near_misses(
+    points: Cloud, remaining: NDArray[np.int64], families: Sequence[Sequence[Equation]]
+) -> tuple[NDArray[np.int64], float]:
+    """Configurations on no family that are not singular, decided with 50 digits (`not_singular`).
+
+    Args:
+        points: from `cloud`.
+        remaining: (L,) indices of the points that `explained` leaves over.
+        families: the equations of each family, as for `explained`.
+
+    Returns:
+        (≤ L,) the indices of points that are not singular; the smallest minimum of σ next to them, inf without one.
+    """
+    wrong = [remaining[:0]]
+    least = np.inf
+    for corank in np.unique(points.corank[remaining]).tolist():
+        mine = remaining[points.corank[remaining] == corank]
+        problem = Problem(points.robot, points.task, corank)
+
+        def on_family(q: Array, corank: int = corank) -> Mask:
+            _, others = explained(Cloud(points.robot, points.task, q, np.full(len(q), corank)), families)
+            return ~np.isin(np.arange(len(q)), others)
+
+        mistakes, lowest = not_singular(problem, polished(problem, points.q[mine]), on_family)
+        wrong.append(mine[mistakes])
+        least = min(least, lowest)
+    return np.concatenate(wrong), least
+
+
+def descents(problem: Problem, q: Array) -> list[tuple[Array, float]]:
+    """Where Newton's method with 50 digits ends from q (n,), and σ[rank] there, for each of `_CUTS`.
+
+    With the larger one it stays near where D has small singular values, with the smaller one it follows them. Without
+    python-flint: q itself, and σ in double precision.
+    """
+    try:
+        import flint
+    except ImportError:
+        return [(q, float(problem.sigma(q)[problem.rank]))]
+    before = flint.ctx.dps
+    flint.ctx.dps = DIGITS
+    try:
+        return [_descended(problem, q, cut, flint) for cut in _CUTS]
+    finally:
+        flint.ctx.dps = before
+
+
+def _descended(problem: Problem, q: Array, cut: float, flint: Any) -> tuple[Array, float]:
+    """`descents` with one of `_CUTS`, the number of digits set."""
+    at = _exact(q, flint)
+    best = (q, np.inf)
+    for _ in range(_STEPS):
+        near = _rounded(at)
+        local = problem.block(near)
+        s = _complement(problem, at, local.u2, local.v2, flint)
+        size = float(np.linalg.norm(s, 2))
+        step = -np.linalg.pinv(np.asarray(local.d).reshape(-1, problem.n), rcond=cut) @ s.reshape(-1)
+        length = float(problem.length(step))
+        if size <= _ZERO or (length < _RESTING and size > best[1] * (1 - 1e-3)):
+            return (near, size) if size < best[1] else best
+        best = (near, size) if size < best[1] else best
+        at = np.array([x.mid() for x in at + _exact(step * min(1.0, _LONGEST / max(length, 1e-300)), flint)])
+    return best
+
+
+def _complement(problem: Problem, at: Numbers, u2: Array, v2: Array, flint: Any) -> Array:
+    """S at a configuration (n,), rounded: its size is that of σ beyond the kept rank, as long as that is small."""
+    u1, v1 = _others(u2), _others(v2)
+    j = task_jacobian_exactly(problem.robot, problem.task, at, flint)
+    a = _exact(np.hstack([u1, u2]).T, flint) @ j @ _exact(np.hstack([v1, v2]), flint)
+    r = problem.rank
+    if not r:
+        return _rounded(a)
+    middle = flint.arb_mat(r, r, a[:r, :r].ravel().tolist()).solve(
+        flint.arb_mat(r, a.shape[1] - r, a[:r, r:].ravel().tolist())
+    )
+    solved = np.array(middle.tolist(), dtype=object)
+    return _rounded(a[r:, r:] - a[r:, :r] @ solved)
+
+
+def _others(basis: Array) -> Array:
+    """(m, m − k) orthonormal directions beside those of a basis (m, k)."""
+    return np.asarray(np.linalg.svd(basis)[0][:, basis.shape[1] :])
+
+
+def _exact(values: Array, flint: Any) -> Numbers:
+    return np.asarray(np.vectorize(flint.arb, otypes=[object])(np.asarray(values, dtype=np.float64)))
+
+
+def _rounded(values: Numbers) -> Array:
+    return np.asarray(np.vectorize(lambda x: float(x.mid()), otypes=[np.float64])(values), dtype=np.float64)
+
+
+def task_jacobian_exactly(robot: Robot, task: Task, q: Numbers, flint: Any) -> Numbers:
+    """(m, n) `kinematics.task_jacobian` at q (n,) in numbers of as many digits as `flint.ctx` has."""
+    number = {joint.name: i for i, joint in enumerate(robot.variables)}
+    pose = _exact(np.eye(4), flint)
+    poses = [pose]
+    columns: list[tuple[int, float, Numbers, Numbers]] = []
+    for joint in robot.joints:
+        index = number[joint.mimic.leader if joint.mimic else joint.name]
+        factor, offset = (joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else (1.0, 0.0)
+        linear, axis = (pose[:3, :3] @ _exact(part, flint) for part in (joint.screw[:3], joint.screw[3:]))
+        columns.append((index, factor, linear + np.cross(pose[:3, 3], axis), axis))
+        pose = pose @ _exponential(joint.screw, q[index] * factor + offset, flint)
+        poses.append(pose)
+    poses.append(pose)
+    last = len(robot.joints)
+    homes = [np.eye(4), *(joint.frame for joint in robot.joints), robot.home]
+    axes, origin = (link_index(one, last, "frame") for one in (task.frame.axes, task.frame.origin))
+    point = poses[origin] @ _exact(homes[origin] @ np.append(task.frame.point, 1.0), flint)
+    into = (poses[axes][:3, :3] @ _exact(homes[axes][:3, :3], flint)).T
+    whole = np.full((6, robot.n), flint.arb(0), dtype=object)
+    for index, factor, linear, axis in columns:
+        whole[:3, index] += into @ (linear + np.cross(axis, point[:3])) * (factor / task.scale(robot))
+        whole[3:, index] += into @ axis * factor
+    return whole[list(task.rows)]
+
+
+def _exponential(screw: Array, angle: Any, flint: Any) -> Numbers:
+    """(4, 4) the motion exp(S·angle)."""
+    twist = np.zeros((4, 4))
+    twist[:3, :3], twist[:3, 3] = np.cross(screw[3:], np.eye(3)).T, screw[:3]
+    moved = flint.arb_mat(4, 4, (_exact(twist, flint) * angle).ravel().tolist()).exp()
+    return np.array(moved.tolist(), dtype=object)

@@ -1,0 +1,705 @@
+"""The explanation of one configuration: what it holds, frozen data, and how its parts are made when they are read.
+
+Families are known beforehand, or those that the configuration lies on. What is lost: directions, the frame in which
+they are read, screws, and what the arm never makes. How far: the nearest found, each known family, a radius that is
+proven free. Its entries as plain data have the names of docs/json.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import ClassVar
+
+import numpy as np
+
+from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
+from rankdrop.codec import Result
+from rankdrop.configuration import Cause, Configuration, Rank, at
+from rankdrop.errors import OptionError
+from rankdrop.families.distance import FamilyDistance, family_distances
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.searching import Outcome, refine
+from rankdrop.family.record import Family, Incidence, families_at
+from rankdrop.local.axes import (
+    LARGEST_CHAIN,
+    Circuit,
+    Relation,
+    ScrewSystem,
+    always_singular_reason,
+    circuits_at,
+    make_all,
+    relations_at,
+    systems_at,
+)
+from rankdrop.local.block import decompose
+from rankdrop.local.directions import (
+    FramedDirections,
+    Screw,
+    blocked_words,
+    lost_directions,
+    lost_in_frame,
+    lost_in_sparsest_frame,
+    readable_basis,
+    screw_of,
+    words,
+)
+from rankdrop.local.failures import Failures, failures_at
+from rankdrop.local.nearest import Nearest, nearest_singularity
+from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
+from rankdrop.local.orientation import Representations, representation_at
+from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
+from rankdrop.local.redundant import Redundancy, redundancy
+from rankdrop.local.ways_out import Escape, JointEscape, escape
+from rankdrop.questions import ExplainOptions
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation_text import IDLE, NO_RATE, SHARE, reason_of, sections_of
+from rankdrop.results.known import known_analysis, shipped_conditions_record
+from rankdrop.robot.ideal import Near, ideal, near_ideal
+from rankdrop.robot.model import Array, Robot, geometry
+from rankdrop.sections import Section
+from rankdrop.task import BASE, TIP, Task, six_rows
+from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
+from rankdrop.units import counted, counted_length
+
+_AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
+AT_LIMIT = 1e-3
+"""A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The answer in facts: what the configuration is, what is lost, what to do, what is next, how sure it is.
+
+    Attributes:
+        verdict, cause: as in `Explanation`.
+        family, family_id: that the answer is about; empty where there is none.
+        distance: to it [rad; slides in length scales]; None at a regular configuration without one.
+        ideal: it is a family of the ideal arm nearby, and not one of the arm itself; length, angle: what keeps it from
+            being the arm's own, the largest differences between the two [m, rad].
+        pinned: (number, value) of the joints that the family holds at fixed values [rad, m].
+        lost: (6,) directions that are lost, or nearly, in base axes.
+        slowest: the slowest straight motion in terms of its limit; None without rate limits.
+        way_out: (number, motion) of the joints to move [rad, m]; empty where no way out is known.
+        sigma_after: σ_r after that motion.
+        next_family, next_distance: the next family, or the nearest singularity of all.
+        source: where the families come from; `exact`: exact conditions of this arm are shipped.
+        radius: proven free of singularities [rad]; None where that is not known.
+    """
+
+    verdict: str
+    cause: Cause
+    family: str
+    family_id: str
+    distance: float | None
+    ideal: bool
+    length: float
+    angle: float
+    pinned: tuple[tuple[int, float], ...]
+    lost: tuple[tuple[float, ...], ...]
+    slowest: StraightMotion | None
+    way_out: tuple[tuple[int, float], ...]
+    sigma_after: float | None
+    next_family: str
+    next_distance: float | None
+    source: str
+    exact: bool
+    radius: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Lost:
+    """What cannot be done, or is about to be lost.
+
+    Attributes:
+        directions: (k, 6) orthonormal, readable, in the task's frame; twists that cannot be made and, the same numbers
+            as (f; τ), wrenches that are carried without joint torque. Near a singularity: those of the nearest singular
+            configuration. At a regular configuration: empty.
+        weakest: (6,) the direction of σ_r at q, in the task's frame: what is lost first.
+        words: one sentence per direction, in the frame where they are sparsest.
+        blocked_words: the same directions read as wrenches.
+        framed: the directions in that frame, and its name.
+        twist_screws, wrench_screws: axis and pitch of each direction, read as twist and as wrench, in that frame.
+        never: (p, 6) directions that this arm cannot make anywhere near, where its generic rank is below that of the
+            task.
+        seen: the same directions in axes of the "base", of the "tool", and of a "link" where they are simpler there.
+    """
+
+    directions: Array
+    weakest: Array
+    words: tuple[str, ...]
+    blocked_words: tuple[str, ...]
+    framed: FramedDirections | None
+    twist_screws: tuple[Screw, ...]
+    wrench_screws: tuple[Screw, ...]
+    never: Array
+    seen: dict[str, FramedDirections] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Blame:
+    """Which joints make the dependency.
+
+    Attributes:
+        circuits: every inclusion-minimal dependent set of joint screws.
+        smallest: those that are special to this configuration and carry the loss.
+        ordered: GR's singular intervals of the chain.
+        systems: screw systems (subalgebras) that hold sets of joints.
+        always: why the arm is deficient everywhere; None where it is not.
+        complete: False where the chain is too long to list every circuit.
+        hunt: what Hunt's matrix of cofactors names, held against finite motion; None where nothing is lost.
+    """
+
+    circuits: tuple[Circuit, ...]
+    smallest: tuple[Circuit, ...]
+    ordered: tuple[OrderedSubset, ...]
+    systems: tuple[ScrewSystem, ...]
+    always: str | None
+    complete: bool = True
+    hunt: Hunt | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Far:
+    """How far the next singularity is.
+
+    Attributes:
+        explanation: what it is part of.
+        nearest: the nearest singular configuration that was found; None where none was.
+        nearest_family: a family it belongs to.
+        families: distance to each known family that does not hold here, nearest first.
+        unasked: why no radius is certified at all; empty where one is.
+        near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
+    """
+
+    explanation: Explanation
+    nearest: Nearest | None
+    nearest_family: Incidence | None
+    families: tuple[FamilyDistance, ...]
+    unasked: str = ""
+    near_miss: float | None = None
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """Ball proven free of singularities, worked out when it is first asked for; None where the task cannot be
+        certified (`uncertified` says why) or the configuration is singular."""
+        return self._certified[0]
+
+    @property
+    def uncertified(self) -> str:
+        """Why there is no certificate; empty where there is one."""
+        return self._certified[1]
+
+    @cached_property
+    def _certified(self) -> tuple[Certificate | None, str]:
+        """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
+        if self.unasked:
+            return None, self.unasked
+        here, options = self.explanation.here, self.explanation.options
+        distance = self.nearest.distance if self.nearest is not None and not options.limits else float("inf")
+        try:
+            return certified_radius(
+                here.robot, here.q, here.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
+                enough=distance * (1 - _AS_GOOD), evaluations=options.evaluations,
+            ), ""  # fmt: skip
+        except OptionError as error:  # a task that cannot be certified
+            return None, error.what
+
+
+def known_families(
+    robot: Robot, task: Task, analysis: Analysis | None, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], str]:
+    """Known families and where they come from: the analysis given, else the atlas that is shipped, else nowhere.
+
+    Raises:
+        OptionError: the analysis is about another arm or other rows.
+    """
+    if analysis is None:
+        known = known_analysis(robot, task, any_tip=True)
+        return (known.families, "catalogue") if known else ((), "on the spot")
+    if not isinstance(analysis, Analysis):
+        raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
+    mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
+    if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
+        raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
+    if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
+        raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
+    return analysis.families, "analysis"
+
+
+FRAMES = ("base", "tool", "link")
+"""In whose axes a motion can be told."""
+
+
+def _seen_in_axes(
+    robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, asked: str
+) -> dict[str, FramedDirections]:
+    """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
+    found = {name: lost_seen_from(robot, q, task, corank, name) for name in FRAMES[:2]}
+    fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for one in found.values())
+    simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
+    if asked == "link" or (not asked and simpler):
+        found["link"] = sparsest
+    return {name: framed for name, framed in found.items() if not asked or asked == name}
+
+
+def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
+    """What is lost in axes of the base or of the tool, at the task's point, or in those of the sparsest frame.
+
+    Args:
+        robot, q, task, corank: as in `lost_directions`.
+        frame: one of `FRAMES`.
+    """
+    if frame == "link":
+        return lost_in_sparsest_frame(robot, q, task, corank)
+    return lost_in_frame(robot, q, task, corank, replace(task.frame, axes=BASE if frame == "base" else TIP))
+
+
+def _never_possible(here: Configuration) -> Array:
+    """Readable basis of what is beyond the generic rank: the arm makes it nowhere near."""
+    robot, task = here.robot, here.task
+    if task.m == here.generic:
+        return np.zeros((0, 6))
+    away = here.q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) * bool(here.measured.corank)
+    rows = six_rows(decompose(robot, away, task).u[:, here.generic :].T, task)
+    rows[:, :3] *= counted(robot) / task.scale(robot)
+    return readable_basis(rows.T).T
+
+
+_AGREE = 1e-6  # distances that differ by less are the same: σ of second order leaves half the digits [rad]
+
+
+def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
+    """Two methods, two answers: on what a joint alone regains, and on how far."""
+    for one in single:
+        if not one.agrees:
+            yield (
+                f"joint {one.number} alone: a rank gain of {one.gain} was predicted, finite motion gains "
+                f"{one.measured_gain}"
+            )
+    nearest, certificate = far.nearest, far.certificate
+    if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
+        yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
+    if nearest is not None and far.families and all(one.family.named for one in far.families):
+        first = min(far.families, key=lambda one: one.distance)
+        if first.distance < nearest.distance - _AGREE:
+            yield f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
+        elif not first.distance <= nearest.distance + _AGREE:
+            yield "the search found a singularity nearer than every family"
+
+
+def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
+    """A family through the point that the search found is no farther away than that point."""
+    through = any(met.family is record.family for met in there)
+    if not through or record.distance <= nearest.distance:
+        return record
+    return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
+
+
+VERDICTS = {
+    Cause.LOST: "singular", Cause.NEVER: "always-singular", Cause.NEAR_MISS: "near", Cause.DISTANCE: "near",
+    Cause.SMALL: "near", Cause.SLOW: "near", Cause.NONE: "regular",
+}  # fmt: skip
+"""What decides -> the verdict."""
+
+
+SlowFamily = tuple[Family, float, Near | None]
+"""The family that makes a motion slow, the distance to it, and the ideal arm nearby where it is that arm's family."""
+_ALIGNED = 0.7  # cosine between a slow motion and what a family loses from which the family explains it
+
+
+@lru_cache(maxsize=16)
+def _ideal_arm(robot: Robot, length: float | None, angle: float | None) -> Robot:
+    """The ideal arm nearby, made once: it costs more than the rest of an explanation."""
+    return ideal(robot, length=length, angle=angle)[0]
+
+
+def _loses_along(here: Configuration, q: Sequence[float], corank: int, normal: Array) -> bool:
+    """Whether a singular configuration loses a motion along `normal`, in the rows of the task [m/s, rad/s]."""
+    lost = lost_directions(here.robot, q, here.task, corank)
+    unit = six_rows(normal, here.task) / np.linalg.norm(normal)
+    return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
+
+
+def best_way_out(out: Escape, rank: Rank) -> tuple[tuple[tuple[int, float], ...], float | None]:
+    """The joint to move, or joints where none alone helps, with their motions [rad, m], and σ_r then."""
+    best = max(abs(one.rate) for one in out.single)
+    for one in out.single:
+        worth = rank.corank or abs(one.rate) > max(IDLE * best, NO_RATE)
+        if one.order is not None and worth and one.within_limits and abs(one.step) >= NO_RATE:
+            return ((one.number, one.step),), one.sigma_after
+    several = out.best_direction
+    if not (several.within_limits and several.restores):
+        return (), None
+    delta = np.array(several.delta) * several.step
+    large = [number for number in several.numbers if abs(delta[number - 1]) >= SHARE * np.abs(delta).max()]
+    return tuple((number, float(delta[number - 1])) for number in large), several.sigma_after
+
+
+def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
+                  small: float = SMALL) -> str:  # fmt: skip
+    """The verdict by what a monitor measures, before any search.
+
+    Args:
+        corank: at the configuration.
+        generic_rank: r.
+        smallest: min(m, n) of the task and the arm.
+        sigma: σ_r [1].
+        distance: to the nearest singular configuration known [rad].
+        near, small: as in `rankdrop.verbs.explain`.
+    """
+    if corank:
+        return "singular"
+    if generic_rank < smallest:
+        return "always-singular"
+    return "near" if distance <= near or sigma <= small else "regular"
+
+
+_SEEDS = 8  # nearest points of families that the search begins from
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Explanation(Result):
+    """Everything rankdrop can say of one configuration; parts that take long are made when first asked for, and kept.
+
+    Attributes:
+        here: the configuration, for a task.
+        families: known families of all coranks; empty where there are none.
+        source: where they come from: "catalogue", "analysis" or "on the spot".
+        options: thresholds and budgets.
+    """
+
+    here: Configuration
+    families: tuple[Family, ...]
+    source: str
+    options: ExplainOptions
+    FILE: ClassVar[str] = "explanation"
+
+    @property
+    def verdict(self) -> str:
+        """ "regular", "near", "singular" or "always-singular"."""
+        return VERDICTS[self.cause]
+
+    @cached_property
+    def cause(self) -> Cause:
+        """What decides the verdict."""
+        rank, options = self.rank, self.options
+        if rank.corank:
+            return Cause.LOST
+        if rank.always_singular:
+            return Cause.NEVER
+        far = self.far
+        if far.near_miss is not None:
+            return Cause.NEAR_MISS
+        if far.nearest is not None and far.nearest.distance <= options.near:
+            return Cause.DISTANCE
+        if float(rank.sigma[rank.generic_rank - 1]) <= options.small:
+            return Cause.SMALL
+        return Cause.SLOW if any(one.speed < one.limit for one in self.straight) else Cause.NONE
+
+    @cached_property
+    def far(self) -> Far:
+        """How far the next singularity is."""
+        here, options, away = self.here, self.options, self._families_away
+        if here.measured.corank:
+            return Far(self, None, None, away, "the configuration is singular")
+        try:
+            nearest = nearest_singularity(
+                here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
+                seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=here.tolerances,
+            )  # fmt: skip
+        except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
+            return Far(self, None, None, away, f"{error.what}: {error.got}")
+        miss = self._near_miss if float(here.measured.sigma[here.generic - 1]) <= options.small else None
+        if nearest is None:
+            return Far(self, None, None, away, near_miss=miss)
+        there = self.incidences_at(np.array(nearest.q), nearest.corank)
+        closer = sorted((_no_farther(one, nearest, there) for one in away), key=lambda one: one.distance)
+        return Far(self, nearest, there[0], tuple(closer), near_miss=miss)
+
+    @property
+    def _families_away(self) -> tuple[FamilyDistance, ...]:
+        """Families that were reached and do not hold here."""
+        options, here = self.options, self.here
+        targets = [one for one in self.families if one.corank <= options.coranks]
+        every = family_distances(targets, here.robot, here.q, here.task, limits=options.limits, seed=options.seed)
+        least = here.tolerances.explained if here.measured.corank else -np.inf
+        return tuple(one for one in every if least < one.distance < np.inf)
+
+    @property
+    def _near_miss(self) -> float | None:
+        """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
+        here, seed = self.here, self.options.seed
+        found = refine(here.robot, here.q[None], 1, task=here.task, seed=seed, tolerances=here.tolerances, threads=1)
+        return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
+
+    def incidences_at(self, q: Array, corank: int) -> tuple[Incidence, ...]:
+        """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
+        here = self.here
+        found = families_at(self.families, here.robot, q, here.task, here.tolerances, self.source)
+        if found and found[0].family.corank >= corank:
+            return found
+        local = name_on_the_spot(here.robot, q, here.task, corank, seed=self.options.seed)
+        return (Incidence(local, 0.0, "on the spot"), *found)
+
+    @cached_property
+    def straight(self) -> tuple[StraightMotion, ...]:
+        """The slowest translation and the slowest rotation of the tool."""
+        here, options = self.here, self.options
+        if here.generic < here.task.m:
+            return ()
+        limits = {"m/s": options.speed, "rad/s": options.turn_speed}
+        return tuple(
+            StraightMotion(one.unit, float(one.speed[0]), limits[one.unit], tuple(one.direction[0].tolist()),
+                           int(one.joint[0]), here.robot.variables[int(one.joint[0]) - 1].name, one.exact)
+            for one in slowest_motions(here.robot, here.q[None], here.task)
+        )  # fmt: skip
+
+    @property
+    def reason(self) -> str:
+        """What decides the verdict, in a sentence."""
+        return reason_of(self)
+
+    @cached_property
+    def slow_family(self) -> SlowFamily | None:
+        """The family that makes a straight motion slow; None where speed does not decide the verdict."""
+        if self.cause != Cause.SLOW:
+            return None
+        far, here, ideal_family = self.far, self.here, self._slow_ideal_family()
+        if ideal_family is not None or far.nearest is None or far.nearest_family is None:
+            return ideal_family
+        slow = [one.normal[0] for one in slowest_motions(here.robot, here.q[None], here.task)]
+        nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
+        candidates = [nearest, *((one.distance, one.q, one.family.corank, one.family) for one in far.families)]
+        explains = (one for one in candidates if any(_loses_along(here, one[1], one[2], y) for y in slow))
+        distance, _, _, family = next(explains, nearest)
+        return family, distance, None
+
+    def _slow_ideal_family(self) -> SlowFamily | None:
+        """The nearest family of the ideal arm nearby; None where there is no such arm, or the arm's own are nearer."""
+        here, own = self.here, self.far.nearest
+        near = near_ideal(here.robot)
+        if near is None:
+            return None
+        model = _ideal_arm(here.robot, near.tolerance.length, near.tolerance.angle)
+        task = replace(here.task, length_scale=self.length_scale)
+        try:
+            there = nearest_singularity(model, here.q, task, seed=self.options.seed)
+        except OptionError:  # too many joints for a search
+            return None
+        if there is None or (own is not None and there.distance >= own.distance):
+            return None
+        families, source = known_families(model, task, None, here.tolerances)
+        other = replace(self, here=at(model, here.q, task, here.tolerances), families=families, source=source)
+        return other.incidences_at(np.array(there.q), there.corank)[0].family, there.distance, near
+
+    @property
+    def distance(self) -> float | None:
+        """To the nearest singular configuration found [rad; slides in length scales]; 0 at one, None where none was."""
+        if self.rank.corank:
+            return 0.0
+        return None if self.far.nearest is None else self.far.nearest.distance
+
+    @cached_property
+    def summary(self) -> Summary:
+        """The answer in facts."""
+        here, slow = self.here, self.slow_family
+        about = self.met[0].family if self.met and slow is None else None
+        base = self.lost.seen.get("base")
+        family, distance, near = slow or (about, self.distance, None)
+        following, away = self._following(about)
+        moves, after = best_way_out(self.escape, self.rank)
+        turned = self.q if about is None else self.focus
+        known = shipped_conditions_record(here.robot, here.task, any_tip=True)
+        return Summary(
+            verdict=self.verdict, cause=self.cause, family=family.name if family else "",
+            family_id=family.id if family else "", distance=distance, ideal=near is not None,
+            length=near.length if near else 0.0, angle=near.angle if near else 0.0,
+            pinned=tuple((pin.number, float(turned[pin.number - 1])) for pin in about.pinned) if about else (),
+            lost=tuple(tuple(row.tolist()) for row in base.directions) if base else (),
+            slowest=next((one for one in self.straight if slow is None or one.speed < one.limit), None),
+            way_out=moves, sigma_after=after, next_family=following.name if following else "", next_distance=away,
+            source=self.source, exact=self.source == "catalogue" and known is not None,
+            radius=self.certified_radius,
+        )  # fmt: skip
+
+    def _following(self, about: Family | None) -> tuple[Family | None, float | None]:
+        """The next family and how far it is: that of the nearest singularity of all where the answer is about none."""
+        far = self.far
+        if about is None and self.slow_family is None and far.nearest is not None:
+            return far.nearest_family.family if far.nearest_family else None, far.nearest.distance
+        rest = (one for one in far.families if about is None or one.family.name != about.name)
+        following = next(rest, None)
+        return (None, None) if following is None else (following.family, following.distance)
+
+    @property
+    def robot(self) -> Robot:
+        """The arm that was asked about."""
+        return self.here.robot
+
+    @property
+    def task(self) -> Task:
+        """What the tool is to do, with the length scale that was used."""
+        return replace(self.here.task, length_scale=self.length_scale)
+
+    @property
+    def q(self) -> Array:
+        """(n,) the configuration [rad, m]."""
+        return self.here.q
+
+    @property
+    def rank(self) -> Rank:
+        """Singular values, rank, generic rank, corank, nullity."""
+        return self.here.measured
+
+    @property
+    def length_scale(self) -> float:
+        """Translation rows are divided by it [m]."""
+        return float(self.here.task.scale(self.here.robot))
+
+    @cached_property
+    def focus(self) -> Array:
+        """(n,) what family, relations and blame speak of, q itself or the nearest singular one where q is near it."""
+        return self.q if self._at_hand is None else np.array(self._at_hand.q)
+
+    @property
+    def _at_hand(self) -> Nearest | None:
+        return self.far.nearest if self.cause in (Cause.DISTANCE, Cause.SMALL) else None
+
+    @property
+    def _corank(self) -> int:
+        return self.rank.corank if self._at_hand is None else self._at_hand.corank
+
+    @cached_property
+    def met(self) -> tuple[Incidence, ...]:
+        """Families that hold at the focus; the first is the one that says most."""
+        return self.incidences_at(self.focus, self._corank) if self._corank else ()
+
+    @cached_property
+    def relations(self) -> tuple[Relation, ...]:
+        """What the axes have in common at the focus."""
+        return relations_at(self.robot, self.focus)
+
+    @cached_property
+    def lost(self) -> Lost:
+        """Directions of the tool that are lost at the focus."""
+        robot, task = self.here.robot, self.here.task
+        never, length = _never_possible(self.here), counted_length(robot)
+        lengths = np.repeat([length, 1.0], 3)
+        weakest = lost_directions(robot, self.here.q, task, 1)[0]
+        corank = self._corank or int(self.cause in (Cause.NEAR_MISS, Cause.SLOW))
+        if not corank:
+            return Lost(np.zeros((0, 6)), weakest, (), (), None, (), (), never)
+        framed = lost_in_sparsest_frame(robot, self.focus, task, corank)
+        return Lost(
+            directions=lost_directions(robot, self.focus, task, corank),
+            weakest=weakest,
+            words=tuple(words(one, framed.name, length) for one in framed.directions),
+            blocked_words=tuple(blocked_words(one, framed.name, length) for one in framed.directions),
+            framed=framed,
+            twist_screws=tuple(screw_of(one * lengths) for one in framed.directions),
+            wrench_screws=tuple(screw_of(np.roll(one, 3) * lengths) for one in framed.directions),
+            never=never,
+            seen=_seen_in_axes(robot, self.focus, task, corank, framed, self.options.frame or ""),
+        )
+
+    @cached_property
+    def blame(self) -> Blame:
+        """Which joints make the dependency at the focus."""
+        robot, task = self.here.robot, self.here.task
+        q, corank, few = self.focus, self._corank, robot.n <= LARGEST_CHAIN
+        circuits = circuits_at(robot, q, task) if few else ()
+        return Blame(
+            circuits=circuits,
+            smallest=make_all(circuits, robot.n, robot.n - self.here.generic + corank) if corank else (),
+            ordered=ordered_subsets(robot, q, task),
+            systems=systems_at(robot, q),
+            always=always_singular_reason(robot, task),
+            complete=few,
+            hunt=hunt(robot, q, task, self.here.tolerances) if corank else None,
+        )
+
+    @cached_property
+    def escape(self) -> Escape:
+        """Which motions lead out."""
+        return escape(self.here, seed=self.options.seed, step=self.options.step)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """What motion costs the joints."""
+        task = self.turned_task
+        return joint_rates(self.here) if task == self.here.task else joint_rates(self.robot, self.q, task)
+
+    @property
+    def turned_task(self) -> Task:
+        """The task with rows along the axes asked for; itself where other axes would make it another one."""
+        task, frame = self.here.task, self.options.frame
+        whole = all(len(block & set(task.rows)) in (0, 3) for block in ({0, 1, 2}, {3, 4, 5}))
+        if not frame or not whole:
+            return task
+        if frame == "link":
+            return task if task.m < 6 or self.lost.framed is None else replace(task, frame=self.lost.framed.frame)
+        return replace(task, frame=replace(task.frame, axes=BASE if frame == "base" else TIP))
+
+    @cached_property
+    def failures(self) -> Failures:
+        """What the failure of each single joint leaves at q."""
+        return failures_at(self.here)
+
+    @cached_property
+    def ellipsoids(self) -> Ellipsoids:
+        """How motion and force compare by direction."""
+        return ellipsoids(self.here)
+
+    @cached_property
+    def redundancy(self) -> Redundancy:
+        """What motions of the joints leave the tool still."""
+        return redundancy(self.here)
+
+    @cached_property
+    def representations(self) -> Representations:
+        """How far the coordinates of the orientation are from singularities of their own."""
+        return representation_at(self.robot, self.q, tolerances=self.here.tolerances)
+
+    @cached_property
+    def disagreements(self) -> tuple[str, ...]:
+        """Where two methods disagree; empty when all is well."""
+        return tuple(disagreements(self.far, self.escape.single))
+
+    @property
+    def nearly_lost(self) -> int:
+        """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
+        kept = self.rank.sigma[: self.rank.rank]
+        return int((kept <= self.options.small).sum())
+
+    @property
+    def outside_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
+        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+
+    @property
+    def at_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) that stand at a limit, to within `AT_LIMIT`."""
+        gap = np.minimum(np.abs(self.q - self.robot.lower), np.abs(self.robot.upper - self.q)) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(gap <= AT_LIMIT))
+
+    @property
+    def _scale(self) -> Array:
+        turning = [joint.unit == "rad" for joint in self.robot.variables]
+        return np.where(turning, 1.0, self.length_scale)
+
+    @cached_property
+    def certified_radius(self) -> float | None:
+        """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""
+        if self.rank.corank or self.rank.always_singular:
+            return 0.0
+        return None if self.far.certificate is None else self.far.certificate.radius
+
+    def __repr__(self) -> str:
+        return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"
+
+    def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+        """The explanation in words: see `rankdrop.results.explanation_text.sections_of`."""
+        return sections_of(self, full=full, parts=parts)

@@ -1,0 +1,831 @@
+"""An explanation in words: the answer in five lines, then section by section in the order of use.
+
+Last the parts that are shown on demand: joint rates, failures, ellipsoids, redundancy, coordinates of the orientation,
+singular values and joint angles; and what has to hold on a family, one sentence each.
+
+The sentences of the answer stand in tables, one row for each cause of the verdict; columns of a table of records stand
+in tables as well, heading and cell.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
+from math import degrees, isinf
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rankdrop.codec import Record
+from rankdrop.configuration import Cause
+from rankdrop.families.distance import FamilyDistance
+from rankdrop.family.record import Family, short_name
+from rankdrop.local.directions import FramedDirections, constraint, in_short
+from rankdrop.local.nearest import Nearest
+from rankdrop.local.rates import DirectionRates, StraightMotion
+from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.results.known import shipped_conditions_record
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Formula, Section
+from rankdrop.task import BASE, TIP, Task
+from rankdrop.text.conditions import values_in_degrees
+from rankdrop.text.families import symbols as joint_symbols
+from rankdrop.text.words import (
+    LOST_TYPE,
+    PROOF,
+    angle,
+    angle_below,
+    avoidable_words,
+    below,
+    boundary_words,
+    degrees_hint,
+    failures_table,
+    fixed,
+    hunt_words,
+    joint_word,
+    minus,
+    motion,
+    numbers,
+    pitch_text,
+    plural,
+    power,
+    raised,
+    short,
+    vector,
+    wrench_text,
+)
+from rankdrop.units import counted_length
+
+if TYPE_CHECKING:
+    from rankdrop.results.explanation import Explanation, Summary
+
+
+TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
+"""How the verdict is coloured."""
+_FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
+_TWIST = "v [m/s], ω [rad/s]: velocity and turning of the tool"
+_COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
+_HUGE = 100.0  # an arm that reaches farther was hardly meant in m
+_SHOWN = 3  # ways out and families
+IDLE = 0.01
+"""Away from a singularity: a joint whose rate is below this share of the best does not help."""
+NO_RATE = 1e-12
+"""A rate or a step below it is rounding."""
+SHARE = 0.02
+"""A joint that moves less than this share of the fastest is left out of a direction."""
+_AXIS = 1e-4  # components below it are not shown: the axis is X, Y or Z
+
+
+def sentence_of(explanation: Explanation) -> str:
+    """What may be claimed of one configuration; its word is `Explanation.verdict`."""
+    differ = "; two methods disagree, see the end" if explanation.disagreements else ""
+    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
+
+
+_REASONS = {
+    Cause.LOST: "{corank} of {r} directions of the tool {are} lost{nearly}",
+    Cause.NEVER: "rank {r} here and at almost every configuration: the arm never does more",
+    Cause.NEAR_MISS: "rank {rank} of {r}; near miss: σ{r} = {sigma} is small, but a descent from here ends at σ{r} = "
+    "{miss}, not at zero",
+    Cause.DISTANCE: "rank {rank} of {r}, but a singular configuration is {away} away{several}",
+    Cause.SMALL: "rank {rank} of {r}, but σ{r} = {sigma} is at most {small}",
+    Cause.SLOW: "rank {rank} of {r}, but the tool is slow: at most {slow}",
+    Cause.NONE: "rank {rank} of {r}; the nearest singular configuration found is {away} away",
+}
+_NONE_FOUND = "rank {rank} of {r}; no singular configuration was found, and {proven}"
+
+
+def reason_of(explanation: Explanation) -> str:
+    """What decides the verdict, in a sentence."""
+    facts, far = _measured(explanation), explanation.far
+    if explanation.cause == Cause.NONE and far.nearest is None:
+        near = far.certificate
+        proven = f"none lies within {angle_below(near.radius)}" if near else "that is no proof"
+        return _NONE_FOUND.format_map({**facts, "proven": proven})
+    return _REASONS[explanation.cause].format_map(facts)
+
+
+def _measured(explanation: Explanation) -> dict[str, object]:
+    """What the sentences on rank, singular values and distance are filled with."""
+    rank, far, count = explanation.rank, explanation.far, explanation.nearly_lost
+    r, first, sigma = rank.generic_rank, rank.rank - count, [short(float(value), 3) for value in rank.sigma]
+    return {
+        "r": r, "rank": rank.rank, "corank": rank.corank, "m": explanation.task.m, "sigma": sigma[r - 1],
+        "are": "is" if rank.corank == 1 else "are",
+        "nearly": f", and σ{rank.rank} = {sigma[rank.rank - 1]} is nearly zero" if count else "",
+        "several": "" if count < 2 else (
+            f"; {count} directions of the tool are nearly lost, σ{first + 1} = {sigma[first]}"),
+        "small": short(explanation.options.small),
+        "miss": short(far.near_miss or 0.0, 3),
+        "away": "" if far.nearest is None else angle(far.nearest.distance),
+        "slow": " and ".join(_speed_words(one) for one in explanation.straight if one.speed < one.limit),
+    }  # fmt: skip
+
+
+_NEAR, _FARTHER = "near a singularity: {name}{place}", "Get farther away: {jog}; σ{r} is {after} then"
+_FAMILY, _PROVEN = "; family from {source}", "{proven}"
+_SUMMARY = {
+    Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
+                 "Get out: {jog}. Cartesian jogging along the lost motion fails", _FAMILY),
+    Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
+                  "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
+    Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
+                      "Nearly lost: {lost}", _FARTHER, _PROVEN),
+    Cause.DISTANCE: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
+    Cause.SMALL: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
+    Cause.SLOW: (_NEAR, "Slow: at most {slowest}", _FARTHER, _PROVEN),
+    Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
+                 "Slowest straight motion: at most {slowest}", _FARTHER, _PROVEN),
+}  # fmt: skip
+"""Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
+_SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
+
+
+def summary_lines(explanation: Explanation) -> tuple[str, ...]:
+    """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
+    summary, rank = explanation.summary, explanation.rank
+    what, lost, way, sure = _SUMMARY[summary.cause]
+    if "{slowest}" in lost and (summary.slowest is None or isinf(summary.slowest.speed)):
+        lost = "Lost: nothing"
+    if "{jog}" in way and (not summary.way_out or summary.sigma_after is None):
+        way = f"{way.partition(':')[0]}: no small motion inside the joint limits does"
+    following = "Next: no other singularity was found."
+    if summary.next_distance is not None:
+        following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
+    facts = _summarised(explanation, summary)
+    what, lost, way, sure = (text.format_map(facts) for text in (what, lost, way, sure))
+    size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
+    return (f"{explanation.robot.name} is {what}.", f"{lost}.", f"{way}.", following, f"Verified: {size}{sure}.")
+
+
+def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]:
+    """What the sentences of the summary are filled with."""
+    units, moves = explanation.robot.units, summary.way_out
+    joints = [joint_word(number, one.name) for number, one in enumerate(explanation.robot.variables, start=1)]
+    pinned = [f"{joints[i - 1]} at {_value_words(value, units[i - 1])}" for i, value in summary.pinned[:2]]
+    jog = [f"{joints[i - 1]} by {motion(value, units[i - 1], 2)}" for i, value in moves]
+    place, offsets = f", {_degrees(summary.distance or 0.0)} away", _offset_words(summary)
+    return _measured(explanation) | {
+        "name": summary.family or "family unknown",
+        "pinned": f" ({', '.join(pinned)})" if pinned else "",
+        "place": f"; offsets of {offsets} keep it from being exact" if summary.ideal else place,
+        "lost": _motions_words(summary.lost) if summary.lost else "see --full",
+        "never": _motions_words(explanation.lost.never.tolist()),
+        "slowest": "" if summary.slowest is None else _speed_words(summary.slowest),
+        "jog": f"{'jog' if len(moves) == 1 else 'move together'} {', '.join(jog)}",
+        "after": short(summary.sigma_after or 0.0, 2),
+        "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
+        "proven": f"; none within {short(below(degrees(summary.radius), 3))}° (proven)" if summary.radius else "",
+    }
+
+
+def _offset_words(summary: Summary) -> str:
+    """What keeps an arm from being the ideal one: "12 mm and 0.5°"."""
+    lengths = [f"{short(1e3 * summary.length, 2)} mm"] * bool(summary.length)
+    return " and ".join([*lengths, *[f"{short(degrees(summary.angle), 2)}°"] * bool(summary.angle)])
+
+
+def _value_words(value: float, unit: str) -> str:
+    return f"{short(round(degrees(value), 3) + 0.0)}°" if unit == "rad" else f"{short(round(value, 6) + 0.0)} m"
+
+
+def _speed_words(slow: StraightMotion) -> str:
+    """A straight motion: "2.2 mm/s along (0.1, …), limited by joint 4"."""
+    along = f"{'along' if slow.unit == 'm/s' else 'about'} {_axis_words(slow.direction)}"
+    return f"{speed_text(slow.speed, slow.unit)} {along}, limited by {joint_word(slow.number, slow.joint)}"
+
+
+def speed_text(speed: float, unit: str) -> str:
+    """A speed of the tool: "2.2 mm/s", "1.3 m/s", "4.1°/s"."""
+    if unit == "rad/s":
+        return f"{short(degrees(speed), 3 if speed > 1.0 else 2)}°/s"
+    if speed >= 1.0:
+        return f"{short(speed, 2)} m/s"
+    return f"{short(1e3 * speed, 3 if speed >= 0.1 else 2)} mm/s"
+
+
+def _motions_words(directions: Sequence[Sequence[float]]) -> str:
+    """Lost directions in base axes: "motion along (−0.49, −0.20, 0.85); turning about Z"."""
+    shown = "; ".join(_motion_words(np.array(row)) for row in directions[:2])
+    return f"{shown}{f'; {len(directions) - 2} more' if len(directions) > 2 else ''} in base axes"
+
+
+def _motion_words(direction: Array) -> str:
+    moves, turns = (float(np.linalg.norm(part)) for part in (direction[:3], direction[3:]))
+    along, about = f"motion along {_axis_words(direction[:3])}", f"turning about {_axis_words(direction[3:])}"
+    least = _MIXED * np.hypot(moves, turns)
+    return along if turns <= least else about if moves <= least else f"{along} with {about}"
+
+
+_MIXED = 0.25  # below this share of a direction its smaller part is not named
+
+
+def _axis_words(vector: Iterable[float]) -> str:
+    unit = np.array(list(vector))
+    unit = unit / max(float(np.linalg.norm(unit)), 1e-300)
+    large = np.flatnonzero(np.abs(unit) > _AXIS)
+    if len(large) == 1:
+        return "XYZ"[int(large[0])]
+    return f"({', '.join(minus(f'{round(x, 2) + 0.0:.2f}') for x in unit.tolist())})"
+
+
+def _degrees(distance: float) -> str:
+    return f"{short(degrees(distance), 3)}°"
+
+
+def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+    """The parts in the order in which they are asked for.
+
+    Args:
+        full: every detail; else what an engineer at a stopped robot needs.
+        parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
+    """
+    names = parts or [name for name in PARTS if full or name not in DETAILS]
+    return tuple(section for name in names for section in PARTS[name](explanation, full))
+
+
+def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
+    hint = degrees_hint(explanation.q, explanation.robot)
+    if hint is not None:
+        yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+    first, *lines = summary_lines(explanation)
+    yield Section(first, "", (*lines, *_warnings(explanation, full)), tone=TONE[explanation.verdict])
+
+
+def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
+    rank, robot = explanation.rank, explanation.robot
+    joints, r = robot.variables, rank.generic_rank
+    sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
+    lines = [
+        f"rank {rank.rank} of {r}, corank {rank.corank}; {_null_motions_words(explanation)} (nullity {rank.nullity})",
+        Formula(f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)"),
+        f"task {explanation.task.name}; σ has translation divided by {short(explanation.length_scale)} m",
+    ]
+    names = [joint.name for joint in joints]
+    if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
+        numbered = ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1))
+        lines.append(Formula(f"joints {numbered}"))
+    rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, explanation.q))]
+    if any(joint.unit == "rad" for joint in joints):
+        turned = zip(np.degrees(explanation.q) + 0.0, joints, strict=True)
+        rows.append(("deg", *("" if joint.unit == "m" else minus(f"{value:.2f}") for value, joint in turned)))
+    columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
+    yield Section("Numbers", "", tuple(lines), columns, tuple(rows), notes=robot.notes)
+
+
+def _null_motions_words(explanation: Explanation) -> str:
+    count = explanation.rank.nullity
+    what = "move the tool" if explanation.task.m == 6 else "change what the task asks for"
+    if not count:
+        return f"every joint motion {what.replace(' ', 's ', 1)}"
+    return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
+
+
+def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
+    reach, outside = explanation.length_scale, list[str]()
+    if reach > _HUGE:
+        yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
+    for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
+        turns = joint.unit == "rad"
+        at, low, high = (
+            f"{short(degrees(x) if turns else x)}{'°' if turns else ' m'}" for x in (value, joint.lower, joint.upper)
+        )
+        if number in explanation.outside_limits:
+            outside.append(f"{joint_word(number, joint.name)} at {at} is outside its limits, {low} … {high}")
+        elif number in explanation.at_limits:
+            outside.append(f"{joint_word(number, joint.name)} at {at} stands at a limit ({low} … {high})")
+    if full or len(outside) < 2:
+        yield from outside
+    else:
+        both = ((explanation.outside_limits, "outside the limits"), (explanation.at_limits, "at a limit"))
+        yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
+
+
+def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
+    """One line that lists things; none where there are none."""
+    texts = "; ".join(items)
+    return (f"{head}: {texts}",) if texts else ()
+
+
+def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
+    met, lines, notes = explanation.met, list[str](), tuple[str, ...]()
+    own = [one for one in met if one.family.corank == met[0].family.corank]
+    for one in own[: None if full else 2]:
+        family, conditions = one.family, condition_sentences(explanation.robot, explanation.task, one.family)
+        of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})" if full else ""
+        lines += [f"{family.name}{of}"] * (full or len(own) > 1)
+        lines.append(Formula(f"{'    ' * full}{'; '.join(conditions)}"))
+    if full:
+        lines += _listed("lies on", (one.family.name for one in met if one not in own))
+        lines += _listed("here", (one.words for one in explanation.relations if not one.structural))
+        notes = _listed("at every configuration", (one.words for one in explanation.relations if one.structural))
+    if lines or notes:
+        yield Section("Which singularity" if met else "Axes", _focus(explanation), tuple(lines), notes=notes)
+
+
+def _focus(explanation: Explanation) -> str:
+    return "" if np.array_equal(explanation.focus, explanation.q) else "at the nearest singular configuration"
+
+
+def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
+    lost = explanation.lost
+    if lost.framed is None:
+        return
+    hardly = explanation.far.near_miss is not None and not explanation.rank.corank
+    seen = [one for frame, one in lost.seen.items() if full or frame != "link"] or lost.seen.values()
+    lines = [f"The tool {'can hardly move other than' if hardly else 'can only move'} so that"]
+    nearly = False
+    for one in (lost_text(explanation.robot, framed) for framed in seen):
+        lines.append(Formula(f"  in {one['axes']}: {', '.join(one['constraints'])}"))
+        brief = "; ".join(filter(None, one["short"]))
+        lines += [f"      {brief}"] * (full and bool(brief))
+        nearly = nearly or any(text.startswith("nearly") for text in one["short"])
+    if full:
+        lines += _screws(explanation, "with hardly any joint torque" if hardly else "without joint torque")
+    title = "What is lost" if explanation.rank.corank else "What is nearly lost"
+    notes = (_TWIST, *[_COUNTED] * (full and nearly))
+    yield Section(title, _focus(explanation), tuple(lines), notes=notes)
+
+
+def _never(explanation: Explanation, full: bool) -> Iterator[Section]:
+    rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in explanation.lost.never)
+    if rows:
+        yield Section("Never possible", "twists that this arm makes nowhere around here",
+                      columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
+
+
+def _screws(explanation: Explanation, torque: str) -> Iterator[str]:
+    """What is lost as twists and wrenches, in the frame in which it is simplest."""
+    lost, framed = explanation.lost, explanation.lost.framed
+    assert framed is not None
+    at_tip = framed.frame.origin == TIP and not any(framed.frame.point)
+    yield f"In the axes of {framed.name}{', reference point at the tool' * at_tip}:"
+    for direction, twist, wrench in zip(framed.directions, lost.twist_screws, lost.wrench_screws, strict=True):
+        yield f"  lost twist {vector(direction)}: {pitch_text(twist.pitch)}"
+        yield f"      carried {torque}: {wrench_text(wrench)}"
+
+
+def lost_text(robot: Robot, framed: FramedDirections) -> Record:
+    """What is lost as it reads in one frame, with an entry for each direction.
+
+    Returns:
+        axes: as a heading: "base axes", "axes of link 5 (wrist_2_link) at its origin"; constraints: what all motions
+        that remain obey: "0.63 vy + 0.7 vz + 0.098 m·ωx = 0"; short: what that comes to: "no motion along Y", or empty.
+    """
+    length = counted_length(robot)
+    return {
+        "axes": axes_text(robot, framed),
+        "constraints": [constraint(one, length) for one in framed.directions],
+        "short": [in_short(one) for one in framed.directions],
+    }
+
+
+def axes_text(robot: Robot, framed: FramedDirections) -> str:
+    """Whose axes: "base axes", "tool axes", "axes of the tool at the origin of link 5 (wrist_2_link)"."""
+    frame = framed.frame
+    if frame.origin == TIP and frame.axes in (BASE, TIP):
+        return f"{'base' if frame.axes == BASE else 'tool'} axes"
+    text = framed.name
+    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
+    if number in (BASE, TIP):
+        return f"axes of {text}"
+    joint, link = robot.joints[number - 1], f"link {number}"
+    known = joint.link or f"after {joint.name}"
+    return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
+
+
+Columns = dict[str, Callable[[Any], str]]
+"""Heading -> the cell of a record."""
+
+
+def _table(records: Iterable[Any], columns: Columns) -> dict[str, Any]:
+    """Columns and rows of a section."""
+    return {"columns": tuple(columns), "rows": tuple(tuple(cell(one) for cell in columns.values()) for one in records)}
+
+
+def _yes(holds: bool) -> str:
+    return "yes" if holds else "no"
+
+
+_CIRCUITS: Columns = {
+    "joints": lambda one: numbers(one.numbers), "when": lambda one: "always" if one.generic else "here",
+    "joint rates that cancel": lambda one: vector(one.coefficients), "in words": attrgetter("words"),
+}  # fmt: skip
+_RUNS: Columns = {
+    "joints": lambda one: f"{one.first}–{one.last}", "dimension": lambda one: str(one.dimension),
+    "loss": lambda one: str(one.loss), "their test": lambda one: _yes(one.msos),
+    "minimal": lambda one: _yes(one.minimal),
+}  # fmt: skip
+_HUNT: Columns = {
+    "joint": lambda one: str(one.number), "column": lambda one: short(round(one.share, 4)),
+    "named": lambda one: _yes(one.named), "GR's actuator": lambda one: _yes(one.actuator),
+    "leads out, rate": lambda one: short(round(abs(one.rate), 4)) if one.tells else "no",
+    "by finite motion": lambda one: _yes(one.escapes),
+}  # fmt: skip
+
+
+def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
+    blame = explanation.blame
+    lines = [circuit.words for circuit in blame.smallest]
+    lines += [system.words for system in blame.systems if system.permanent or full]
+    lines += [f"deficient at every configuration: {blame.always}"] * bool(blame.always)
+    lines += ["the chain is too long to list dependent sets of joints"] * (not blame.complete)
+    if lines:
+        yield Section("Joints to blame", _dependencies(explanation) if blame.smallest else "", tuple(lines))
+    if full and blame.circuits:
+        yield Section("Every circuit", "dependent sets of joints without a smaller one inside",
+                      **_table(blame.circuits, _CIRCUITS), texts=(0, 1, 2, 3))  # fmt: skip
+    if full and blame.ordered:
+        yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
+                      **_table(blame.ordered, _RUNS))  # fmt: skip
+    if full and blame.hunt is not None:
+        table = _table(blame.hunt.joints, _HUNT) if blame.hunt.joints else {}
+        yield Section("Hunt's cofactors beside GR's rules", "", (hunt_words(blame.hunt),), **table)
+
+
+def _dependencies(explanation: Explanation) -> str:
+    usual = explanation.robot.n - explanation.rank.generic_rank
+    text = "smallest sets of joints with dependent screws"
+    if usual:
+        corank = explanation.met[0].family.corank if explanation.met else explanation.rank.corank
+        text += f"; {usual + corank} dependencies here, {usual} almost everywhere"
+    return text
+
+
+def _escape(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
+    if explanation.rank.corank:
+        yield _out(explanation, full)
+    elif full or any(abs(one.rate) > NO_RATE for one in explanation.escape.single):
+        yield _away(explanation, full)
+
+
+def _out(explanation: Explanation, full: bool) -> Section:
+    out, r = explanation.escape, explanation.rank.generic_rank
+    helpful = [one for one in out.single if one.order is not None]
+    rows = tuple(_joint_row(explanation, one) for one in (out.single if full else helpful[:_SHOWN]))
+    columns: tuple[str, ...] = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
+    if not full:
+        columns, rows = (columns[0], *columns[3:5]), tuple((row[0], *row[3:5]) for row in rows)
+    return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows,
+                   (0, 5) if full else (0,), tuple(_ways_out(explanation, full, alone=bool(helpful))),
+                   (_ORDER,) * bool(rows and full))  # fmt: skip
+
+
+_ORDER = "order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency"
+
+
+def _ways_out(explanation: Explanation, full: bool, *, alone: bool) -> Iterator[str]:
+    """What is known beside motions of one joint; `alone`: some joint restores the full rank."""
+    out = explanation.escape
+    if not alone:
+        yield "no single joint restores the full rank"
+    if out.best_pair is not None and full:
+        yield f"best two joints: {_direction(explanation, out.best_pair)}"
+    if full or not alone:
+        yield f"best direction: {_direction(explanation, out.best_direction)}"
+    if full or out.avoidable is not None:
+        yield _sentence(avoidable_words(out))
+    if full:
+        yield from _lost_types(out)
+    if full or out.boundary is not None:
+        yield _sentence(boundary_words(out))
+
+
+def _lost_types(out: Escape) -> Iterator[str]:
+    """How the tool moves along the lost directions at second order, one sentence for each type."""
+    slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
+    for kind in dict.fromkeys(one.type for one in out.types):
+        which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
+        one = LOST_TYPE[kind]
+        if len(out.types) > 1:
+            one = one.replace("the lost direction", _lost_numbered(which, len(out.types)))
+        yield _sentence(f"{slowly}{one}")
+
+
+def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
+    out = explanation.escape
+    said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
+    said |= {one.type: LOST_TYPE[one.type] for one in out.types}
+    said[out.boundary_reason] = boundary_words(out)
+    lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
+    if lines and explanation.rank.corank:
+        yield Section("Why", "for ways out", lines)
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _lost_numbered(which: list[int], count: int) -> str:
+    if len(which) == count:
+        return "each lost direction"
+    return f"lost {plural('direction', len(which))} {numbers(which)}"
+
+
+def _away(explanation: Explanation, full: bool) -> Section:
+    out, r = explanation.escape, explanation.rank.generic_rank
+    best = max(abs(one.rate) for one in out.single)
+    helpful = [one for one in out.single if abs(one.rate) > max(IDLE * best, NO_RATE)]
+    rows = tuple(
+        (f"{one.number} {one.joint}", *_rate_and_step(explanation, one))
+        for one in (out.single if full else helpful[:_SHOWN])
+    )
+    now = f"one joint alone, best first; σ{r} = {short(explanation.rank.sigma[r - 1])} here"
+    return Section("How to get away", now if rows else "", (), ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows,
+                   (0,), (f"best direction: {_direction(explanation, out.best_direction)}",))  # fmt: skip
+
+
+def _joint_row(explanation: Explanation, joint: JointEscape) -> tuple[str, ...]:
+    name = f"{joint.number} {joint.joint}"
+    if joint.order is None:
+        return (name, "–", f"gains {joint.gain}, not all" if joint.gain else "no gain", "", "", "")
+    carries = numbers(joint.receptors) if joint.receptors else "–"
+    return (name, str(joint.order), *_rate_and_step(explanation, joint, joint.order), carries)
+
+
+def _rate_and_step(explanation: Explanation, joint: JointEscape, order: int = 1) -> tuple[str, str, str]:
+    unit = explanation.robot.variables[joint.number - 1].unit
+    per = unit if order == 1 else f"{unit}{raised(order)}"
+    rate = f"{short(joint.rate) if abs(joint.rate) > NO_RATE else '0'} per {per}"
+    if not joint.within_limits or abs(joint.step) < NO_RATE:
+        return rate, "not within limits", ""
+    return rate, motion(joint.step, unit), short(joint.sigma_after)
+
+
+def _direction(explanation: Explanation, direction: Direction) -> str:
+    """The joints that matter, in words, and what they reach."""
+    joints = explanation.robot.variables
+    scale = np.where([joint.unit == "m" for joint in joints], explanation.length_scale, 1.0)
+    size = np.abs(np.array(direction.delta)) / scale
+    large = [number for number in direction.numbers if size[number - 1] >= SHARE * size.max()]
+    parts = [
+        f"joint {number} {motion(direction.delta[number - 1] * direction.step, joints[number - 1].unit)}"
+        for number in large
+    ]
+    rest = ", the others far less" if len(large) < sum(size > 1e-9) else ""
+    end = f"σ{explanation.rank.generic_rank} = {short(direction.sigma_after)}"
+    if not direction.within_limits:
+        end += ", outside the joint limits"
+    return f"{', '.join(parts)}{rest}: {end}" + ("" if direction.restores else f", gains {direction.gain} only")
+
+
+def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
+    far, units = explanation.far, explanation.robot.units
+    lines, rows = [*_nearest_words(explanation, full), *_certified_words(explanation)], list[tuple[str, ...]]()
+    if full and far.nearest is not None and not _is_a_family(far.nearest, far.families):
+        rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
+    for one in far.families[: None if full else 2]:
+        moves = _deltas(one.delta, units) if full else ()
+        rows.append((angle(one.distance), one.family.name + f" (corank {one.family.corank})" * full, *moves))
+    if lines or rows:
+        joints = tuple(f"{number}" for number in range(1, explanation.robot.n + 1)) if full else ()
+        columns = ("distance", "family", *joints) if rows else ()
+        yield Section("How far the next one is" if explanation.rank.corank else "How far", "", tuple(lines), columns,
+                      tuple(rows), (0, 1), notes=("by joint: the motion to it",) if full and rows else ())  # fmt: skip
+
+
+def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:
+    return any(one.distance <= nearest.distance * (1 + 1e-9) for one in families)
+
+
+def _nearest_words(explanation: Explanation, full: bool) -> Iterator[str]:
+    far = explanation.far
+    if far.nearest is not None and (full or not far.families):
+        name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
+        limits = "" if far.nearest.within_limits else "; it is outside the joint limits"
+        checked = f"; {far.nearest.agreeing} of {far.nearest.starts} searches agree; σ there at most "
+        yield (f"nearest singular configuration found: {angle(far.nearest.distance)} away{name}"
+               f"{checked + power(far.nearest.sigma) if full else ''}{limits}")  # fmt: skip
+
+
+def _certified_words(explanation: Explanation) -> Iterator[str]:
+    """What is proven about the distance; nothing where every configuration is deficient."""
+    far, rank = explanation.far, explanation.rank
+    if rank.always_singular:
+        return
+    if far.certificate is not None:
+        spent = f"{far.certificate.evaluations:,} enclosures{'' if far.certificate.complete else '; interrupted'}"
+        yield f"certified: no singularity within {angle_below(far.certificate.radius)} (proven; {spent})"
+    elif far.uncertified and not rank.corank:
+        yield f"no certified radius: {far.uncertified}"
+
+
+def _deltas(delta: Sequence[float], units: list[str]) -> tuple[str, ...]:
+    return tuple(motion(value, unit, 4) for value, unit in zip(delta, units, strict=True))
+
+
+def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """One row for each axis: its lost share where something is lost, then what its motion costs."""
+    rates, n = explanation.rates, explanation.robot.n
+    losing = any(rates.lost_shares)
+    norms = full or not losing
+    impossible = ("–", "", "0", *[""] * n) if full else ("", "0")
+    rows = [
+        (axis.name, *[_percent(share)] * losing,
+         *(impossible if left is None else _costs(left, axis.unit, full, brief=losing)))
+        for axis, share, left in zip(rates.axes, rates.lost_shares, rates.remaining, strict=True)
+    ]  # fmt: skip
+    if rates.weakest is not None:
+        rows.append((rates.weakest.name, *[""] * losing, *_costs(rates.weakest, "", full, brief=losing)))
+    held = "held back by" if np.isfinite(rates.limits).any() else "fastest"
+    columns = ("unit speed", *["lost"] * losing, *["joint rates"] * norms, held, "at most")
+    axes = explanation.turned_task.frame.axes
+    yield Section("What motion costs", {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}"), (),
+                  (*columns, *(str(number) for number in range(1, n + 1) if full)), tuple(rows),
+                  (0, len(columns) - 2, len(columns) - 1), notes=tuple(_rate_notes(explanation, norms)))  # fmt: skip
+
+
+def _rate_notes(explanation: Explanation, norms: bool) -> Iterator[str]:
+    rates = explanation.rates
+    unlimited = [number for number, limit in enumerate(rates.limits, start=1) if isinf(limit)]
+    if any(rates.lost_shares):
+        yield "lost: the share of this motion that cannot be made"
+        yield "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis"
+    if norms:
+        yield "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]"
+    if len(unlimited) < len(rates.limits):
+        none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+        yield f"at most: the largest speed within the velocity limits{none}"
+    else:
+        yield "no velocity limits are known"
+    if rates.weakest is not None:
+        yield (f"weakest direction: that of σ{explanation.rank.rank}, the smallest that is not zero; 1 rad/s, or "
+               f"{short(rates.length_scale)} m/s")  # fmt: skip
+
+
+def _percent(share: float) -> str:
+    """A share in percent: never rounded to all or nothing."""
+    if share in (0.0, 1.0):
+        return f"{share:.0%}".replace("%", " %")
+    return "< 0.1 %" if share < 1e-3 else "> 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
+
+
+def _costs(rates: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[str, ...]:
+    """Joint rates (not where it is `brief`), the joint that holds back, the largest speed [`unit` or mixed]."""
+    each = tuple(short(round(rate, 6)) for rate in rates.joint_rates) if full else ()
+    most = _largest(rates) if not unit or isinf(rates.speed) else f"{short(rates.speed, 3)} {unit}"
+    held = "" if rates.worst is None else f"{rates.worst} {rates.worst_joint}"
+    return (held, most) if brief and not full else (short(rates.norm), held, most, *each)
+
+
+def _largest(rates: DirectionRates) -> str:
+    if isinf(rates.speed):
+        return "no limit"
+    if rates.unit != "1":
+        return f"{short(rates.speed, 3)} {rates.unit}"
+    parts = [(float(np.linalg.norm(part)) * rates.speed, unit)
+             for part, unit in ((rates.direction[:3], "m/s"), (rates.direction[3:], "rad/s"))]  # fmt: skip
+    return ", ".join(f"{short(value, 3)} {unit}" for value, unit in parts if value > 1e-9)
+
+
+_SHAPES: Columns = {
+    "": attrgetter("name"), "velocity half-axes": lambda part: _lengths(part.velocity.half_lengths),
+    "force half-axes": lambda part: _lengths(part.force.half_lengths),
+    "σ_min": lambda part: short(part.sigma_min.value),
+    "condition": lambda part: short(part.condition.value),
+    "manipulability": lambda part: short(part.manipulability.value),
+}  # fmt: skip
+
+
+def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:
+    shapes = explanation.ellipsoids
+    for group in filter(None, (shapes.unit_rates, shapes.rate_limits)):
+        parts = [*filter(None, (group.translation, group.rotation, group.task))]
+        units = ", ".join(f"{part.name} {part.velocity.unit} and {part.force.unit}" for part in parts)
+        notes = (f"units: {units}; the task as a whole takes {shapes.length_scale:.4g} m for 1 rad",)
+        yield Section("Ellipsoids", group.ball, (), **_table(parts, _SHAPES), texts=(0, 1, 2), notes=notes)
+
+
+def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
+    spare = explanation.redundancy
+    lines = [
+        f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
+        + ("holds" if spare.check.holds else "DOES NOT HOLD"),
+        f"projector I − J⁺J: ‖PP − P‖ ≤ {power(spare.idempotent)}, ‖JP‖ ≤ {power(spare.annihilates)}; "
+        f"Jin's I − Jᵀ(JJᵀ)†J differs by at most {power(spare.difference)}",
+    ]
+    rows = tuple(tuple(fixed(value) for value in row) for row in spare.null_basis)
+    columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(explanation.robot.variables, start=1))
+    title = "Joint motions that leave the task still"
+    yield Section(title, "" if rows else "none", tuple(lines), columns if rows else (), rows, texts=(),
+                  notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
+
+
+_COORDINATES: Columns = {
+    "name": attrgetter("name"),
+    "value [rad, 1]": lambda one: ", ".join(
+        f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
+    "σ_min of E": lambda one: short(one.sigma_min),
+    "nearest singularity": lambda one: "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
+    "verdict": lambda one: "SINGULAR" if one.singular else "near" if one.near else "",
+}  # fmt: skip
+
+
+def _representation(explanation: Explanation, full: bool) -> Iterator[Section]:
+    rows = _table(explanation.representations.every, _COORDINATES)["rows"]
+    columns = ("", *tuple(_COORDINATES)[1:4], "")
+    yield Section("Coordinates of the orientation", explanation.representations.words, (), columns, rows,
+                  texts=(0, 1, 4))  # fmt: skip
+
+
+def _lengths(values: Iterable[float]) -> str:
+    return " ".join(short(round(float(value), 6)) for value in values)
+
+
+_MORE = "more with --full: joint rates, failures, σ and angles, circuits, redundancy, …"
+PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
+    "summary": _summary,
+    "which": _which,
+    "lost": lambda explanation, full: chain(_lost(explanation, full), _never(explanation, full)),
+    "escape": _escape,
+    "far": _far,
+    "blame": _blame,
+    "proofs": _proofs,
+    "rates": _rates,
+    "failures": lambda explanation, _: iter((failures_table(explanation.failures, "If one joint fails"),)),
+    "ellipsoids": _ellipsoids,
+    "redundancy": _redundancy,
+    "representation": _representation,
+    "numbers": _numbers,
+    "closing": lambda explanation, _: iter(
+        (Section("Disagreement", "two methods differ; please report it", explanation.disagreements),)
+        if explanation.disagreements else ()
+    ),
+    "more": lambda _, full: iter(() if full else (Section("", "", notes=(_MORE,)),)),
+}
+"""Every part by its name, in order."""
+DETAILS = frozenset(
+    ("blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
+)
+"""Parts that are shown only on demand."""
+
+
+LONGEST = 120
+"""Characters of a condition that is printed; of a longer one the joints are named."""
+_SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
+    """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
+
+    Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
+    """
+    record = shipped_conditions_record(robot, task)
+    if record is None:
+        return None
+    for one in record["families"]:
+        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
+            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+            if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
+                return None
+            return one["conditions"][len(one["pinned"]) :], record["letters"]
+    return None
+
+
+def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
+    """What has to hold on a family, one sentence each.
+
+    Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
+    lengths that stand in them; else the fitted ones. Long ones are not printed: they name their joints.
+
+    Args:
+        robot: the arm.
+        task: its rows.
+        family: of the catalogue, of an analysis, or found on the spot.
+    """
+    written = _written(robot, task, family)
+    if written is None and not family.equations:
+        return family.words or ("no condition found",)
+    texts, letters = _unpinned(family, written)
+    pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
+    told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
+    told += (text for text in texts if len(text) <= LONGEST)
+    named = {name for text in told for name in re.findall(r"\b\w+\b", text)}
+    if there := [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]:
+        told[-1] += f", {', '.join(there)}"
+    if long := [text for text in texts if len(text) > LONGEST]:
+        where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
+        count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
+        told.append(f"{count} on joints {numbers(_joints(long))} ({where})")
+    return tuple(told)
+
+
+def _unpinned(family: Family, written: tuple[list[str], Record] | None) -> tuple[list[str], Record]:
+    """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
+    fixed = {one.number for one in family.pinned}
+    if written is None:
+        return [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed], {}
+    return [text for text in written[0] if not {*_joints([text])} <= fixed], written[1]
+
+
+def _joints(texts: Sequence[str]) -> list[int]:
+    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
+    found: set[int] = set()
+    for text in texts:
+        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
+        for digits in re.findall(r"\b[sc](\d+)\b", text):
+            found |= {int(digit) for digit in digits}
+    return sorted(found)

@@ -1,0 +1,344 @@
+"""Derivations of corank 1 in words, step by step, as they are done by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, product
+
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import listed, structure_of, triples
+from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
+from rankdrop.exact.determinants import Decoupling
+from rankdrop.exact.notation import Step, Text, fourier
+from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.suppression import Case, Proof, Suppression
+from rankdrop.exact.tree import Tree
+from rankdrop.exact.writing import Condition, Value, atoms_text, condition_text, single_angles, text_of
+from rankdrop.sections import Formula
+from rankdrop.task import ROWS
+
+READABLE = 30
+"""Polynomials of more terms are told by their number of terms: nobody reads them."""
+LONG = 60
+"""Terms of a screw's entries above which it is not written out once more with a case's angles put in."""
+WRITTEN = 40
+"""Terms of a reciprocal screw up to which its elements are written."""
+_SHOWN = 40  # conditions that are printed
+
+
+def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree | None) -> tuple[Step, ...]:
+    """The derivation of corank 1 as it is done by hand; long polynomials take seconds to be put shortly."""
+    if isinstance(derived, Suppression):
+        return tuple(_suppression(derived))
+    if isinstance(derived, Decoupling):
+        return Step("Structure", structure_of(chain).sentences()), Step("Decoupling", tuple(_decoupling(derived)))
+    if isinstance(derived, Derivation):
+        return (_method(derived),)
+    how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
+    lines = () if derived is None else (f"{derived.visited} irreducible sets were looked into: {how}",)
+    return (Step("Rank tree", lines),) if lines else ()
+
+
+def _decoupling(found: Decoupling) -> Iterator[str]:
+    """Reason, point, blocks and parts."""
+    yield f"{found.form.reason}."
+    yield f"Reference point: {found.form.point}. Axes: {found.form.axes}."
+    for block in found.blocks:
+        yield f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}."
+        if not block.parts:
+            yield "  never singular"
+        for part in block.parts:
+            lost = part.statement or "; ".join(part.lost)
+            yield f"  {part.text}: {part.name}" + (f": {lost}" if lost else "")
+
+
+def _suppression(found: Suppression) -> Iterator[Step]:
+    """Screws, basic determinant, cases with dependent screws, families, what is left."""
+    ring = found.chain.ring
+    reason = "asked for" if found.frame_asked else _frames(found.chain)
+    screws = (_screw(ring, j, column) for j, column in enumerate(found.columns, 1))
+    where = f"in the frame of link {found.frame}, z along its axis, x along the next normal"
+    yield Step("Screws", (f"$j = (v; ω) of joint j {where}", f"why this frame: {reason}", *screws))
+    if found.start.basic is not None:
+        yield Step("Step 1: the determinant of the basic screws", tuple(_first(found)))
+        yield from _cases(found, found.start)
+    yield Step("Families", tuple(_families(found)))
+    if found.left:
+        yield Step("Not finished", tuple(map(left_text, found.left)))
+
+
+def _frames(chain: Chain) -> str:
+    terms = ", ".join(f"link {k}: {sum(len(x) for c in chain.screws(k) for x in c)}" for k in range(1, chain.n))
+    return f"the screws are shortest there; terms, multiplied out: {terms}"
+
+
+def _screw(ring: Ring, j: int, column: Sequence[Polynomial]) -> str:
+    entries = [text_of(ring, x) for x in column]
+    return Formula(f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})")
+
+
+def _first(found: Suppression) -> Iterator[str]:
+    joints, chain = found.basic, found.chain
+    known = ((three, kind) for three, kind in triples(chain) if set(three) <= set(joints))
+    said = ", ".join(f"{_joints(three)} are a {kind} joint" for three, kind in known)
+    yield f"basic screws: {_names(joints)}, independent in general{'; ' * bool(said) + said}"
+    if chain.n > 6:
+        yield f"why these: {'asked for' if found.basic_asked else '; '.join(_choice(found))}"
+    yield Formula(f"|{_names(joints)}| = {found.determinant}")
+    if chain.n == 6:
+        yield "with six joints there is no other screw: the arm is singular where a factor is zero"
+    yield from _branches(found.start)
+
+
+def _choice(found: Suppression) -> Iterator[str]:
+    """KG's conditions (a), (b), (c), with how many sixes each leaves."""
+    known, free = triples(found.chain), [(six, terms) for six, terms in found.sixes if terms]
+    yield f"(a) not dependent everywhere: {len(free)} of {len(found.sixes)} sixes"
+    with_triple = [one for one in free if any(set(joints) <= set(one[0]) for joints, _ in known)]
+    if with_triple:
+        names = ", ".join(f"{three[0]}–{three[-1]} ({kind})" for three, kind in known)
+        yield f"(b) with three joints that are one, {names}: {len(with_triple)}"
+    else:
+        yield "(b) no three joints are a planar or spherical one"
+    left = with_triple or free
+    least = min(six[-1] - six[0] for six, _ in left)
+    near = [(six, terms) for six, terms in left if six[-1] - six[0] == least]
+    yield f"(c) {'in a row' if least == 5 else 'as near to a row as can be'}: {len(near)}"
+    if len(near) > 1:
+        terms = ", ".join(f"{count} for {_short(six)}" for six, count in near)
+        counts = [count for _, count in near]
+        alike = counts.count(min(counts)) > 1
+        yield f"terms of the determinant: {terms}; {'of equals the last' if alike else 'the least'}"
+
+
+def _cases(found: Suppression, case: Case) -> Iterator[Step]:
+    for inner in case.cases:
+        lines = tuple(_case(found, inner))
+        if lines:
+            yield Step(f"Case {inner.number}: {conditions_text(inner.stratum)}", lines)
+        yield from _cases(found, inner)
+
+
+def _case(found: Suppression, case: Case) -> Iterator[str]:
+    ring, dependence = found.chain.ring, case.dependence
+    if dependence is not None:
+        screw, on, proof = dependence.screw, dependence.on, dependence.proof
+        for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
+            column = found.columns[j - 1]
+            short = [case.stratum.short(x) for x in column]
+            if short != column and sum(map(len, short)) <= LONG:
+                yield Formula(f"here {_screw(ring, j, short)}")
+        if proof is None:
+            yield f"${screw} is zero"
+        else:
+            one = f"a multiple of {_names(on)}, which is not zero:"
+            several = f"a combination of {_names(on)}, which are independent:"
+            yield f"${screw} is {one if len(on) == 1 else several}"
+            yield from _proof(found, proof, on)
+        yield f"${screw} is suppressed; left: {_names(case.joints)}"
+    if case.basic is not None:
+        p = case.basic.product.polynomial
+        yield Formula(f"|{_names(case.basic.joints)}| = {Value(ring, p, ring.factor(p)).text()}")
+        if not case.cases:
+            yield "which has no zero here: no singular configuration"
+    if case.split:
+        yield "no screw is a combination of the same others everywhere here: the case is split"
+    if case.family and len(case.joints) > 6:
+        yield "every determinant of six of the screws that are left is zero here"
+    yield from _branches(case)
+
+
+def _proof(found: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+    ring = found.chain.ring
+    there = "" if proof.frame == found.frame else f" in the frame of link {proof.frame}"
+    if proof.kind == "gram":
+        yield f"their Gram determinant{there} is {text_of(ring, proof.polynomials[0])} ≠ 0"
+        return
+    for rows, minor in zip(proof.rows, proof.polynomials, strict=True):
+        names = " ".join(ROWS[r] for r in rows)
+        value = f"{text_of(ring, minor)}{' ≠ 0' * (proof.kind == 'minor')}"
+        yield Formula(f"|{_names(on)}| of rows {names}{there} is {value}")
+    if proof.kind == "minors":
+        yield "which have no common zero here"
+
+
+def _branches(case: Case) -> Iterator[str]:
+    for inner in case.cases:
+        name = f"family {inner.family}" if inner.family else f"case {inner.number}"
+        yield Formula(f"{name}: {conditions_text(inner.stratum)}")
+
+
+def _families(found: Suppression) -> Iterator[str]:
+    """The families, why no two of them meet, and what is assumed."""
+    ring, families = found.chain.ring, found.families
+    for family in families:
+        yield Formula(f"family {family.family}: {conditions_text(family.stratum)}")
+    apart = ((one.family, two.family, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
+    waiting = {(one, two): p for one, two, p in apart if p is not None}
+    if waiting:
+        yield "no two of them meet:"
+    while waiting:  # until every pair is told apart
+        p = next(iter(waiting.values()))
+        zero = [family.family for family in families if p in family.stratum.equalities]
+        other = [family.family for family in families if p in family.stratum.inequalities]
+        yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
+        told = {*product(zero, other), *product(other, zero)}
+        waiting = {pair: q for pair, q in waiting.items() if pair not in told}
+    for p in found.assumptions:
+        yield Formula(f"assumed: {text_of(ring, p)} ≠ 0")
+
+
+_LEFT = {
+    "time": "case {number}: {conditions}",
+    "full rank": "case {number}: all six freedoms are left at points of it: {conditions}",
+    "no point": "case {number}: no point of it was met: {conditions}",
+    "empty": "no point modulo p was found on: {conditions}",
+    "determinant": "the determinant of the basic screws",
+}
+"""What was left of a suppression."""
+
+
+def left_text(left: tuple[str, Case]) -> str:
+    """What a suppression did not finish: a key of `_LEFT`, and the case."""
+    what, case = left
+    return _LEFT[what].format(number=case.number, conditions=conditions_text(case.stratum, READABLE))
+
+
+def conditions_text(stratum: Stratum, most: int | None = None) -> str:
+    """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
+    parts = []
+    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
+        for p in polynomials:
+            long = most is not None and len(p) > most
+            parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))
+    return ", ".join(parts) or "everywhere"
+
+
+def _names(joints: Sequence[int]) -> str:
+    return " ".join(f"${j}" for j in joints)
+
+
+def _joints(joints: Sequence[int]) -> str:
+    return ", ".join(map(str, joints))
+
+
+def _short(six: Sequence[int]) -> str:
+    """1–6, or 1, 2, 4, 5, 6, 7."""
+    return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else _joints(six)
+
+
+def _method(found: Derivation) -> Step:
+    notes, words, whole = notes_of(found), Words(found.chain.ring), Words(found.chain.ring, whole=True)
+    figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
+    shown = [Formula(words.conjunction(one)) for one in found.conditions[:_SHOWN]]
+    every = [Formula(whole.conjunction(one)) for one in found.conditions]
+    more = len(found.conditions) - _SHOWN
+    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *notes)
+    complete = (figures, *every, *notes)
+    return Step(f"Method: {found.method.replace('_', '-')}", lines, () if complete == lines else complete)
+
+
+_NOTES = {
+    "factors": "terms of det J: {terms}; different factors: {factors}",
+    "squares": "det({product}) is the sum of the squares of {minors} minors, {terms} terms: never negative, it "
+    "vanishes without a change of sign",
+    "irreducible": "it is one irreducible polynomial, of {factors} in half angles",
+    "half angles": "its factors in half angles: {factors}",
+    "cofactors": "{minors} minors, {terms} terms together, {common} common factors",
+    "together": "besides them {equations} equations hold together; their factors combine in {ways} ways",
+    "arm": "arm: rank J11 < 3, {minors} minors in {conditions} conditions",
+    "wrist": "wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {joint}: {conditions} "
+    "conditions",
+    "basic": "joints {joints} are taken first, as asked for",
+    "choices": "the exceptional loci are treated apart, by {further} further choices of joints, {different} different "
+    "ones in all",
+    "square": "where it vanishes det J does, too: nothing is left out",
+    "pivots": "{cases} cases of pivots, {conditions} of them with singular configurations; some may be empty, and "
+    "where a case holds no more than another one it is not left out",
+}
+"""What the methods note on the way."""
+
+
+def notes_of(found: Derivation) -> tuple[str, ...]:
+    """What is to be said of the answer of a method."""
+    words = Words(found.chain.ring)
+    return tuple(line for note in found.notes for line in _note(words, note))
+
+
+def _note(words: Words, note: Note) -> Iterator[str]:
+    what, facts = note
+    if what != "screw":
+        yield _NOTES[what].format(**facts)
+        return
+    case, elements, ring = facts["case"], facts["elements"], facts["case"].ring
+    there = words.conjunction(Conjunction(conditions_on(case))) if case.pins else "in general"
+    terms = sum(map(len, elements))
+    written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
+    screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
+    yield Formula(f"{there}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
+    known = list(dict.fromkeys(words.conjunction(one) for one in facts["vanishes"]))
+    count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
+    said = f"all {count} elements vanish, and it says nothing, where {', or where '.join(known)}"
+    yield f"  {said if known else 'it never vanishes there'}"
+
+
+class Words:
+    """Conditions of one ring in words; the shortest form of a polynomial is looked for once.
+
+    Args:
+        ring: of the chain.
+        whole: write every polynomial out; long ones as they are, without a search for their shortest form.
+
+    Example:
+        >>> ring = Ring([1, 2])
+        >>> atoms = tuple(atom for atom, _ in ring.factor(ring.s[1] * (ring.c[2] - ring.s[2])).atoms)
+        >>> Words(ring).conjunction(Conjunction((Equality(atoms),), ((Equality((ring.pin(2, "pi"),)),),)))
+        'θ1 = 0 or π or c2 − s2 = 0, where θ2 ≠ π'
+    """
+
+    def __init__(self, ring: Ring, *, whole: bool = False) -> None:
+        self._ring, self._whole = ring, whole
+        self._known: dict[str, str] = {}
+
+    def conjunction(self, conjunction: Conjunction) -> str:
+        """Everything that has to hold: "θ4 = 0 and (s2 = 0 or …), where θ6 ≠ 0"."""
+        equal = [self.equality(equality) for equality in conjunction.equal]
+        several = len(equal) > 1
+        text = " and ".join(f"({part})" if several and " or " in part else part for part in equal) or "everywhere"
+        unequal = [self._unequal(group) for group in conjunction.unequal]
+        return f"{text}, where {' and '.join(unequal)}" if unequal else text
+
+    def equality(self, equality: Equality) -> str:
+        """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together."""
+        p = equality.whole
+        if p is None:
+            return atoms_text(self._ring, equality.atoms, self._polynomial)
+        if len(p) <= READABLE:
+            return condition_text(self._ring, p)
+        return f"{Text().zero(single_angles(self._ring, p)) if self._whole else f'a polynomial of {len(p)} terms'} = 0"
+
+    def _polynomial(self, f: Polynomial) -> str:
+        key = str(f)
+        if key not in self._known:
+            self._known[key] = self._written(f)
+        return self._known[key]
+
+    def _written(self, f: Polynomial) -> str:
+        """A half-angle polynomial; a long one in sines and cosines where it has whole angles, else multiplied out."""
+        if len(f) <= READABLE:
+            return Condition(self._ring, f).text()
+        if not self._whole:
+            return f"a polynomial of {len(f)} half-angle terms = 0"
+        p = self._ring.to_trig(f)
+        form = fourier(self._ring.form(f)) if p is None else single_angles(self._ring, p)
+        return f"{Text().zero(form)} = 0"
+
+    def _unequal(self, group: Sequence[Equality]) -> str:
+        texts = [self.equality(equality) for equality in group]
+        if len(texts) > 1:
+            return "not all of these hold: " + "; ".join(texts)
+        if texts[0].count(" = ") == 1 and " or " not in texts[0]:
+            return texts[0].replace(" = ", " ≠ ")
+        return f"not ({texts[0]})"

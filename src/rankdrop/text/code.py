@@ -1,0 +1,318 @@
+"""Families as code: a Python module on NumPy, a C99 header, a LaTeX table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from keyword import iskeyword
+from math import pi
+from textwrap import indent
+from typing import TYPE_CHECKING
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.notation import C, Latex, Python, latex_name
+from rankdrop.text.latex import as_text
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Minor
+    from rankdrop.exact.family import ExactFamily
+
+TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
+"""Names that the Python module uses itself."""
+
+_TITLE = "Singularities of {}: one function per family, derived exactly by rankdrop."
+_PYTHON = '''"""{title}
+
+{explained}
+"""
+
+import numpy as np
+{imports}
+
+{functions}
+
+FAMILIES = {{
+{families}}}
+"""The functions by the marks of their families."""
+
+NAMES = {{
+{names}}}
+"""What the families are called."""
+'''
+_PYTHON_MINORS = '''
+DETERMINANTS = {{
+{}}}
+"""The determinant or minors of the Jacobian."""
+'''
+_PYTHON_FUNCTION = '''"""{said}
+
+Args:
+    q: (..., {n}) joint variables [rad, slides m].
+{lengths}
+Returns:
+    {returns}
+"""
+q = np.asarray(q, dtype=float)
+{joints}{body}
+'''
+_RESIDUALS = """return np.stack(
+    [
+        {},
+    ],
+    axis=-1,
+)"""
+_C_LENGTH = """#ifndef {macro}
+#define {macro} ({value!r}) /* {meaning} [m] */
+#endif
+"""
+_C_FAMILY = """
+/* {name}, corank {corank}.
+{conditions}
+ * q [rad, slides m]; every residual is zero exactly on the family. */
+#define {macro}_NAME "{plain}"
+static inline void {mark}(const double q[{n}], double residual[{m}])
+{{
+{residuals}
+}}
+
+/* Derivatives of the residuals by q. */
+static inline void {mark}_gradient(const double q[{n}], double gradient[{m}][{n}])
+{{
+    int i, j;
+{unused}    for (i = 0; i < {m}; ++i)
+        for (j = 0; j < {n}; ++j) gradient[i][j] = 0.0;
+{slopes}
+}}
+
+/* Distance in joint space [rad, slides divided by the length]: pinned joints exactly, other
+ * conditions by one Newton step: right near the family, an estimate far from it. */
+static inline double {mark}_distance(const double q[{n}])
+{{
+    double square = 0.0{way};
+{distance}    return sqrt(square);
+}}
+"""
+_C_NEWTON = """    double residual[{m}], gradient[{m}][{n}], most = 0.0;
+    int i;
+    {mark}(q, residual);
+    {mark}_gradient(q, gradient);
+    for (i = {first}; i < {m}; ++i) {{
+        double size = 0.0, one;
+{squares}
+        one = size > 0.0 ? fabs(residual[i]) / sqrt(size) : residual[i] == 0.0 ? 0.0 : HUGE_VAL;
+        most = fmax(most, one);
+    }}
+    square += most * most;
+"""
+_C_MINOR = """
+/* {name} of the Jacobian. q [rad, slides m]. */
+static inline double {mark}(const double q[{n}])
+{{
+{unused}    return {value};
+}}
+"""
+_UNUSED = "    (void)q;\n"
+
+
+@dataclass(frozen=True)
+class Code:
+    """Families of one arm, to be written as code.
+
+    Attributes:
+        robot: name of the arm.
+        n: number of joints.
+        families: at least one condition each.
+        letters: value of each length that is a symbol [m].
+        shifts: θ_j = q_j + shifts[j − 1] [rad]; empty for none.
+        determinants: to be written, too.
+
+    Raises:
+        OptionError: a family without a condition, or two families whose marks differ in punctuation alone.
+    """
+
+    robot: str
+    n: int
+    families: Sequence[ExactFamily]
+    letters: Mapping[str, float]
+    shifts: Sequence[float] = ()
+    determinants: Sequence[Minor] = ()
+
+    def __post_init__(self) -> None:
+        for family in self.families:
+            if not family.stated:
+                raise OptionError("a family without a condition has no residual", where=f"family {family.id}")
+        marks = [_function(family.id) for family in self.families]
+        if len(set(marks)) < len(marks):
+            raise OptionError("two families have the same name in code", got=", ".join(sorted(marks)))
+
+    def python(self) -> str:
+        """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
+        functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
+        needed = [name for name in ("cos", "pi", "sin") if any(re.search(rf"\b{name}\b", f) for f in functions)]
+        minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
+        return _PYTHON.format(
+            title=_TITLE.format(_plain(self.robot)), explained="\n".join(self._explained()),
+            imports=f"from numpy import {', '.join(needed)}\n" * bool(needed), functions="\n\n".join(functions),
+            families="".join(f'    "{family.id}": {_function(family.id)},\n' for family in self.families),
+            names="".join(f'    "{family.id}": "{_plain(family.name)}",\n' for family in self.families),
+        ) + (_PYTHON_MINORS.format(minors) if minors else "")  # fmt: skip
+
+    def _python_family(self, family: ExactFamily) -> str:
+        residuals = [one.code(self._python_notation) for one in family.stated]
+        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in family.stated)]
+        return self._python_function(
+            _function(family.id), "\n".join(said), [one.polynomial for one in family.conditions],
+            f"(..., {len(residuals)}) residuals, all zero exactly on the family.",
+            {joint for one in family.stated for joint in one.joints},
+            _RESIDUALS.format(",\n        ".join(residuals)),
+        )  # fmt: skip
+
+    def _python_minor(self, minor: Minor) -> str:
+        text = minor.value.code(self._python_notation)
+        return self._python_function(
+            minor.mark, f"{_plain(minor.name)} of the Jacobian.", [minor.value.polynomial], "(...) its value.",
+            {j for j in range(1, self.n + 1) if re.search(rf"\bq{j}\b", text)},
+            f"return {text} + np.zeros(q.shape[:-1])",
+        )  # fmt: skip
+
+    @property
+    def _python_notation(self) -> Python:
+        names = {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
+        return Python(shifts=self.shifts, names=names)
+
+    def _python_function(
+        self, name: str, said: str, polynomials: Sequence[Polynomial], returns: str, joints: set[int], body: str
+    ) -> str:
+        """A function of q and of the lengths that occur, with what is said of it, and what it returns."""
+        used = {name for f in polynomials for name, d in zip(f.context().names(), f.degrees(), strict=True) if d > 0}
+        names = self._python_notation.names
+        lengths = {names.get(one, one): float(value) for one, value in self.letters.items() if one in used}
+        keywords = ", *" * bool(lengths) + "".join(f", {one}={value!r}" for one, value in lengths.items())
+        inside = _PYTHON_FUNCTION.format(
+            said=said, n=self.n, returns=returns, body=body,
+            lengths=f"    {', '.join(lengths)}: lengths [m].\n" * bool(lengths),
+            joints="".join(f"q{j} = q[..., {j - 1}]\n" for j in sorted(joints)),
+        )  # fmt: skip
+        return f"def {name}(q{keywords}):\n" + indent(inside, "    ")
+
+    def c(self) -> str:
+        """A C99 header: per family its name and inline functions of q: residuals, their gradients, and the distance.
+
+        Lengths are macros that can be defined before.
+        """
+        mark = f"rankdrop_{_mark(self.robot)}"
+        guard = mark.upper()
+        lengths = [(name, float(value), name) for name, value in self.letters.items()]
+        if self._slides:
+            lengths.append(("LENGTH", 1.0, "slides are divided by it in distances"))
+        macros = (_C_LENGTH.format(macro=f"{guard}_{name}", value=value, meaning=what) for name, value, what in lengths)
+        notation = C(shifts=self.shifts, names={name: f"{guard}_{name}" for name in self.letters})
+        said = "\n * ".join(map(_comment, (_TITLE.format(_comment(self.robot)), *self._explained())))
+        return "".join([
+            f"/* {said}\n */\n#ifndef {guard}_H\n#define {guard}_H\n\n#include <math.h>\n\n", *macros,
+            *(self._c_family(family, f"{mark}_{_mark(family.id)}", notation) for family in self.families),
+            *(self._c_minor(one, f"{mark}_{one.mark}", notation) for one in self.determinants), "\n#endif\n",
+        ])  # fmt: skip
+
+    def _c_family(self, family: ExactFamily, mark: str, notation: C) -> str:
+        stated = family.stated
+        slopes = [
+            f"    gradient[{i}][{j - 1}] = {text};"
+            for i, one in enumerate(stated) for j, text in one.gradient(notation).items()
+        ]  # fmt: skip
+        return _C_FAMILY.format(
+            name=_comment(family.name), corank=family.corank, plain=_plain(family.name), mark=mark, macro=mark.upper(),
+            conditions="\n".join(f" * {_comment(one.text())}" for one in stated), n=self.n, m=len(stated),
+            residuals="\n".join(f"    residual[{i}] = {one.code(notation)};" for i, one in enumerate(stated)),
+            unused="" if any("q[" in line for line in slopes) else _UNUSED, slopes="\n".join(slopes),
+            way=", way" * bool(family.pins), distance=self._c_distance(family, mark),
+        )  # fmt: skip
+
+    def _c_distance(self, family: ExactFamily, mark: str) -> str:
+        """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
+        body = ""
+        for pin in family.pins:
+            shift = self.shifts[pin.joint - 1] if len(self.shifts) else 0.0
+            for place, angle in enumerate(pin.angles):
+                gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
+                body += f"    way = {gap if place == 0 else f'fmin(way, {gap})'};\n"
+            body += "    square += way * way;\n"
+        if not family.conditions:
+            return body
+        scale = f" * {mark.upper().removesuffix(f'_{_mark(family.id).upper()}')}_LENGTH"
+        squares = "\n".join(
+            f"        size += gradient[i][{j - 1}] * gradient[i][{j - 1}]{scale * 2 * (j in self._slides)};"
+            for j in range(1, self.n + 1)
+        )
+        return body + _C_NEWTON.format(
+            m=len(family.stated), n=self.n, mark=mark, first=len(family.pins), squares=squares
+        )
+
+    def _c_minor(self, minor: Minor, mark: str, notation: C) -> str:
+        value = minor.value.code(notation)
+        unused = "" if "q[" in value else _UNUSED
+        return _C_MINOR.format(name=_comment(minor.name), mark=mark, n=self.n, unused=unused, value=value)
+
+    @property
+    def _slides(self) -> frozenset[int]:
+        return frozenset(j for family in self.families for one in family.conditions for j in one.ring.prismatic)
+
+    def latex(self) -> str:
+        """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""
+        rows = []
+        for family in self.families:
+            shown = r"; \newline ".join(f"${one.latex()}$" for one in family.stated)
+            rows.append(rf"{family.id} & {as_text(family.name)} & {family.corank} & {shown} \\")
+        head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
+        values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
+        if any(r"\tfrac" in row for row in [*rows, *values]):
+            head = [r"% \tfrac needs \usepackage{amsmath}", *head]
+        below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
+        for j, shift in self._shifted():
+            sign = "-" if shift < 0 else "+"
+            below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {Latex().angle_value(abs(shift))}")
+        if any(re.search(r"\b[sc]_", row) for row in [*rows, *values]):
+            below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
+        tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
+        said = [line for value in values for line in (r"\par\smallskip", value)]
+        return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
+
+    def _shifted(self) -> Iterator[tuple[int, float]]:
+        yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
+
+    def _explained(self) -> list[str]:
+        lines = [
+            f"q1 to q{self.n} are joint variables in rad, those of slides in m; lengths are in m.",
+            "A configuration lies on a family where all residuals are zero. s_i = sin θi, c_ij = cos(θi + θj).",
+        ]
+        shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
+        return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
+
+
+def _mark(text: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_").lower() or "arm"
+
+
+def _function(text: str) -> str:
+    """A mark as a Python name."""
+    mark = _mark(text)
+    return f"family_{mark}" if mark[0].isdigit() or iskeyword(mark) or mark in TAKEN else mark
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.replace("\\", "/").replace('"', "'").split())
+
+
+def _comment(text: str) -> str:
+    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?").split())
+
+
+def _latex_minor(name: str) -> str:
+    r"""det J11 → \det J_{11}, |$1 $2| → |\$_1 \, \$_2|, |vx wz| → |v_x \, w_z|."""
+    if name.startswith("det "):
+        return rf"\det {latex_name(name[4:])}"
+    words = (rf"\${word[1:] and '_' + word[1:]}" if word[0] == "$" else f"{word[0]}_{word[1:]}" for word in
+             name.strip("|").split())  # fmt: skip
+    return "|" + r" \, ".join(words) + "|"

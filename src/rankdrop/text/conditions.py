@@ -1,0 +1,493 @@
+"""What a run may claim, and exact conditions, in words. Records are those of `rankdrop.results`.
+
+A verdict is *verified* where every check that was made holds; then it says which were made: families sampled, derived
+exactly, or both. Where one fails it says which, with counts, and nothing is called verified. Failures are facts: a key
+of `FAILURES` with what goes into its words.
+
+Exact conditions: what was derived and how, families by corank, assumptions, sets that are not real, checks.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from math import degrees
+from typing import Any
+
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.notation import typeset
+from rankdrop.family.equation import pretty_angle
+from rankdrop.family.record import Family, short_name
+from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.robot.quantities import count
+from rankdrop.sections import Formula, Section, html
+from rankdrop.text.families import share_text
+from rankdrop.version import VERSION
+
+_TOGETHER = 64  # characters up to which all conditions of a family stand on one line
+_LONGEST = 600  # a longer condition is for programs
+_UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
+_ALIKE = 2  # sets that are not real for the same reason of which more are only counted
+_LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
+_METHOD = {
+    "suppression": "dependent-screw suppression", "singular-vector": "the singular vector",
+    **{name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")},
+}  # fmt: skip
+"""What methods are called in a sentence, where it is not their own name."""
+_ROUNDED = re.compile(r"\d\.\d{5}|\de[−-]\d")
+_DIGITS = re.compile(r"\d{8}")
+_INSET = " " * 7  # below the mark of a family
+_UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
+
+
+def arm_lines(conditions: Any) -> dict[str, str]:
+    """What was assumed of the arm, label -> text."""
+    letters = ", ".join(f"{name} = {_number(value)} m" for name, value in conditions.letters.items())
+    shifted = [
+        f"θ{j} = q{j} {'−' if shift < 0 else '+'} {pretty_angle(abs(shift))}"
+        for j, shift in enumerate(conditions.shifts, 1)
+        if shift and conditions.robot.variables[j - 1].unit == "rad"
+    ]
+    others = "; else θ = q" if shifted and len(shifted) < conditions.robot.n else ""
+    rank, rows, method = conditions.generic_rank, conditions.task.m, _method(conditions)
+    always = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
+    reasons = [one for one in conditions.reason.split("; ") if not any(text in one for text in conditions.remarks)]
+    lines = {
+        "lengths": letters or "as numbers",
+        "angles": f"{', '.join(shifted)}{others}",
+        "always": always if rank < rows else "",
+        "remarks": "\n".join(conditions.remarks),
+        "method": f"rank tree{'' if method == 'tree' else f'; corank 1 also by {method}'}",
+        "reason": "; ".join(reasons),
+    }
+    return {label: text for label, text in lines.items() if text}
+
+
+def _method(conditions: Any) -> str:
+    name: str = conditions.method
+    return _METHOD.get(name, name)
+
+
+def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Section, ...]:
+    """Derivation step by step where it was asked for, families, assumptions, sets that are not real, checks.
+
+    Args:
+        conditions: what was derived.
+        families: False leaves out the families, of coranks that have any.
+    """
+    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _assumed, _not_real, _checks,
+             _unfinished)  # fmt: skip
+    return tuple(section for part in parts for section in part(conditions))
+
+
+def conditions_html(conditions: Any) -> str:
+    """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
+    rows = "".join(
+        f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
+        f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
+        f"<td>{'<br>'.join(map(escape, (*family.lost_words, *_witness(family, conditions.robot))))}</td></tr>"
+        for family in conditions.families
+    )
+    head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
+    table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
+    return html(conditions.sections()[:1]) + table + html(condition_sections(conditions, families=False))
+
+
+def _steps(conditions: Any) -> Iterator[Section]:
+    for number, step in enumerate(conditions.steps if conditions.settings.steps else ()):
+        yield Section(step.title, "" if number else f"derivation of corank 1, {conditions.method}", step.lines)
+
+
+def _determinants(conditions: Any) -> Iterator[Section]:
+    if conditions.determinants is not None:
+        minors = conditions.determinants
+        title = "Determinant" if len(minors.minors) == 1 or minors.product else "Minors"
+        folded = any(step.whole for step in conditions.steps) or minors.folded()
+        notes = ("what is folded here is whole with --steps-out and --json",) if folded else ()
+        yield Section(title, "", tuple(minors.lines()), notes=notes)
+
+
+def steps_text(conditions: Any) -> str:
+    """The derivation of corank 1 and the determinants with everything written out, unwrapped."""
+    blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in conditions.steps]
+    if conditions.determinants is not None:
+        blocks.append(["Determinants", *(f"  {line}" for line in conditions.determinants.lines(None))])
+    head = [f"{conditions.robot.name}: derivation of corank 1, {conditions.method}", _LEGEND]
+    return "\n\n".join("\n".join(block) for block in [head, *blocks]) + "\n"
+
+
+def _coranks(conditions: Any) -> Iterator[Section]:
+    r = conditions.generic_rank
+    for corank in range(1, _highest(conditions) + 1):
+        rows = conditions.of_corank(corank)
+        lines = tuple(line for family in rows for line in _family(family, conditions.robot))
+        so_far = "" if conditions.complete else " so far"
+        number = f"{count(len(rows), 'family', 'families')}{so_far}" if rows else _none(conditions)
+        yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {number}", lines)
+
+
+def _highest(conditions: Any) -> int:
+    return max((family.corank for family in conditions.families), default=0)
+
+
+def _no_coranks(conditions: Any) -> Iterator[Section]:
+    r = conditions.generic_rank
+    last, highest = r - conditions.lowest, _highest(conditions)
+    if highest < last:
+        between = "and" if highest + 2 == last else "to"
+        name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
+        yield Section(name, _none(conditions))
+    texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
+    decimals = any(_ROUNDED.search(text) for text in texts)
+    notes = (
+        _LEGEND if texts else "",
+        lost_told(conditions.robot, [words for family in conditions.families for words in family.lost_words]),
+        "decimals are shown with six digits; --python, --c and --json have all of them" if decimals else "",
+        f"nothing is said about coranks above {last}: they were not asked for" if last < r else "",
+    )
+    if any(notes):
+        yield Section("", "", notes=tuple(filter(None, notes)))
+
+
+def _none(conditions: Any) -> str:
+    if not conditions.complete:
+        return "no family so far; the derivation is not complete"
+    return "no family" if conditions.verified else "none derived, and a check says otherwise: see the first line"
+
+
+def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
+    lines = [*condition_lines(family)]
+    shifted = {pin.joint for pin in family.pins if family.shifts[pin.joint - 1]}
+    if shifted:
+        own = [one for one in family.pinned(robot) if one.number in shifted]
+        values = (f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
+        lines.append(f"the joint's own value: {'; '.join(values)}")
+    lines += [f"{family.reality}; here it is"] if family.reality else []
+    lines.append(f"dimension {family.dimension}, codimension {family.codimension}")
+    lines += [
+        words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
+        for words in family.lost_words
+    ]
+    yield f"{family.id}  {family.name}"
+    for line in (*lines, *_witness(family, robot)):
+        yield Formula(f"{_INSET}{line}") if isinstance(line, Formula) else f"{_INSET}{line}"
+
+
+def _witness(family: ExactFamily, robot: Robot) -> list[str]:
+    """The witness, where what is lost there is reported."""
+    named = any("witness" in words for words in family.lost_words)
+    return [Formula(f"witness: {witness_text(robot, family.witness)}")] if named else []
+
+
+def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
+    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
+    if robot.variables[number - 1].unit != "rad":
+        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
+    exact = [pretty_angle(value) for value in values]
+    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(exact, values, strict=True)]
+    return " or ".join(plain).replace("-", "−")
+
+
+def condition_lines(family: ExactFamily) -> list[str]:
+    """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
+    parts = ["; ".join(pin.text() for pin in family.pins)] if family.pins else []
+    for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
+        on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
+        whole = "whole with --latex, --python, --c, --json"
+        parts.append(text if len(text) <= _LONGEST else f"a condition on {on}, {len(text):,} characters long ({whole})")
+    line = "; ".join(parts)
+    return [Formula(part) for part in ([line] if len(line) <= _TOGETHER else parts)]
+
+
+def _assumed(conditions: Any) -> Iterator[Section]:
+    lines = []
+    for one in conditions.assumptions:
+        if one.words:
+            case, _, happens = one.words.partition(", ")
+            lines += [f"{one.text} ({_holds(one, conditions)}); {case}:"]
+            lines += [f"    {part}" for part in happens.split("; ")]
+        elif not one.holds:
+            lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
+    others = [one.text for one in conditions.assumptions if one.holds and not one.words]
+    if others:
+        more = "" if conditions.settings.special else " (--special derives arms with other lengths)"
+        short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
+        number = len(others) - len(short)
+        lines.append(f"true here; what happens otherwise was not derived{more}:")
+        lines += [Formula(f"    {text}") for text in short]
+        lines += [f"    and {number} more polynomials in the lengths (all of them with --json)"] if number else []
+    if lines:
+        yield Section("Assumptions on the lengths", "", tuple(lines))
+
+
+def _holds(assumption: Assumption, conditions: Any) -> str:
+    here = "true here" if assumption.holds else "NOT true here"
+    match = _UNEQUAL.fullmatch(assumption.text)
+    if match is None or not {match[1], match[3]} <= set(conditions.letters):
+        return here
+    values = (conditions.letters[match[1]], (-1 if match[2] else 1) * conditions.letters[match[3]])
+    return f"{here}: {_number(values[0])} {'≠' if assumption.holds else '='} {_number(values[1])}"
+
+
+def _not_real(conditions: Any) -> Iterator[Section]:
+    by_reason: dict[str, list[str]] = defaultdict(list)
+    for text in conditions.not_real:
+        where, _, reason = text.partition(": ")
+        by_reason[reason].append(where if len(where) <= _LONGEST else f"{where[:_LONGEST]} …")
+    lines: list[str] = []
+    for reason, sets in by_reason.items():
+        lines += [reason, *(Formula(f"    {one}") for one in sets[:_ALIKE])]
+        lines += [f"    and {len(sets) - _ALIKE} more sets like these"] if len(sets) > _ALIKE else []
+    if lines:
+        yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
+
+
+def _checks(conditions: Any) -> Iterator[Section]:
+    tested = sum(family.rank_check.tested for family in conditions.families)
+    agree = sum(family.rank_check.agree for family in conditions.families)
+    cloud, lines = conditions.explained, []
+    if tested:
+        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913")
+    if cloud.tested:
+        lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
+    else:
+        lines.append("the numeric search for singular configurations found none" if conditions.settings.points
+                     else "no singular configuration was looked for numerically")  # fmt: skip
+    if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
+        lines.append(f"corank 1 derived twice: rank tree and {_method(conditions)} agree")
+    lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
+    shipped = f"As shipped with rankdrop {VERSION}; --fresh derives it anew."
+    lines.append(shipped if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
+    yield Section("Checks", "", tuple(lines))
+
+
+def _unfinished(conditions: Any) -> Iterator[Section]:
+    if conditions.left:
+        limit = f"the limit is {conditions.settings.seconds:g} s of processor time, half of it for the counted work"
+        more = f"; {limit}, and a longer --time-limit may finish it" if conditions.limited else ""
+        ended = f"the exact derivation ended after {conditions.seconds:.1f} s{more}"
+        yield Section("Not finished", ended, tuple(conditions.left))
+
+
+def _number(value: float) -> str:
+    return f"{value + 0.0:.12g}".replace("-", "−")
+
+
+VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
+    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
+)  # fmt: skip
+SAMPLED, EXACT = "sampled", "derived exactly"
+_OPENING = {CONTRADICTED: "Contradicted", UNSOUND: "A test failed", INCOMPLETE: "Incomplete", INEXACT: "Not exact"}
+"""First words of a verdict on failures, worst first."""
+FAILURES = {
+    "derivation": (CONTRADICTED, "a test contradicts the derivation, {0}"),
+    "disagreement": (CONTRADICTED, "{0}"),
+    "cloud": (CONTRADICTED, "{0:,} configurations found numerically lie on no family"),
+    "regular": (UNSOUND, "{0} also holds at {1:,} of {2:,} solutions that are regular"),
+    "unexplained": (INCOMPLETE, "corank {0}, {1:,} of {2:,} fresh singular points on no row"),
+    "unnamed": (INCOMPLETE, "no conditions were found for {0}"),
+    "not derived": (INCOMPLETE, "exact conditions were asked for and not derived, {0}"),
+    "no rank": (INCOMPLETE, "no rank was tried on {0}"),
+    "unfinished": (INCOMPLETE, "{0}"),
+    "several unfinished": (INCOMPLETE, "{0} things were left unfinished, told at the end"),
+    "condition": (INEXACT, "the condition asked about is {0}"),
+}
+"""What speaks against a claim: word of the verdict, words of the sentence."""
+Failure = tuple[Any, ...]
+"""A key of `FAILURES` and what goes into its words."""
+_NAMED = 6  # short names of families in the first line
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What may be claimed.
+
+    Attributes:
+        word: "verified"; "unchecked", derived completely and tried on nothing; "contradicted", two ways differ;
+            "unsound", a row's conditions hold elsewhere too; "incomplete"; "not exact", the condition that was asked
+            about; "interrupted".
+        claims: of "sampled" and "derived exactly", what was done and holds.
+        sentence: for people.
+    """
+
+    word: str
+    claims: tuple[str, ...]
+    sentence: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing speaks against what is claimed: exit code 0."""
+        return self.word in (VERIFIED, UNCHECKED)
+
+    def beside(self, answer: str) -> tuple[str, str]:
+        """An answer and how sure it is; the other way round where something speaks against it."""
+        return (answer, self.sentence) if self.holds else (self.sentence, answer)
+
+    def to_dict(self) -> dict[str, object]:
+        """The entries of a JSON file."""
+        return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
+
+
+def opening(robot: Robot, generic_rank: int, families: Sequence[Family | ExactFamily]) -> str:
+    """What an arm has: "pa10 has 9 families of singularities: elbow, shoulder, wrist, …; ranks 5, 4 and 3."."""
+    if not families:
+        return f"{robot.name}: no family of singularities was found."
+    ranks = sorted({generic_rank - one.corank for one in families}, reverse=True)
+    names = list(dict.fromkeys(short_name(one.name) for one in families))
+    comma = "; " if any("," in name for name in names) else ", "
+    return (
+        f"{robot.name} has {count(len(families), 'family', 'families')} of singularities: "
+        f"{comma.join(names[:_NAMED])}{f'{comma}…' if len(names) > _NAMED else ''}; "
+        f"{'rank' if len(ranks) == 1 else 'ranks'} {', '.join(map(str, ranks))} of {generic_rank}."
+    )
+
+
+def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
+    """The verdict on an analysis.
+
+    Args:
+        analysis: sampled, with or without exact conditions beside it.
+        derived: exact conditions derived later, for a report; what they contradict is contradicted.
+    """
+    agrees = analysis.exact is not None and analysis.exact.agrees
+    exact = agrees or (derived is not None and of_conditions(derived).holds)
+    exact_claim = exact and not exact_chain(analysis.robot, analysis.task).rounded
+    claims = ((SAMPLED,) if analysis.sound_and_complete else ()) + ((EXACT,) if exact_claim else ())
+    if not analysis.complete:
+        text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
+        return Verdict(INTERRUPTED, claims, text)
+    failures: list[Failure] = [*_failures(analysis)]
+    if derived is not None and derived.complete:  # of an unfinished one it says nothing that a point is on no family
+        failures += [("disagreement", text) for text in derived.disagreements]
+    if failures:
+        return _failed(failures, claims)
+    if agrees:
+        exactly = "all conditions are exact" if analysis.families else "the exact derivation has none either"
+    elif derived is not None:
+        on = derived.explained
+        exactly = (f"{on.agree:,} of {on.tested:,} configurations found lie on exact families" if exact
+                   else "the exact conditions are not complete")  # fmt: skip
+    else:
+        exactly = f"exact conditions were not {'asked for' if analysis.exact is None else 'derived'}"
+    return Verdict(VERIFIED, claims, f"Verified, {' and '.join(claims)}: {_sampled(analysis)}; {exactly}.")
+
+
+def _failures(analysis: Any) -> Iterator[Failure]:
+    exact = analysis.exact
+    if exact is not None and exact.derived and not exact.agrees:
+        yield from (("derivation", text) for text in exact.disagreements)
+    for row in analysis.families:
+        singular, solved = row.soundness.agree, row.soundness.tested
+        if row.named and singular < solved:
+            yield "regular", row.id, solved - singular, solved
+    for one in analysis.coranks:
+        share = one.completeness
+        if share.agree < share.tested:
+            yield "unexplained", one.corank, share.tested - share.agree, share.tested
+    yield from (("unnamed", row.id) for row in analysis.families if not row.named)
+    if exact is not None and not exact.derived and not exact.holds:
+        yield "not derived", exact.reason
+
+
+def _sampled(analysis: Any) -> str:
+    if not analysis.families:
+        starts = sum(one.starts for one in analysis.coranks)
+        return f"no singular configuration met from {starts:,} starts, which is no proof of absence"
+    fresh = sum(one.completeness.tested for one in analysis.coranks)
+    rows = count(len(analysis.families), "family", "families")
+    explain = "explains" if len(analysis.families) == 1 else "explain"
+    return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points"
+
+
+def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
+    """The verdict on an exact derivation.
+
+    Args:
+        derived: exactly.
+        tested: what was found of a condition that was held against it: "exact", "too small", … "not tested".
+    """
+    exactly, rounded = _exactness(derived.chain)
+    lie_on, points = derived.explained.agree, derived.explained.tested
+    claims = ((EXACT,) if derived.complete and not rounded else ()) + ((SAMPLED,) if 0 < points == lie_on else ())
+    if derived.interrupted:
+        return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
+    failures = [*_contradictions(derived)]
+    if tested != "exact":
+        failures.append(("condition", "too small and too large" if tested == "both" else tested))
+    if failures:
+        return _failed(failures, claims)
+    families = count(len(derived.families), "family", "families")
+    tail = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for" if derived.lowest else ""
+    if points:
+        on = f"{points:,} of {points:,} singular configurations found lie on them"
+        return Verdict(VERIFIED, claims, f"Verified, {exactly} and sampled: {families}; {on}{tail}{rounded}.")
+    tail = f"not tried on configurations found numerically{tail}{rounded}."
+    if ranks := sum(family.rank_check.tested for family in derived.families):
+        on = f"the rank is as claimed at {ranks:,} random points of them"
+        return Verdict(VERIFIED, claims, f"Verified, {exactly}: {families}; {on}; {tail}")
+    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {families}; {tail}")
+
+
+def _contradictions(derived: Any) -> Iterator[Failure]:
+    lie_on, points = derived.explained.agree, derived.explained.tested
+    yield from (("disagreement", text) for text in derived.disagreements)
+    if lie_on < points and not derived.disagreements and derived.complete:
+        yield "cloud", points - lie_on
+    yield from (("no rank", row.id) for row in derived.families if not row.rank_check.tested)
+    if not derived.complete:
+        one = len(derived.left) == 1
+        yield ("unfinished", derived.left[0]) if one else ("several unfinished", len(derived.left))
+
+
+def _exactness(chain: Chain) -> tuple[str, str]:
+    """How a derivation was made, and what was rounded for it: "" where nothing was."""
+    if not chain.rounded:
+        return EXACT, ""
+    texts = [one.text for one in chain.rounded]
+    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+    return "derived for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
+
+
+def _failed(failures: Sequence[Failure], claims: tuple[str, ...]) -> Verdict:
+    """The worst failure gives the word; the first of each kind is reported, with the number of the others."""
+    texts: dict[str, list[str]] = {word: [] for word in _OPENING}
+    for key, *facts in failures:
+        word, words = FAILURES[key]
+        texts[word].append(words.format(*facts))
+    worst = next(word for word, mine in texts.items() if mine)
+    told = [
+        f"{mine[0].rstrip('.')}{f' (and {len(mine) - 1} more)' if len(mine) > 1 else ''}"
+        for mine in texts.values() if mine
+    ]  # fmt: skip
+    return Verdict(worst, claims, f"{_OPENING[worst]}: {'; '.join(told)}.")
+
+
+def sampled(analysis: Any) -> str:
+    """How many solutions of the rows' conditions are singular, how many fresh points the rows explain; "" for none."""
+    if not analysis.families:
+        return ""
+    solved = sum(row.soundness.tested for row in analysis.families)
+    singular = sum(row.soundness.agree for row in analysis.families)
+    fresh = sum(row.completeness.tested for row in analysis.coranks)
+    explained = sum(row.completeness.agree for row in analysis.coranks)
+    return (
+        f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
+        f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
+        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows "
+        f"({share_text(explained, fresh)})."
+    )
+
+
+def unseen(analysis: Any) -> str:
+    """What the searches may have missed, at the corank where that is most; "" where nothing converged."""
+    found = [row for row in analysis.coranks if row.converged]
+    if not found:
+        return ""
+    worst = max(found, key=lambda row: row.unseen.upper)
+    share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
+    how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
+    return f"What sampling may have missed: {share} of its searches, worst at corank {worst.corank}. {how}."

@@ -1,0 +1,719 @@
+"""Paths in words, made from their facts: checks, remedies, changes of posture, paths through a singularity.
+
+A check: five lines first, then crossings, with `full` free stretches and notes. Records are those of `rankdrop.motion`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import degrees, isfinite, isnan
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from rankdrop.local.block import generic_rank
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section
+from rankdrop.task import ROWS
+from rankdrop.text.words import angle, fixed, minus, motion, plural, short
+from rankdrop.units import counted_length
+
+DESCRIBED, LISTED = 2, 12
+"""Crossings that are described in some lines each; if there are more, so many get one line each."""
+_CLOSEST = 3  # free stretches whose closest configuration is printed
+_AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
+_SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
+_LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
+_NAMED = 10  # crossings whose poses are noted
+
+_EVIDENCE = {
+    "covered": "enclosures cover all of it",
+    "determinant": "the determinant changes its sign",
+    "condition": "the condition {condition} = 0 changes its sign",
+    "singular throughout": "σ{rank} ≤ {limit:g} at every point of it that was evaluated",
+    "small sigma": "σ{rank} = {sigma:.1e}, within the tolerance {limit:g}, and no change of sign was detected",
+    "no enclosure": "no enclosure proves it free, and the smallest σ{rank} is {sigma:.1e}",
+    "unfinished": "the work ended before it was decided; the smallest σ{rank} that was evaluated is {sigma:.1e}",
+}  # fmt: skip
+_REMARKS = {
+    "degrees": "{0}",
+    "velocities": "velocities are given and not used: a controller that has them makes cubics of the samples",
+    "lost": "lost motions are described for the first {0[0]} of {0[1]} crossings",
+    "distances": "no families are known: distances are searched on {0[0]} of {0[1]} free stretches",
+    "no distance": "no distance is searched: {0}",
+    "distance open": "the distance to be kept could not be proven around row {0}",
+}
+_REASONS = {"singular": "the branch ends at a singularity", "stuck": "the solver does not converge there"}
+COLUMNS = {
+    "row": "number of the sample, from 1",
+    "time_s": "of the sample",
+    "pose": "number of the pose, from 1, with the share of the way on",
+    "joint": "value of {0}",
+    "verdict": "worst on the way from this row to the next",
+    "family": "id of the nearest known family",
+    "family_name": "its name",
+    "distance_rad": "to the nearest singular configuration known or found; slides by the length scale",
+    "at_least_rad": "no singular configuration is nearer: proven",
+    "sigma": "σ{0}, translation divided by {1:.6g} m",
+    "speed_factor": "largest, at most 1, that keeps the velocity limits on its stretch",
+}
+"""Meanings of the columns of a checked path row by row."""
+MILLIMETRES = "positions up to {0:.4g} look like millimetres and are taken as metres; write x [mm], y [mm], z [mm]"
+BAG_NOTES = {
+    "others": "{0} of {1} messages have none of this arm's joints and are passed over",
+    "recording": "headers have no times: those of the recording are taken",
+    "plans": "{0} plans follow each other; {1} points were replaced",
+    "repeated": "{0} rows are repeated word for word and count once",
+}
+"""What a reader of a bag should know."""
+BAG_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
+DAMAGES: dict[type[Exception], str] = {
+    OverflowError: "a record that is longer than any file",
+    AssertionError: "records that contradict each other",
+    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
+    UnicodeDecodeError: "a name that is no text",
+}
+"""What the errors of Python mean that a damaged bag raises; readers say the others themselves."""
+
+
+def evidence_words(stretch: Any, check: Any) -> str:
+    """How the verdict of a stretch is known."""
+    rank = str(generic_rank(check.robot, check.task)).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    return _EVIDENCE[stretch.evidence].format(
+        condition=stretch.condition, rank=rank, sigma=stretch.closest.sigma, limit=check.tolerances.singular
+    )
+
+
+def branch_chosen(tool: Any) -> str:
+    """Which branch of the inverse kinematics a tool path takes."""
+    if not tool.solutions:
+        return "of the start that was given"
+    count = f"of {tool.solutions} found, and there are more" if tool.more else f"one of {tool.solutions} found"
+    return f"nearest to q = 0 ({count})"
+
+
+def why_ended(tool: Any, robot: Robot) -> str:
+    """Why a tool path cannot be followed any further; "" where it can."""
+    if tool.complete:
+        return ""
+    pose = f"at pose {tool.reached:.5g}"
+    reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})" if tool.reason in _REASONS else (
+        f"{_joint(robot, tool.joint)} reaches its limit {pose}"
+    )
+    ahead = f"pose {int(min(np.floor(tool.reached + 1e-9) + 1, tool.poses))}"
+    if tool.next_reachable:
+        return f"{reason}; {ahead} is within reach, by other configurations"
+    return f"{reason}; {ahead} is out of reach: no configuration within the joint limits was found for it"
+
+
+def sentence(check: Any) -> str:
+    """The verdict: what the path does, worst first."""
+    if check.holds:
+        kept = f", and farther than {angle(check.options.min_distance)} from any" if check.margin == "kept" else ""
+        limits = "; joint limits and rates kept" if check.curve.times is not None else ""
+        return f"Free: proven for every point of the path{kept}{limits}."
+    parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
+    if check.clear:
+        parts.append("free of singularities (proven)")
+    words = "; ".join(parts)
+    words = f"{words[0].upper()}{words[1:]}."
+    if check.tool is not None and not check.tool.complete:
+        beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
+        return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
+    return words
+
+
+def _reached(check: Any) -> Iterator[str]:
+    """Singularities that the path reaches or comes near to; the end of a branch."""
+    if check.tool is not None and not check.tool.complete:
+        yield "the branch ends"
+    for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
+        part = [one for one in check.crossings if one.verdict == kind]
+        if part:
+            times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
+            yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {_when(part[0].closest.place)}"
+    if check.margin == "violated" and not check.crossings:
+        yield f"comes nearer than {angle(check.options.min_distance)} to a singularity"
+
+
+def _violation(one: Any, check: Any) -> str:
+    joint = check.robot.variables[one.joint - 1]
+    if one.what == "rate":
+        near = ""
+        if isfinite(one.distance):
+            near = f", {short(degrees(one.distance), 2)}° from a singularity ({one.name})"
+        limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {_when(one.place)}{near}"
+        return f"not possible at the programmed speed: {limit}" if one.proven else (
+            f"the rate of joint {one.joint} could not be proven to keep its limit"
+        )
+    if not one.proven:
+        return f"{_joint(check.robot, one.joint)} could not be proven to keep its limits"
+    excess = motion(one.amount, joint.unit)
+    rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first" if one.rows else ""
+    return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {_when(one.place)}, by {excess} at most"
+
+
+def _open(check: Any) -> Iterator[str]:
+    if check.margin == "not proven":
+        yield f"a distance of {angle(check.options.min_distance)} could not be proven"
+    if any(one.verdict == "undecided" for one in check.stretches):
+        time = "" if check.undecided_time is None else f", {check.undecided_time:.3g} s"
+        yield f"{check.undecided_length:.3g} rad of it{time} undecided"
+    if not check.complete:
+        yield "interrupted"
+
+
+def summary(check: Any) -> tuple[str, ...]:
+    """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
+    times = check.curve.times
+    lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
+    free = sum(one.verdict == "free" for one in check.stretches)
+    lines = [
+        sentence(check),
+        f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
+        f"is proven free, {free} stretch{'es' if free != 1 else ''}.",
+    ]
+    if not check.holds:
+        lines.append(f"Next: {_advice(check)}.")
+    near = min((one for one in check.stretches if isfinite(one.closest.distance)),
+               key=lambda one: one.closest.distance, default=None)  # fmt: skip
+    if near is not None:
+        lines.append(f"Nearest singularity: {near.name or 'a singularity'}, {_where(near)}.")
+    source = "none known, found on the spot" if check.source == "on the spot" else f"from the {check.source}"
+    tip = ""
+    if check.tool is not None:
+        size = 1e3 / counted_length(check.robot)
+        tip = f"; the tip stays within {_up(size * check.tool.off)} mm and {_up(1e3 * check.tool.turned)} mrad"
+    cover = "1 enclosure covers" if check.evaluations == 1 else f"{check.evaluations:,} enclosures cover"
+    lines.append(f"Verified: {cover} it{tip}; families {source}.")
+    return tuple(lines)
+
+
+def _where(near: Any) -> str:
+    """Where a stretch is nearest to a singularity."""
+    if near.verdict != "free":
+        return _when(near.closest.place)
+    if near.closest.distance < _LEADS:
+        return "at its end"
+    return f"{angle(near.closest.distance)} away, {_when(near.closest.place)}"
+
+
+def _advice(check: Any) -> str:
+    if not check.complete:
+        return "run the same command again"
+    if check.verdict == "too fast":
+        worst = max(one.amount for one in check.violations if one.what == "rate")
+        return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.verdict == "undecided":
+        return "a larger --evaluations may decide it"
+    return "--remedies computes changes that avoid it; --full prints every stretch"
+
+
+def free_words(check: Any) -> str:
+    """The share that is proven free in per cent, never rounded up to the whole: a crossing is a point of it."""
+    words = f"{100 * check.free_share:.6g}"
+    all_of_it = check.free_share == 1.0 and not check.crossings
+    return "more than 99.9999 %" if words == "100" and not all_of_it else f"{words} %"
+
+
+def notes(check: Any) -> tuple[str, ...]:
+    """Remarks; of a tool path its branch and the poses of its crossings."""
+    lines = [_REMARKS[kind].format(values) for kind, values in check.remarks]
+    if check.tool is not None:
+        places = [one.closest.place for one in check.crossings][:_NAMED]
+        poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
+        lines.append(f"branch: {branch_chosen(check.tool)}")
+        lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
+    return tuple(lines)
+
+
+def path_sections(check: Any, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
+    """The summary, crossings, with `full` the free stretches, and notes.
+
+    Args:
+        check: the path.
+        deg: joint angles in degrees.
+        full: every crossing and every free stretch.
+    """
+    tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
+    first, *others = summary(check)
+    scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
+    about = f"{check.robot.name}, {check.task.name}"
+    sections = [Section(first, lines=tuple(others), tone=tone)]
+    met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
+    if full or len(met) <= DESCRIBED:
+        lines = [line for one in met for line in _crossing_lines(one, check, deg=deg, full=full)]
+    else:
+        lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
+        more = f"and {len(met) - LISTED} more; " if len(met) > LISTED else ""
+        lines.append(f"{more}--full describes each of them")
+    if lines:
+        sections.append(Section("Singularities on the path", lines=tuple(lines)))
+    free = [one for one in check.stretches if one.verdict == "free"]
+    if full and free:
+        sections.append(_free_section(free, check, deg=deg))
+    if full or check.notes:
+        sections.append(Section("Notes", lines=(*check.notes, *((f"{about}: {scale}",) if full else ()))))
+    return tuple(sections)
+
+
+def _crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+    yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
+    yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
+    yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
+    if not full:
+        return
+    yield f"    how: {evidence_words(one, check)}"
+    if one.verdict == "undecided" and isfinite(one.closest.distance):
+        yield f"    nearest singularity known: {angle(one.closest.distance)}"
+    if not isnan(one.null_share):
+        yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
+    if one.speed_factor < 1.0:
+        joint = check.robot.variables[one.slowest - 1]
+        yield (f"    too fast for {joint.name}: {one.rates[one.slowest - 1]:.4g} {joint.unit}/s, its limit is "
+               f"{joint.velocity:.4g}; {one.speed_factor:.3g} of the speed keeps it")  # fmt: skip
+
+
+def _crossed(one: Any) -> str:
+    verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
+    return f"{verb} {one.name or 'an unnamed family'}{_id(one)}"
+
+
+def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
+    limited = any(not isnan(one.speed_factor) for one in free)
+    columns: dict[str, Callable[[Any], str]] = {
+        "nearest family": lambda one: f"{one.name or '(not known)'}{_id(one)}",
+        "rows": lambda one: f"{_row(one.start)} – {_row(one.end)}",
+        "time [s]": lambda one: f"{one.start.time:.4g} – {one.end.time:.4g}",
+        "closest": lambda one: "at its end" if one.closest.distance < _LEADS else _far(one.closest.distance),
+        "σ": lambda one: "→ 0" if one.closest.distance < _LEADS else short(one.closest.sigma, 3),
+        "weak": lambda one: "–" if isnan(one.closest.weak) else _percent(one.closest.weak),
+        "speed": lambda one: "–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}",
+    }
+    notes = ["closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the "
+             "tool's travel there along the direction that would be lost"]  # fmt: skip
+    if check.curve.times is None:
+        del columns["time [s]"]
+    if limited:
+        notes.append("speed: factor that keeps the velocity limits")
+    else:
+        del columns["speed"]
+    rows = tuple(tuple(cell(one) for cell in columns.values()) for one in sorted(free, key=attrgetter("start")))
+    where = tuple(
+        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, check.robot)}: "
+        f"{_joints(check.robot, one.closest.q, deg=deg)}"
+        for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
+    )
+    return Section("Proven free", columns=tuple(columns), rows=rows, after=where, notes=tuple(notes))
+
+
+def _id(one: Any) -> str:
+    return f" [{one.family}]" if one.family else ""
+
+
+def _when(place: Any) -> str:
+    if place.time is not None:
+        return f"at {place.time:.4g} s"
+    near = min(place.share, 1.0 - place.share) < _AT_ROW
+    return f"at row {round(place.position)}" if near else f"between rows {place.row} and {place.row + 1}"
+
+
+def _span(stretch: Any) -> str:
+    start, end = stretch.bracket
+    if start.row == end.row or (end.share == 0.0 and end.row == start.row + 1):
+        rows = f"between rows {start.row} and {start.row + 1}"
+        if start.share == end.share == 0.0 and start.row == end.row:
+            rows = f"at row {start.row}"
+    else:
+        rows = f"rows {_row(start)} to {_row(end)}"
+    if start.time is None or end.time is None:
+        return rows
+    if end.time - start.time < 1e-4:
+        return f"{rows}, at {stretch.closest.place.time:.6f} s (± {short(max(end.time - start.time, _SMALLEST), 2)} s)"
+    return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
+
+
+def _row(place: Any) -> str:
+    return f"{round(place.position, 2):.12g}"
+
+
+def _far(distance: float) -> str:
+    return short(distance, 3) if isfinite(distance) else "?"
+
+
+def _up(value: float) -> str:
+    """Two digits, rounded up: what is printed is proven as well."""
+    return short(float(np.nextafter(value * 1.05, np.inf)), 2) if value > 0.0 else "0"
+
+
+def _joint(robot: Robot, number: int) -> str:
+    return f"joint {number} ({robot.variables[number - 1].name})"
+
+
+def _way(stretch: Any, robot: Robot) -> str:
+    """Which joints would have to move how far to the singular configuration; what is below 1 % of the most left out."""
+    if not len(stretch.closest.foot):
+        return ""
+    ways = stretch.closest.foot - stretch.closest.q
+    most = np.abs(ways).max()
+    parts = [f"{joint.name} {motion(float(way), joint.unit)}" for joint, way in zip(robot.variables, ways, strict=True)
+             if abs(way) >= 0.01 * most]  # fmt: skip
+    return f" ({', '.join(parts)} away)"
+
+
+def _percent(share: float) -> str:
+    return "< 0.1 %" if 0.0 < share < 1e-3 else f"{short(100 * share, 3)} %"
+
+
+def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
+    parts = []
+    for joint, value in zip(robot.variables, q, strict=True):
+        turns = joint.unit == "rad"
+        shown = degrees(float(value)) if deg and turns else float(value)
+        unit = ("°" if deg else " rad") if turns else " m"
+        parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
+    return ", ".join(parts)
+
+
+def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:
+    """Headings of columns of joint values."""
+    return tuple(f"{one.name} [{'°' if deg and one.unit == 'rad' else one.unit}]" for one in robot.variables)
+
+
+def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
+    """Joint values (n,) as cells of a table."""
+    for joint, value in zip(robot.variables, q.tolist(), strict=True):
+        yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")
+
+
+GAINS = {
+    "distance": ("distance to the nearest singularity known", "rad"), "speed": ("speed that keeps the limits", ""),
+    "duration": ("duration", "s"),
+}  # fmt: skip
+"""What is compared before and after a remedy: its name and its unit."""
+_ENDED = {
+    "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
+    "start": "do not reach the first pose", "plan": "found no way when planned over all self-motions",
+}  # fmt: skip
+
+
+_DONE = {
+    "same start": "the same tool path from the same start, by null-space motion",
+    "elsewhere": "the same tool path begun elsewhere on its self-motion, by null-space motion",
+    "planned": "the same tool path from the same start, planned over the self-motions of every pose",
+    "planned elsewhere": "the same tool path from another start, planned over the self-motions of every pose",
+    "branch": "another branch of the inverse kinematics runs the same tool path",
+    "shift": "the base of the arm moved, in its own axes",
+    "tilt": "the tool tilted about an axis through its tip, in its own axes",
+    "blend": "the corner at row {0} cut by a parabola",
+    "blends": "the corners at row {0} cut by a parabola",
+    "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
+}
+_CHANGES = {
+    "null-space": "joint motion that leaves the tool where it is", "flip": "other posture at the first pose",
+    "tool tilt": "rotation in the task", "base shift": "translation in the task",
+}  # fmt: skip
+_BLENDS = {None: "only paths that are straight between their rows have corners",
+           0: "no corner is near enough for the tool to stay within the bound"}  # fmt: skip
+BOUNDED = {
+    True: "rates of straight stretches, accelerations of blends between their middles, from rest to rest",
+    False: "by control points of the derivatives, which enclose them",
+}
+"""How limits are known to hold: of a path that is straight between its rows, and of a smooth one."""
+
+
+def remedy_words(how: str, fact: Any) -> str:
+    """What a remedy does."""
+    return _DONE[how].format(fact)
+
+
+def remedy_note(kind: str, fact: Any) -> str:
+    """What was tried of a kind of remedy that has none, and what came of it.
+
+    Args:
+        kind: of the remedy; "path": of every kind that keeps the tool's path.
+        fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
+            how many candidates run the whole path, and how many of the others end for each reason.
+    """
+    if kind == "path":
+        return f"the tool's path cannot be followed: {fact}"
+    if kind == "retime":
+        return f"{kind}: the limits could not be kept everywhere"
+    if kind == "blend":
+        return f"{kind}: {_BLENDS.get(fact) or f'{fact} tried, none was proven free'}"
+    run, ended = fact
+    tried = run + ended.total()
+    if not tried:
+        return f"{kind}: there is no {_CHANGES[kind]}"
+    if len(ended) == 1 and tried > 1 and not run:
+        return f"{kind}: all {tried} that were tried {_ENDED[next(iter(ended))]}"
+    parts = [f"{count} {_ENDED[reason]}" for reason, count in sorted(ended.items())]
+    if run:
+        parts.append(f"{run} run it as far as a first look tells, and none of them was proven free")
+    return f"{kind}: {tried} tried: {', '.join(parts)}"
+
+
+def remedies_sentence(mending: Any) -> str:
+    """Which remedies were found."""
+    if not mending.needed:
+        return "Remedies: none is needed."
+    stopped = "" if mending.complete else ", interrupted: not all kinds were tried"
+    if not mending.remedies:
+        return f"Remedies: none was found{stopped}; that is no proof that there is none."
+    parts = [
+        f"{', '.join(kinds)} ({what})" for clear, what in ((True, "checked again: free, proven"),
+                                                          (False, "limits kept; it still meets a singularity"))
+        if (kinds := [one.kind for one in mending.remedies if one.check.clear == clear])
+    ]  # fmt: skip
+    return f"Remedies: {'; '.join(parts)}{stopped}."
+
+
+def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
+    """The remedies, and the kinds of which none was found."""
+    lines = tuple(line for one in mending.remedies for line in _remedy_lines(one, deg=deg))
+    others = [Section("Remedies that were not found", lines=mending.notes)] if mending.notes else []
+    return Section(mending.sentence, lines=lines), *others
+
+
+def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
+    lines = [f"{remedy.kind}: {remedy.words}"]
+    robot = remedy.check.robot
+    lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
+    for what, values in remedy.gains.items():
+        name, unit = GAINS[what]
+        before, after = (short(value) if isfinite(value) else "not known" for value in values)
+        if not np.isnan(values).all():
+            lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
+    lines.append(f"    checked again: {remedy.check.sentence}")
+    if remedy.usage is not None:
+        retimed = "new time law; " if remedy.retimed and remedy.kind != "retime" else ""
+        used = [f"{short(100 * share)} % of the {what} limits" for share, what in
+                ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
+        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
+    if remedy.off[0] > 0.0:
+        turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
+        where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
+        off = 1000 * remedy.off[0] / counted_length(robot)
+        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
+    return lines
+
+
+def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
+    _, value, unit = parameter
+    if unit == "rad, m" and isinstance(value, tuple):
+        return ", ".join(
+            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
+            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
+        )  # fmt: skip
+    values = value if isinstance(value, tuple) else (value,)
+    if unit == "rad" and deg:
+        return f"{', '.join(short(degrees(number)) for number in values)}°"
+    inside = ", ".join(short(number + 0.0) for number in values)
+    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
+
+
+def _small(value: float) -> str:
+    """A deviation; what is below 1e-9 is rounding."""
+    return short(value, 2) if value >= 1e-9 else "0"
+
+
+POSTURES = {
+    "axes 1, 2 meet": "axes 1 and 2 meet",
+    "axes 1, 2 parallel": "axes 1 and 2 are parallel",
+    "axes 2, 3 parallel": "axes 2 and 3 are parallel",
+    "axes 2, 3 meet": "axes 2 and 3 meet",
+    "without 2": "the inverse falls apart: one of its two equations does not hold joint 2",
+    "without 3": "the inverse falls apart: one of its two equations does not hold joint 3",
+    "orthogonal": "orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other",
+    "two slides": "joints 2 and 3 slide",
+    "three parallel": "axes 2, 3 and 4 are parallel, 5 and 6 meet; shoulder, elbow and wrist have two solutions each",
+    "orientation": "z₁·z₃ leaves two values of θ2",
+    "planar": "all axes are parallel, and the elbow has two solutions",
+    "structure": "neither proof applies to an arm of this structure",
+    "slide": "{whose} {has} a slide",
+    "repeated": "the singular curve of {whose} has a repeated part",
+    "nodes": "the singular curve of {whose} has no cusp but {nodes}, and the theorem is of arms without",
+    "point": "the singular curve of {whose} has no cusp but a part that is mapped to one point, and the theorem is of "
+    "arms without",
+}  # fmt: skip
+"""Why a change of posture is impossible, or what stands in the way of the proofs."""
+
+
+def decision_text(decision: Any) -> str:
+    """What is decided about changes of posture without a search, in one sentence."""
+    whose, has = ("the first three joints", "have") if decision.wrist else ("the arm", "has")
+    nodes, cusps = (f"{len(some)} {plural(word, len(some))}" for some, word in (
+        (decision.nodes or (), "node"), (decision.cusps, "cusp")))  # fmt: skip
+    wrist = "; the wrist, by the sign of its middle joint" * decision.wrist
+    texts = {
+        "signs": f"each solution has signs of its own: {POSTURES.get(decision.why)}{wrist}",
+        "cusps": f"three solutions of {whose} meet at {cusps}",
+        "no cusp": f"no three solutions of {whose} meet anywhere, and the singular curve has no nodes",
+    }
+    if decision.kind in texts or decision.why not in POSTURES:
+        return texts.get(decision.kind, str(decision.why))
+    return POSTURES[decision.why].format(whose=whose, has=has, nodes=nodes)
+
+
+def aspects_sentence(found: Any) -> str:
+    """The verdict on changes of posture, and what it rests on."""
+    if found.change is not None:
+        corners, spent = len(found.change.q), found.change.evaluations
+        return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
+                f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
+    if found.decision.impossible:
+        words = decision_text(found.decision)
+        words = f"{words[:1].upper()}{words[1:]}"
+        return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
+    count = len(found.solved)
+    poses = f"{count} {plural('pose', count)}{f' {_WITHIN[True]}' if found.options.limits else ''}"
+    return f"No change of posture without a singularity was found in {poses}; that is no proof of absence."
+
+
+def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
+    """Changes of posture: the verdict first and last."""
+    yield Section(found.sentence)
+    lines = [] if found.decision.impossible else [f"without a search: {decision_text(found.decision)}"]
+    lines.append(f"solutions of the inverse: Newton's method from {found.options.starts:,} starts for each pose, seed "
+                 f"{found.options.seed}, {_WITHIN[found.options.limits]}; more may exist")  # fmt: skip
+    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
+    if len(found.solved) == 1:
+        yield _solutions(found, deg=deg)
+    elif found.solved:
+        times = Counter((len(one.q), one.per_aspect) for one in found.solved if not one.near_cusp)
+        rows = tuple(
+            (str(count), " + ".join(map(str, sizes)), str(poses))
+            for (count, sizes), poses in sorted(times.items(), key=lambda item: (-item[1], item[0]))
+        )
+        yield Section("Solutions by aspect", columns=("solutions", "in the aspects", "poses"), rows=rows, texts=(1,),
+                      notes=(_meaning_of_numbers(found),))  # fmt: skip
+    if found.change is not None:
+        lines = [] if found.change.own else ["not from the configuration first named, but between two other solutions"]
+        yield Section(
+            "A change of posture without a singularity", lines=tuple(lines),
+            columns=("", *joint_heads(found.robot, deg=deg)),
+            rows=tuple((str(k), *joint_cells(found.robot, q, deg=deg)) for k, q in enumerate(found.change.q, start=1)),
+            notes=(f"straight lines between; smallest |det J| of its sample points {found.change.clearance:.3g}, "
+                   "lengths by the length scale",),
+        )  # fmt: skip
+    if found.notes:
+        yield Section("Notes", lines=found.notes)
+    yield Section(found.sentence)
+
+
+_WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
+
+
+def _solutions(found: Any, *, deg: bool) -> Section:
+    solved = found.solved[0]
+    rows = tuple(
+        (f"{solved.aspect[i]}{' ←' if i == 0 else ''}", solved.names[i],
+         *joint_cells(found.robot, solved.q[i], deg=deg))
+        for i in sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))
+    )  # fmt: skip
+    return Section(
+        f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", rows=rows, texts=(0, 1),
+        columns=("aspect", "sign", *joint_heads(found.robot, deg=deg)),
+        notes=("← the configuration whose pose it is", _meaning_of_numbers(found)),
+    )  # fmt: skip
+
+
+def _meaning_of_numbers(found: Any) -> str:
+    if found.decision.impossible:
+        return "every solution lies in an aspect of its own: proven"
+    joined = "solutions of one aspect are joined by paths proven free"
+    if all(len(set(one.sign)) == len(set(one.aspect)) for one in found.solved):
+        return f"{joined}; aspects of different signs of det J are parted by a singularity"
+    return f"{joined}; of aspects with the same sign no path was found, which does not prove them two"
+
+
+_THROUGH = {
+    "regular": "Not singular: trackable with any smooth time law.",
+    "passes": "Trackable through the singularity with s = c t^{order}: the path stands still there for an instant; at "
+    "constant speed joint rates grow as |s|^(−{less}/{order}).",
+    "tangent": "Trackable through the singularity at any speed: the path is in the image of J to second order.",
+    "corner": "Trackable through the singularity with a stop at it, where the joints change direction: s = ± c "
+    "t^{twice}.",
+    "turns back": "Not trackable through: the path is within reach only {side}. With s = c t^{order} the arm reaches "
+    "the singularity and comes back on the path in another posture, at finite joint rates.",
+    "not trackable": "Not trackable: no joint motion from this configuration follows the path, on either side of it.",
+    "undecided": "Undecided: nothing is settled by terms up to order {highest}.",
+}
+"""Kind of a path through a singularity -> what it means."""
+
+
+def through_sentence(found: Any, highest: int) -> str:
+    """Whether a tool path leads through a singularity; `highest` is the order up to which terms are compared."""
+    order, side = found.order or 1, "ahead of it" if found.side > 0 else "before it"
+    return _THROUGH[found.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
+
+
+def through_sections(found: Any, *, deg: bool) -> Iterator[Section]:
+    """A tool path through a singularity: the verdict first and last."""
+    yield Section(found.sentence)
+    rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(found.task.rows, found.along, strict=True))
+    lines = [f"path along {rows} [m, rad], {100 * abs(found.outside):.3g} % of it lost to first order"]
+    if len(found.s):
+        ends = f"s = {found.s[0]:.4g} to {found.s[-1]:.4g}"
+        lines.append(f"followed from {ends}: off the path by {found.off:.1e} at most")
+        law = "at path speed 1" if found.kind == "tangent" else f"under the law, in {found.times[-1] * 2:.3g} s"
+        lines.append(f"joint rates {law}: {found.rate:.3g} rad/s at most")
+    if found.exponent:
+        lines.append(f"joint rates at constant path speed grow as |s|^{found.exponent:.3f} (measured)")
+    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(map(minus, lines)))
+    if len(found.s):
+        cells = tuple(
+            (minus(f"{found.times[i]:.3f}"), minus(f"{found.s[i]:.3e}"),
+             *joint_cells(found.robot, found.joints[i], deg=deg))
+            for i in range(0, len(found.s), max(1, len(found.s) // 8))
+        )  # fmt: skip
+        yield Section("The motion", columns=("t [s]", "s", *joint_heads(found.robot, deg=deg)), rows=cells, texts=())
+    yield Section(found.sentence)
+
+
+def many_section(many: Sequence[dict[str, Any]]) -> Section:
+    """Several paths in short, as a table.
+
+    Args:
+        many: from `check_files`.
+    """
+    rows = []
+    for one in many:
+        near = "" if one["met"] or one["nearest_rad"] is None else short(one["nearest_rad"], 3)
+        cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
+        rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
+    holds = sum(one["verdict"] == "free" for one in many)
+    return Section(
+        f"{holds} of {len(many)} paths proven free",
+        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
+        after=tuple(one["sentence"] for one in many if one["verdict"] == "bad input"),
+    )  # fmt: skip
+
+
+def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: Sequence[str]) -> Iterator[str]:
+    """What a reader of a file should know.
+
+    Args:
+        name: of the file.
+        hint: of a unit that looks wrong.
+        notes: of how it was read.
+        unused: its columns or joints that are ignored.
+    """
+    if hint is not None:
+        yield f"warning: {name}: {hint}"
+    yield from (f"{name}: {note}" for note in notes)
+    if unused:
+        yield f"{name}: not used: {', '.join(unused)}"
+
+
+def radians_hint(angles: Array) -> str | None:
+    """A line of warning where angles that were read as degrees look like radians; None where they do not.
+
+    Args:
+        angles: (T, k) [rad].
+    """
+    typed = float(np.degrees(np.abs(angles).max(initial=0.0)))
+    moves = len(angles) > 0 and float(np.ptp(angles, axis=0).max(initial=0.0)) > 0.0
+    return f"angles up to {typed:.4g} look like radians and are taken as degrees" if moves and typed <= np.pi else None

@@ -1,0 +1,55 @@
+"""An arm of thirty joints: what cannot be fitted in bounded work is left unnamed, and `analyze` ends."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rankdrop.families.library import MOST_SUPPORTS, circuits
+from rankdrop.families.row import grow
+from rankdrop.robot.dh import from_dh
+from rankdrop.verbs.analyze import analyze
+
+
+def test_sets_of_bound_joints_among_thirty_are_tried_in_bounded_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A family in general position of 30 joints and dimension 20: no set of fewer than 21 joints is bound."""
+    basis = np.linalg.qr(np.random.default_rng(0).normal(size=(30, 20)))[0]
+    calls = 0
+    made = np.linalg.eigvalsh
+
+    def counted(matrix: np.ndarray) -> np.ndarray:
+        nonlocal calls
+        calls += 1
+        assert calls <= MOST_SUPPORTS + 1
+        return made(matrix)
+
+    monkeypatch.setattr(np.linalg, "eigvalsh", counted)
+    assert circuits((basis @ basis.T)[None], tuple(range(30))) == []
+
+
+def test_combinations_of_many_values_are_tested_in_bounded_number() -> None:
+    """Of an arm of thirty parallel joints every one of 2^29 combinations of 0 and π holds."""
+    linear: Any = SimpleNamespace(
+        neighbours=lambda values: [(*values[:i], np.pi - values[i], *values[i + 1 :]) for i in range(len(values))]
+    )
+    sizes: list[int] = []
+
+    def holds(values: list[tuple[float, ...]]) -> list[bool]:
+        sizes.append(len(values))
+        return [True] * len(values)
+
+    assert len(grow([(0.0,) * 29], linear, holds)) == sum(sizes) == 1024
+
+
+@pytest.mark.slow
+def test_an_analysis_of_thirty_joints_ends() -> None:
+    rng = np.random.default_rng(30)
+    rows = [(rng.uniform(0.1, 0.5), f"{rng.choice([0, 90, -90])} deg", rng.choice([0, 0.1, 0.3]), 0) for _ in range(30)]
+    begin = time.process_time()
+    found = analyze(from_dh(rows, convention="standard"), starts=300, threads=1)
+    assert found.families
+    assert time.process_time() - begin < 300

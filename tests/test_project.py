@@ -1,47 +1,132 @@
-"""What the pages of the project say of its tests and rooms is so."""
+"""What pages and scripts of the project say of its files, tests and commands is so, and nothing foreign is in it."""
 
 from __future__ import annotations
 
 import ast
 import re
+import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sources import FILES, ROOT
 
-HERE = Path(__file__).resolve().parent
-PAGES = sorted([*HERE.parent.glob("docs/**/*.md"), HERE.parent / "CONTRIBUTING.md"])
+from rankdrop.cli.main import ALIASES, COMMANDS
+
+HERE = ROOT / "tests"
+LARGEST = 2**20  # of a file [bytes]
+
+
+def kept() -> list[Path]:
+    """The files that are kept in the history, or all but what is built, where there is none."""
+    command = ["git", "ls-files", "-z", "-co", "--exclude-standard"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode == 0 and done.stdout:
+        return [ROOT / name for name in sorted(done.stdout.split("\0")) if name and (ROOT / name).is_file()]
+    built = {".venv", "build", ".git", "__pycache__"}
+    files = [path for path in sorted(ROOT.rglob("*")) if path.is_file()]
+    return [path for path in files if not built & set(path.relative_to(ROOT).parts)]
+
+
+KEPT = kept()
+PAGES = [path for path in KEPT if path.suffix == ".md" and (path.parent == ROOT or (ROOT / "docs") in path.parents)
+         and path.name != "CHANGELOG.md"]  # fmt: skip
+SCRIPTS = [path for path in KEPT if path.parent == ROOT / ".ci" and path.suffix != ".txt"]
+
+
+def read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
-def names() -> set[str]:
+def tests() -> set[str]:
     """Functions of all tests."""
     return {
-        node.name for file in HERE.rglob("test_*.py") for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        node.name for file in HERE.rglob("test_*.py") for node in ast.walk(ast.parse(read(file)))
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
     }  # fmt: skip
 
 
-def test_every_test_that_a_page_names_is_there(names: set[str]) -> None:
-    told = {(page.name, name) for page in PAGES
-            for name in re.findall(r"`(test_\w+)`", page.read_text(encoding="utf-8"))}  # fmt: skip
+def test_every_test_that_a_page_names_is_there(tests: set[str]) -> None:
+    told = {(page.name, name) for page in PAGES for name in re.findall(r"`(test_\w+)`", read(page))}
     assert len(told) >= 20
-    assert {one for one in told if one[1] not in names} == set()
+    assert {one for one in told if one[1] not in tests} == set()
 
 
-def test_every_file_of_tests_that_a_page_names_is_there() -> None:
-    told = {(page.name, name) for page in PAGES
-            for name in re.findall(r"`(tests/[a-z_/.]+)`", page.read_text(encoding="utf-8"))}  # fmt: skip
-    assert {one for one in told if not (HERE.parent / one[1]).exists()} == set()
+def named_files(text: str) -> Iterator[str]:
+    """Names of files of the project in a page or script: paths from its root, and code in Python and C++."""
+    yield from re.findall(r"(?<![\w./-])((?:docs|examples|papers|src|tests|tools|benchmarks)/[\w/-]+\.[a-z]+)\b", text)
+    yield from re.findall(r"(?<![\w./-])(\.ci/[\w.-]*\w)", text)
+    yield from re.findall(r"`((?:\w+/)*\w+\.(?:py|cpp|hpp))(?:::[\w.]+)?`", text)
+
+
+@pytest.fixture(scope="module")
+def ends() -> set[str]:
+    """Every path of a file, and each of its ends: a page says `local/block.py`, or only `block.py`."""
+    parts = [path.relative_to(ROOT).parts for path in KEPT]
+    return {"/".join(some[i:]) for some in parts for i in range(len(some))}
+
+
+@pytest.mark.parametrize("page", [*PAGES, *SCRIPTS], ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_file_that_a_page_or_script_names_is_there(page: Path, ends: set[str]) -> None:
+    assert set(named_files(read(page))) - ends == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_command_that_a_page_names_is_there(page: Path) -> None:
+    told = set(re.findall(r"(?m)(?:^\$ |^|`|\.venv/bin/)rankdrop ([a-z][a-z-]*)\b", read(page)))
+    assert told - {*COMMANDS, *ALIASES, "completion"} == set()
+
+
+def test_no_file_has_marks_of_a_conflict() -> None:
+    mark = re.compile(rb"^(<{7}|>{7}|\|{7})( |$)|^={7}$", re.M)
+    assert [path for path in KEPT if mark.search(path.read_bytes())] == []
+
+
+def test_no_file_is_large() -> None:
+    assert [path for path in KEPT if path.stat().st_size > LARGEST] == []
 
 
 def test_every_room_is_in_the_table_of_rooms() -> None:
-    table = (HERE.parent / "docs" / "rooms.md").read_text(encoding="utf-8")
-    rooms = {place.name for place in (HERE.parent / "src" / "rankdrop").iterdir() if any(place.glob("*.py"))}
+    table = read(ROOT / "docs" / "rooms.md")
+    rooms = {place.name for place in (ROOT / "src" / "rankdrop").iterdir() if any(place.glob("*.py"))}
     assert {room for room in rooms if f"`{room}/`" not in table} == set()
 
 
 def test_every_line_of_the_changelog_is_short() -> None:
-    text = (HERE.parent / "CHANGELOG.md").read_text(encoding="utf-8")
-    lines = [line for line in text.splitlines() if line.startswith("- ")]
+    lines = [line for line in read(ROOT / "CHANGELOG.md").splitlines() if line.startswith("- ")]
     assert lines
     assert [line for line in lines if len(line.split()) > 26] == []  # 25 words and the dash
+
+
+def words_of(text: str) -> str:
+    return " ".join(re.findall(r"[a-z]+", text.lower()))
+
+
+@pytest.fixture(scope="module")
+def said() -> str:
+    """Every word of the package's source, one after the other."""
+    return f" {words_of(' '.join(map(read, [*FILES, *(ROOT / 'src' / 'core').glob('*.cpp')])))} "
+
+
+def is_ours(pattern: str, said: str) -> bool:
+    """Whether three words of a pattern in a row, or a whole part of it that is shorter, stand in the package."""
+    parts = [part.split() for part in re.split(r"[^a-z ]+", re.sub(r"\\[a-zA-Z]", "|", pattern).lower())]
+    runs = [part[i : i + 3] for part in parts for i in range(max(1, len(part) - 2)) if part]
+    return not runs or any(f" {' '.join(run)} " in said for run in runs)
+
+
+def test_expected_messages_are_the_packages_own(said: str) -> None:
+    foreign = [
+        f"{file.relative_to(ROOT)}:{node.value.lineno}: {node.value.value}"
+        for file in sorted(HERE.rglob("test_*.py")) for node in ast.walk(ast.parse(read(file)))
+        if isinstance(node, ast.keyword) and node.arg == "match" and isinstance(node.value, ast.Constant)
+        and not is_ours(str(node.value.value), said)
+    ]  # fmt: skip
+    assert foreign == []
+
+
+def test_the_checks_run_the_command_of_the_readme() -> None:
+    command = re.findall(r"```console\n(python3 -m venv .*pytest.*)\n```", read(ROOT / "README.md"))
+    assert len(command) == 1
+    assert f"\n{command[0]}\n" in read(ROOT / ".ci" / "run")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import until
 
 from rankdrop import disk
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError, ResultFileError
@@ -190,10 +191,7 @@ def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     log, out = tmp_path / "log", tmp_path / "out"
     process = subprocess.Popen([sys.executable, "-c", KILLED, str(out), str(log)])
     journal = out / "journal"
-    patience = time.monotonic() + 60
-    while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):
-        assert time.monotonic() < patience
-        time.sleep(0.02)
+    until(lambda: journal.exists() and journal.read_bytes().count(b"\n") >= 2)
     process.send_signal(signal.SIGKILL)
     process.wait()
     done = len(Folder(out, job(sleep=0.3, log=str(log))).finished())
@@ -233,10 +231,7 @@ def test_two_processes_on_loopback_are_a_cluster(truth: list[tuple[int, bytes]],
          "--no-dashboard"], **common,
     )  # type: ignore[call-overload]  # fmt: skip
     try:
-        patience = time.monotonic() + 60
-        while not note.exists():
-            assert time.monotonic() < patience
-            time.sleep(0.1)
+        until(note.exists)
         import json
 
         assert list(finish(job(), Engine(scheduler=json.loads(note.read_text())["address"]))) == truth

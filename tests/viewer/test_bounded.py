@@ -117,7 +117,7 @@ def server() -> Iterator[Server]:
             process.kill()
 
 
-def settled(server: Server, wanted: str, within: float = 30.0) -> list[str]:
+def settled(server: Server, wanted: str, within: float = 180.0) -> list[str]:
     """What the server answers once the open trajectory has this name."""
     end = time.monotonic() + within
     while (told := server.asked())[1] != wanted:

@@ -9,10 +9,10 @@ import sys
 from collections.abc import Iterator
 from http.client import HTTPConnection
 from pathlib import Path
-from time import monotonic, sleep
 
 import numpy as np
 import pytest
+from patience import until
 
 from rankdrop.cli import exits, main
 from rankdrop.errors import MissingExtraError, OptionError
@@ -113,14 +113,13 @@ def test_a_port_in_use_is_an_error_or_the_next_one_is_taken() -> None:
 def test_the_scene_follows_the_session(viewer: Viewer) -> None:
     q = np.array([0.4, 0.3, -0.2, 0.5, 0.0, 0.1])
     viewer.session.set(q)
-    end = monotonic() + 10
-    while viewer.controls.found is None or not (viewer.controls.found.q == q).all():
-        assert monotonic() < end
-        sleep(0.01)
-    for drawn, pose in zip(viewer.stage.links, link_poses(viewer.controls.robot, q), strict=True):
-        assert np.allclose(drawn.position, pose[:3, 3])
-    assert viewer.stage.blamed == {4: 0, 6: 0}
-    assert [slider.value for slider in viewer.controls.sliders] == np.degrees(q).round(1).tolist()
+    poses = link_poses(viewer.controls.robot, q)
+    shown = np.degrees(q).round(1).tolist()
+    until(lambda: viewer.controls.found is not None and bool((viewer.controls.found.q == q).all()))
+    until(lambda: all(np.allclose(drawn.position, pose[:3, 3])
+                      for drawn, pose in zip(viewer.stage.links, poses, strict=True)))  # fmt: skip
+    until(lambda: viewer.stage.blamed == {4: 0, 6: 0})
+    until(lambda: [slider.value for slider in viewer.controls.sliders] == shown)
 
 
 @pytest.mark.slow

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from http.client import HTTPConnection
 from threading import Thread
-from time import monotonic, sleep
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from patience import until
 
 from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.view import _command
@@ -37,13 +37,6 @@ URDF = """<robot name="two"><link name="a"/><link name="b"/><link name="c"/>
 <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
 <joint name="j2" type="revolute"><parent link="b"/><child link="c"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>
 <limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
-
-
-def until(holds: Callable[[], bool], seconds: float = 20.0) -> None:
-    end = monotonic() + seconds
-    while not holds():
-        assert monotonic() < end, "it never came true"
-        sleep(0.01)
 
 
 @pytest.fixture(scope="module")

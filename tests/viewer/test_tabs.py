@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from time import monotonic, sleep
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from patience import until
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
@@ -24,13 +24,6 @@ from rankdrop.viewer.tab_families import PACE
 ARM = open_robot("pa10")
 TASK = resolve_task(None, ARM)
 ELBOW = np.array([0.1, 0.6, 0.3, 0.0, 0.4, 0.9, 0.2])
-
-
-def until(holds: Callable[[], bool], seconds: float = 15.0) -> None:
-    end = monotonic() + seconds
-    while not holds():
-        assert monotonic() < end, "it never came true"
-        sleep(0.01)
 
 
 def smallest(q: Array, arm: Robot = ARM, task: Task = TASK) -> float:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
+from collections.abc import Generator
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # small matrices, a test process for each core: threads of a BLAS only wait
@@ -13,6 +15,8 @@ import pytest
 from hypothesis import settings
 
 from rankdrop.results import known as known_exact
+
+Report = pytest.TestReport | pytest.CollectReport
 
 settings.register_profile("same-every-run", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("same-every-run")
@@ -30,6 +34,32 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         dear = call is not None and named & {call.id, *call.id.split("-"), *map(str, call.params.values())}
         if dear or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
             item.add_marker(pytest.mark.slow)
+
+
+REQUIRED = bool(os.environ.get("RANKDROP_REQUIRE_ALL"))
+"""In the checks every program and package that a test needs is there: a skip for want of one is a failure."""
+_MISSING = re.compile(r"installed|could not import|No module named|needs the extra")
+
+
+def required(report: Report) -> Report:
+    """A report; one of a test that was skipped for want of a program or a package tells of a failure."""
+    reason = str(report.longrepr[2]) if report.skipped and isinstance(report.longrepr, tuple) else ""
+    if REQUIRED and _MISSING.search(reason):
+        report.outcome = "failed"
+        report.longrepr = f"{reason}: RANKDROP_REQUIRE_ALL asks for it"
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, Report, Report]:
+    """One test."""
+    return required((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, Report, Report]:
+    """One file of tests."""
+    return required((yield))
 
 
 @pytest.fixture(autouse=True)

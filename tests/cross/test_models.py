@@ -1,12 +1,11 @@
 """Robots from and to models of Pinocchio, MuJoCo, the Robotics Toolbox and yourdfpy, against these packages.
 
 Over the whole catalogue, `rankdrop.jacobian` equals their Jacobian to 1e-12. Needs the extras "cross" and "mujoco";
-each package that is missing is skipped with the reason. With RANKDROP_REQUIRE_CROSS=1 a missing one is an error.
+each package that is missing is skipped with the reason.
 """
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -54,8 +53,6 @@ def package(name: str) -> ModuleType:
     """The package; the test is skipped where it is missing."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # theirs, while they are imported
-        if os.environ.get("RANKDROP_REQUIRE_CROSS"):
-            return __import__(name)
         module = pytest.importorskip(name, reason=f'the extra "{PACKAGES[name]}" is not installed')
     assert isinstance(module, ModuleType)
     return module

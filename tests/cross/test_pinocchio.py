@@ -1,22 +1,20 @@
 """Real files through rankdrop and through Pinocchio: poses, Jacobians, their rates and singular values agree to 1e-12.
 
 Needs the extra "cross" (`pip install ".[cross,test]"`: Pinocchio and two packages of robot descriptions). Without it
-these tests are skipped and `pytest -rs` says so. With RANKDROP_REQUIRE_CROSS=1 in the environment, as in continuous
-integration, a missing package is an error.
+these tests are skipped and `pytest -rs` says so.
 """
 
 from __future__ import annotations
 
-import os
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-if not os.environ.get("RANKDROP_REQUIRE_CROSS"):
-    for _package in ("pinocchio", "rtbdata", "xacrodoc"):
-        pytest.importorskip(_package, reason='the extra "cross" is not installed')
+pytest.importorskip("pinocchio", reason='the extra "cross" is not installed')
+pytest.importorskip("rtbdata", reason='the extra "cross" is not installed')
+pytest.importorskip("xacrodoc", reason='the extra "cross" is not installed')
 
 import pinocchio as pin
 import xacrodoc

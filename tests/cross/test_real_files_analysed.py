@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
 from cross.real_files import FILES, XACROS, RealFile
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 
-if not os.environ.get("RANKDROP_REQUIRE_CROSS"):
-    pytest.importorskip("pinocchio")  # the extra "cross" brings it and the packages with the files
+pytest.importorskip("pinocchio", reason='the extra "cross" is not installed')
 
 CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.items())]
 

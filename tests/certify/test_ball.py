@@ -144,12 +144,12 @@ def test_branch_and_bound_reaches_nine_tenths(name):
     assert np.median(ratio) > 0.9
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(
     "name", ["puma560", "ur5", "panda", "iiwa14", "canadarm2", "rcrrrr", "stanford", "fetch8", "gen3"]
 )
 def test_no_ball_holds_a_singular_point_of_a_large_cloud(name):
-    """Run with `pytest -m slow tests/certify`; 1 000 configurations of each arm, 60 000 points, a few minutes."""
+    """1 000 configurations of each arm, 60 000 points."""
     robot = open_robot(name)
     task = resolve_task(None, robot)
     setting = settings_for(robot, task)[0]

@@ -42,7 +42,7 @@ def test_bounds_that_are_too_small_are_noticed(soundness, monkeypatch):
     assert tally.wrong["boxes"] > 10
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_thirty_thousand_hold(soundness):
     tally = soundness.run(30_000, 2, tell=False)
     assert not any(tally.wrong.values()), tally.wrong

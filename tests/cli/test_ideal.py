@@ -172,7 +172,7 @@ def test_a_calibrated_arm_shows_the_few_families_of_the_ideal_arm_and_how_far_th
     assert "the file's own numbers" not in out
 
 
-@pytest.mark.parametrize("given", [("--ideal", "off"), pytest.param(("--as-written",), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("given", [("--ideal", "off"), pytest.param(("--as-written",), marks=pytest.mark.by_hand)])
 def test_the_numbers_of_a_file_are_analysed_where_that_is_asked_for(run, given: tuple[str, ...]) -> None:
     out = run("analyze", PIPER, *FEW, *given).out
     assert "piper_ideal" not in out

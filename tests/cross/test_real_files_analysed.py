@@ -13,7 +13,7 @@ pytest.importorskip("pinocchio", reason='the extra "cross" is not installed')
 CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.items())]
 
 
-LATE = {"iiwa": pytest.mark.slow}  # offsets of 0.436 mm: a minute
+LATE = {"iiwa": pytest.mark.by_hand}  # offsets of 0.436 mm: a minute
 
 
 @pytest.mark.slow_at("ur5", "xarm7", "panda", "puma560.xacro", "irb140.xacro")

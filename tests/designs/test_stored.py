@@ -65,7 +65,7 @@ print(json.dumps({"count": count, "own": own, "worker": worker}))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read from /proc")
 def test_ten_million_are_found_stored_and_queried(tmp_path: Path) -> None:
     begun, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -97,7 +97,7 @@ def test_multiplicities_are_told() -> None:
     assert [one["sign"] for one in record["minors"]][3] == 0  # joints 1, 2, 3, 5, 6, 7 are dependent everywhere
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_long_factors_are_folded_on_the_screen_and_whole_in_the_file() -> None:
     found = conditions(open_robot("canadarm2"), method="cofactors", coranks=1, points=0, steps=True)
     screen, whole = str(found), steps_text(found)

@@ -60,7 +60,7 @@ def test_error_of_600_singular_values_against_mpmath(rng: np.random.Generator) -
     assert worst_error(matrices(rng, 600)) <= 4.0
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_error_of_12000_singular_values_against_mpmath(rng: np.random.Generator) -> None:
     assert worst_error(matrices(rng, 12_000)) <= 4.0
 

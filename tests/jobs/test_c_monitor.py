@@ -40,6 +40,7 @@ def test_a_loop_in_python_slows_down(tmp_path: Path) -> None:
     assert float(done.stdout) < 0.2  # the elbow is crossed at 0°
 
 
+@pytest.mark.by_hand  # tests/core/test_headers.py builds and runs the same headers
 def test_the_same_in_cpp(tmp_path: Path) -> None:
     compiler = shutil.which("c++") or shutil.which("g++")
     if compiler is None or shutil.which("cmake") is None or shutil.which("make") is None:

@@ -61,7 +61,7 @@ def done(process: subprocess.Popen[str]) -> tuple[int, str]:
     return process.returncode, text
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_two_hundred_variants_are_ranked(tmp_path: Path) -> None:
     (tmp_path / "designs.toml").write_text(SPEC)
     run = ("sweep", "designs.toml", "--out", "designs", "--parquet", "--json", "designs.json", "--html",

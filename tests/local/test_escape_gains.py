@@ -60,9 +60,8 @@ def test_predicted_gain_is_measured_gain() -> None:
     assert min(seen["order 1"], seen["gain 1"], seen["gain 2"]) > 100
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_predicted_gain_is_measured_gain_at_thousands_of_configurations() -> None:
-    """About a minute: `pytest -m slow tests/local/test_escape_gains.py`."""
     seen, wrong = compare(every_arm(), 200)
     assert wrong == []
     assert sum(seen[f"corank {corank}"] for corank in (1, 2, 3)) >= 2000

@@ -64,7 +64,7 @@ STEPPED = ("pa10", "ur5", "puma560", "panda", "gen3", "canadarm2", "fetch8", "ii
 
 
 @pytest.mark.parametrize(("name", "count"), [
-    *((name, 40) for name in STEPPED), *(pytest.param(name, 1000, marks=pytest.mark.slow) for name in STEPPED),
+    *((name, 40) for name in STEPPED), *(pytest.param(name, 1000, marks=pytest.mark.by_hand) for name in STEPPED),
 ])  # fmt: skip
 def test_newtons_steps_come_no_less_near_than_walks(name: str, count: int) -> None:
     """Against 128 walks, as they were before there were steps; one of 1,000 may be missed, as walks miss some."""

@@ -55,6 +55,7 @@ def test_limits_may_be_endless_and_geometry_may_not() -> None:
         "sqrt", "pi(2)", "1//2", "3 4", "1,5", "1_000", "0x10", "sqrt(-1)", "1/0", "e", "(1", "1)", "9" * 300,
         "(" * 150,
         "1 deg + 2 deg", "lambda: 1", "[1]", "١",
+        "+".join(["10"] * 40) + "!", "1" * 150 + "!",  # an expression that tries every way to split them never ends
     ],
 )  # fmt: skip
 def test_everything_else_is_an_error_that_names_the_place(text: str) -> None:

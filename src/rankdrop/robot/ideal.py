@@ -20,7 +20,7 @@ from rankdrop.tolerances import NOTHING, SQUARE
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}
 _TURNS = {"deg": radians(1.0), "°": radians(1.0), "rad": 1.0, "mrad": 1e-3}
-_ONE = re.compile(r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°]+)\s*")
+_ONE = re.compile(r"\s*+(\d++\.?\d*+(?:[eE][+-]?\d++)?|\.\d++(?:[eE][+-]?\d++)?)\s*+([A-Za-zµμ°]++)\s*+")
 _Fact = tuple[str, tuple[int, ...]]  # what, of which joints
 _WIDEST = radians(5.0)  # angles are multiples of 15°: at half of that every angle would be one
 _LONGEST = 0.1  # of the arm's size: with more it is another arm

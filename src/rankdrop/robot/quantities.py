@@ -29,7 +29,8 @@ _UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
     "number": {},
 }
-_ARITHMETIC = re.compile(r"(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\w.])|pi\b|sqrt\b|[-+*/() ])*")
+# possessive: a character once read is not read again, so that a long text takes no longer than its length
+_ARITHMETIC = re.compile(r"(?:(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?+(?![\w.])|pi\b|sqrt\b|[-+*/() ])*+")
 _WITH_UNIT = re.compile(r"(?P<value>.*?)\s*(?P<unit>[A-Za-zµ°]+)?(?P<rate>/s)?", re.DOTALL)
 
 

@@ -20,7 +20,7 @@ from rankdrop.robot.quantities import Angles, in_range
 from rankdrop.robot.transform import from_xyz_rpy, norm
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, read_tree
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d++\.?\d*+|\.\d++)([eE][+-]?\d++)?", re.ASCII)
 
 
 def number(text: str, where: str, key: str, measure: str = "number") -> float:

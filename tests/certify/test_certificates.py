@@ -17,6 +17,7 @@ from reference.kinematics import jacobian as reference_jacobian
 
 from rankdrop.certify.ball import ModelTolerance
 from rankdrop.certify.certificates import (
+    asked_about,
     ball_certificate,
     covering_certificate,
     existence_certificate,
@@ -39,6 +40,8 @@ from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.verbs.covering import cover
 
+ROWS = [[0.0, -1.0, 0.8, 0.4, 0.5, 0.0], [0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
+PATHS = {"crossing": ROWS, "free": ROWS[1:], "away": ROWS[1:]}
 Q = {"ur5": [0.3, -0.8, 1.2, 0.4, 0.9, 0.1], "planar3r": [0.3, 1.2, 0.4]}
 
 
@@ -49,10 +52,9 @@ def records(tmp_path_factory):
     robot = open_robot("ur5")
     ball = ball_certificate(robot, Q["ur5"], radius=0.3)
     near = ball_certificate(robot, Q["ur5"], radius=0.25, tolerance=ModelTolerance(3e-4, 1e-3))
-    rows = [[0.0, -1.0, 0.8, 0.4, 0.5, 0.0], [0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
-    crossing = path_certificate(check_path(robot, rows))
-    free = path_certificate(check_path(robot, rows[1:]))
-    away = path_certificate(check_path(robot, rows[1:], min_distance=0.3))  # the wrist is 0.4 rad away
+    crossing = path_certificate(check_path(robot, ROWS))
+    free = path_certificate(check_path(robot, ROWS[1:]))
+    away = path_certificate(check_path(robot, ROWS[1:], min_distance=0.3))  # the wrist is 0.4 rad away
     there = existence_certificate(open_robot("puma560"), [0.1, 0.5, 0.4, 0.2, 0.0, 0.6])
     small = open_robot("planar3r")
     found = cover(small, width=0.2, out=folder / "small.cover", explain=False)
@@ -62,12 +64,14 @@ def records(tmp_path_factory):
     return made | {"covering": covering}, folder
 
 
-def judged(records, name, change=None, *, robot=None, seal=True):
-    """The verdict on a certificate, changed and hashed anew."""
+def judged(records, name, change=None, *, robot=None, seal=True, compared=True):
+    """The verdict on a certificate, changed and hashed anew; of a path compared with its honest rows, or proven alone.
+    """
     record = copy.deepcopy(records[0][name])
     if change is not None:
         change(record)
-    return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), robot)
+    asked = asked_about(robot, rows=PATHS.get(name) if compared else None)
+    return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), asked)
 
 
 @pytest.mark.slow_at("near")
@@ -162,9 +166,10 @@ LIES = {
 @pytest.mark.parametrize("lie", LIES)
 def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     name, change, reason = LIES[lie]
-    found = judged(records, name, change)
+    found = judged(records, name, change, compared=False)
     assert not found.holds, found
     assert reason in found.reason
+    assert "alone" not in found.reason  # it is not even proven of its own control points
     assert not found.claim
 
 
@@ -187,7 +192,8 @@ def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
     for share, holds in ((0.9, True), (1.001, False)):
         record = path_certificate(check_path(robot, rows, min_distance=0.36))
         record["claim"]["min_distance"] = 0.4 * share
-        assert verify(write_certificate(sealed(record), tmp_path / "p.json"), robot).holds is holds
+        asked = asked_about(robot, rows=rows)
+        assert verify(write_certificate(sealed(record), tmp_path / "p.json"), asked).holds is holds
 
 
 def test_a_bracket_needs_two_signs(records):

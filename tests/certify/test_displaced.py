@@ -11,7 +11,7 @@ from reference import arms, region
 from reference.displaced import displaced_arm
 
 from rankdrop.certify.ball import ModelTolerance, certified_radius, displaced_columns, displaced_jacobian, points_of
-from rankdrop.certify.certificates import ball_certificate, verify, write_certificate
+from rankdrop.certify.certificates import asked_about, ball_certificate, verify, write_certificate
 from rankdrop.certify.setting import settings_for
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
@@ -263,13 +263,14 @@ def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tm
 
 def test_a_path_for_near_arms_is_proven_or_not(tmp_path):
     robot = open_robot("ur5")
-    found = check_path(robot, [[0.1, -0.9, 1.0, 0.4, -0.6, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]])
+    rows = [[0.1, -0.9, 1.0, 0.4, -0.6, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
+    found, asked = check_path(robot, rows), asked_about(robot, rows=rows)
     assert proven_for_near_arms(found, NEAR)
     assert not proven_for_near_arms(found, ModelTolerance(0.1, 0.1))
     assert not proven_for_near_arms(found, NEAR, evaluations=0)
-    assert verify(write_certificate(path_certificate(found, NEAR), tmp_path / "p.json"), robot).holds
+    assert verify(write_certificate(path_certificate(found, NEAR), tmp_path / "p.json"), asked).holds
     lie = path_certificate(found, ModelTolerance(0.1, 0.1))
-    assert not verify(write_certificate(lie, tmp_path / "p.json"), robot).holds
+    assert not verify(write_certificate(lie, tmp_path / "p.json"), asked).holds
 
 
 def test_what_a_tolerance_is_not_for_is_refused():

@@ -89,10 +89,11 @@ def printed(found: Verified) -> tuple[str, ...]:
     return (found.kind, found.arm, found.claim, *found.statement)
 
 
-def judged(folder: Path, record: Record) -> Verified | None:
-    """The verdict on a certificate; None where it is refused as malformed."""
+def judged(folder: Path, record: Record, rows: Any = None) -> Verified | None:
+    """The verdict on a certificate, of a path compared with the user's rows; None where it is refused as malformed."""
     try:
-        return verify(write_certificate(sealed(record), folder / "one.json"), enclosures=WORK)
+        return verify(write_certificate(sealed(record), folder / "one.json"), asked_about(None, rows=rows),
+                      enclosures=WORK)  # fmt: skip
     except ResultFileError:
         return None
 
@@ -177,7 +178,8 @@ def forge(folder: Path, original: Record, rng: np.random.Generator, place: tuple
 def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, int]:
     """Judge forgeries: how many are refused, and how many hold under another claim."""
     rng = np.random.default_rng(seed)
-    first = judged(folder, original)
+    rows = original["claim"].get("points")
+    first = judged(folder, original, rows)
     assert first is not None
     assert first.holds, first.reason
     entries = [place for place in places(original) if place != ("sha256",)]
@@ -185,7 +187,7 @@ def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, in
     refused, other = 0, 0
     for number in range(count):
         record, claims = forge(folder, original, rng, entries[order[number % len(entries)]])
-        found = judged(folder, record)
+        found = judged(folder, record, rows)
         if found is None or not found.holds:
             refused += 1
         elif claims:
@@ -304,11 +306,11 @@ def test_the_claim_is_compared_with_what_was_asked(honest):
         ("ball with a slide", asked_about(slider, resolve_task(None, slider, length_scale=0.05)), "divided by"),
         ("free path", asked_about(two, path=source, rows=[[0.1, 0.9], [0.3, 0.5], [0.4, 0.7]]), ""),
         ("free path", asked_about(two, path=source, rows=[[0.1, 0.9], [0.3, 0.5], [0.4, 0.8]]), "other rows"),
-        ("free path", asked_about(two, path=other), "another content of rows.csv"),
+        ("free path", asked_about(two, path=other, rows=[[0.1, 0.9]]), "another"),
         ("covering", asked_about(planar, limits=False), ""),
         ("covering", asked_about(planar, limits=True), "the whole joint space"),
         ("covering within limits", asked_about(slider, limits=True), ""),
-        ("covering within limits", asked_about(wider), "limits of joint a differ"),
+        ("covering within limits", asked_about(wider), "limits of joint 'a' differ"),
         ("existence", asked_about(planar, None, q=[0.3, 0.0, 0.2]), ""),
         ("existence", asked_about(planar, None, q=[0.3, 0.0, 0.3]), "q = "),
     ]

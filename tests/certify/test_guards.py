@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,15 +13,16 @@ from reference import arms
 from reference.coverings import covering
 
 from rankdrop.certify import covering as covers_of
-from rankdrop.certify.certificates import existence_certificate, write_certificate
+from rankdrop.certify.certificates import covering_certificate, existence_certificate, verify, write_certificate
+from rankdrop.certify.covering import write_covering
 from rankdrop.certify.setting import middle_of
 from rankdrop.proof import covers
-from rankdrop.proof.arm import BITS, Arm
-from rankdrop.proof.boxes import bits
+from rankdrop.proof.arm import BITS, Arm, Region
+from rankdrop.proof.boxes import bits, digest
 from rankdrop.proof.check import arm_of
 from rankdrop.proof.existence import _Zero
-from rankdrop.proof.record import Link, read_certificate
-from rankdrop.proof.regions import Cell
+from rankdrop.proof.record import Link, Unproven, Work, read_certificate
+from rankdrop.proof.regions import Cell, Check, CurvePath
 from rankdrop.robot.open import open_robot
 
 
@@ -148,3 +150,149 @@ def _last(found: Any) -> tuple[Any, Any]:
         if level == found.plan.shape.levels and bits(masks, found.plan.shape.variables).any():
             return cells, masks
     raise AssertionError("no leaf is left")
+
+
+@pytest.mark.parametrize(("short", "whole"), [(0.0, True), (1e-12, False), (1e-6, False), (1e-3, False)])
+def test_a_turn_that_is_a_little_short_is_none(tmp_path, short, whole):
+    """A false covering: its boxes are all truly free, and the singular θ2 = 0 lies in the gap of its range."""
+    robot = open_robot("planar3r")
+    low, high = short / 2, 2 * np.pi - short / 2
+    joints = tuple(replace(joint, lower=low, upper=high) if j == 1 else joint for j, joint in enumerate(robot.joints))
+    found = covering(replace(robot, joints=joints), 0.4, limits=True)
+    plan = replace(found.plan, limits=False, turns=(True,))
+    write_covering(tmp_path / "a.cover", replace(found, plan=plan))
+    record = covering_certificate(robot, plan, digest(plan, found.tree), "a.cover", covers_task(robot))
+    told = verify(write_certificate(record, tmp_path / "a.json"), every=True)
+    assert plan.variables == (2,)
+    assert told.holds == whole, told.reason
+    assert whole or "said to be a turn, and is none" in told.reason
+
+
+class Seen(Exception):
+    """The determinant that a check makes was looked at."""
+
+
+def test_the_check_of_a_covering_hands_the_seam_to_the_determinant(monkeypatch):
+    """Boxes of a determinant made by the check itself reach around a whole turn, which one of doubles does not."""
+    robot = arms.random_chain(np.random.default_rng(3), "rrrrrr")
+    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
+    arm = Arm(links, 6, 3, [flint.arb(float(x)) for x in middle_of(robot)], flint.arb(1))
+    low = (-np.pi - np.pi / 8,) * 4
+    high = tuple(x + 2 * np.pi for x in low)
+    given: list[float] = []
+
+    def spy(arm: Any, rows: Any, places: Any, lower: Any, upper: Any, wider: float) -> Any:
+        given.append(wider)
+        raise Seen
+
+    monkeypatch.setattr(covers, "Determinant", spy)
+    claim: Any = SimpleNamespace(tolerance=None, whole_rows=[0, 1, 2, 3, 4, 5], rank=6, record={})
+    check = Check(arm, claim, Work(10))
+    plan: Any = SimpleNamespace(variables=(2, 3, 4, 5), lower=low, upper=high)
+    with pytest.raises(Seen):
+        covers._verify_all(check, plan, SimpleNamespace(free_boxes=1))  # type: ignore[arg-type]
+    for a, b in zip(low, high, strict=True):
+        assert flint.arb(b) - flint.arb(a) < 2 * flint.arb.pi()
+        assert flint.arb(b) - flint.arb(a) + 2 * flint.arb(given[0]) > 2 * flint.arb.pi()
+
+
+def test_a_determinant_that_leaves_out_a_joint_that_decides_is_refused():
+    """With it at 0 the others have a polynomial of their own, of which any box may be free."""
+    robot = arms.random_chain(np.random.default_rng(3), "rrrrrr")
+    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
+    arm = Arm(links, 6, 3, [flint.arb(float(x)) for x in middle_of(robot)], flint.arb(1))
+    assert arm.moving == [1, 2, 3, 4]
+    for left in arm.moving:
+        places = [j for j in arm.moving if j != left]
+        with pytest.raises(Unproven, match="no trigonometric polynomial"):
+            covers.Determinant(arm, [0, 1, 2, 3, 4, 5], places, (0.0,) * 3, (1.0,) * 3, 0.0)
+
+
+@pytest.mark.parametrize("left", [0, 1, 2, 3])
+def test_ranges_that_leave_out_a_joint_that_decides_are_refused(left):
+    robot = arms.random_chain(np.random.default_rng(3), "rrrrrr")
+    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
+    variables = [j for place, j in enumerate((2, 3, 4, 5)) if place != left]
+    entries = {"variables": variables, "lower": [-np.pi] * 3, "upper": [3.2] * 3, "turns": [True] * 3, "limits": False}
+    claim: Any = SimpleNamespace(entries=entries, variables=6, links=links, limits=None)
+    covers.check_ranges(claim, [j - 1 for j in variables])
+    with pytest.raises(Unproven, match="leaves out a joint that decides"):
+        covers.check_ranges(claim, [1, 2, 3, 4])
+
+
+@pytest.mark.parametrize("link", range(7))
+def test_every_joint_that_moves_a_column_decides(link):
+    """The joints that a covering has to bound are those that change a column in the link's axes, and no others."""
+    robot = arms.random_chain(np.random.default_rng(5), "rprrrr")
+    links = [Link(str(joint.kind), tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
+    arm = Arm(links, 6, link, [flint.arb(float(x)) for x in middle_of(robot)], flint.arb(1))
+    q, zero = np.full(6, 0.3), [flint.arb(0)] * 6
+
+    def columns(at: Any) -> Any:
+        return arm.jacobian(arm.seen([flint.arb(float(x)) for x in at], zero)[0])
+
+    changing = [j for j in range(6) if np.abs(columns(q + 0.5 * np.eye(6)[j]) - columns(q)).max() > 1e-9]
+    assert arm.moving == changing
+
+
+def curve_of(points: list[list[float]], degree: int = 1) -> tuple[CurvePath, list[Region]]:
+    """A path of a planar arm, and the regions that its proof encloses; each is said to be free."""
+    robot = open_robot("planar2r")
+    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
+    arm = Arm(links, 2, 2, [flint.arb(0)] * 3, flint.arb(1))
+    entries = {"points": np.array(points), "degree": degree}
+    regions: list[Region] = []
+
+    def keep(region: Region, *, near: bool = True) -> bool:
+        regions.append(region)
+        return True
+
+    check: Any = SimpleNamespace(arm=arm, claim=SimpleNamespace(entries=entries, variables=2), keeps_rank=keep)
+    return CurvePath(check), regions
+
+
+def test_a_piece_of_a_path_is_as_wide_as_its_ends_are_uncertain():
+    """Ends that are known to 0.01 are enclosed with it: a piece is the hull of all that they may be."""
+    path, regions = curve_of([[0.1, 0.9], [0.3, 0.5]])
+    path._piece([[flint.arb(x, 0.01) for x in row] for row in ([0.1, 0.9], [0.3, 0.5])], 0)
+    for half in regions[0].half:
+        assert half >= 0.01
+    for centre, middle in zip(regions[0].centre, (0.2, 0.7), strict=True):
+        assert abs(centre - middle) < 1e-9
+        assert centre.is_exact()
+
+
+def test_a_piece_of_a_path_is_as_wide_as_its_control_points_leave_the_chord():
+    path, regions = curve_of([[0.1, 0.9], [0.3, 0.9], [0.4, 0.7], [0.4, 0.6]], 3)
+    path.prove((0, 0.0), (0, 1.0))
+    assert regions[0].half[0] >= 0.099999999  # of the first joint b_1 is 0.1 off the chord
+    assert regions[0].half[1] >= 0.099999999
+
+
+def test_boxes_around_a_piece_hold_all_that_is_nearer_than_the_distance():
+    """Their sizes are doubles, rounded outwards: else the outermost configurations would be in none."""
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        path, regions = curve_of([[0.1, 0.9], [0.3, 0.5]])
+        centre, wide, scale = rng.uniform(-2, 2, 2), rng.uniform(0, 0.3, 2), rng.uniform(0.1, 2.0, 2)
+        distance = float(rng.uniform(0.01, 0.5))
+        assert path._surroundings(centre, wide, distance, scale, 1)
+        for j in path._check.arm.moving:
+            away = flint.arb(float(wide[j])) + flint.arb(distance) * flint.arb(float(scale[j]))
+            half, off = regions[0].half[j], abs(regions[0].centre[j] - flint.arb(float(centre[j])))
+            assert half >= away + off
+
+
+def test_a_box_around_a_piece_holds_its_ends():
+    """Its middle and its width are rounded: where the middle is 0 nothing else makes up for it."""
+    rng = np.random.default_rng(2)
+    seen: list[Any] = []
+    for one in rng.uniform(0.1, 1.0, 60).tolist():
+        low, high = -one, float(np.nextafter(one, 2.0))
+        path, _ = curve_of([[low, low], [high, high]])
+        path._surroundings = lambda centre, wide, *rest: seen.append((centre, wide)) or True  # type: ignore
+        path.keeps_away(0, 10.0, np.ones(2))
+        centre, wide = seen[-1]
+        for j in range(2):
+            assert flint.arb(float(centre[j])) + flint.arb(float(wide[j])) >= flint.arb(high)
+            assert flint.arb(float(centre[j])) - flint.arb(float(wide[j])) <= flint.arb(low)

@@ -25,7 +25,7 @@ def ball(tmp_path, capsys):
 def test_what_is_proven_holds(ball, tmp_path, capsys):
     assert run(["verify", str(ball), "--quiet"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("Holds  ball of planar3r")
+    assert out.startswith("Holds  ball of 'planar3r'")
     assert "has a rank below 3" in " ".join(out.split())
     assert run(["verify", str(ball), "--robot", "planar3r", "--json", str(tmp_path / "v.json")]) == 0
     record = json.loads((tmp_path / "v.json").read_text())
@@ -40,7 +40,7 @@ def test_a_claim_is_compared_with_what_is_named(ball, tmp_path, capsys):
     assert run([*asked, "--q", "0.3,1.2,0.4", "--task", "planar"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "q = (0.3, 1.2, 0.4)" in out
-    assert "task planar: vx, vy, wz" in out
+    assert "task 'planar': vx, vy, wz" in out
     for other in (["--q", "0.3,1.1,0.4"], ["--task", "planar-position"], ["--limits"]):
         assert run([*asked, *other]) == 3
         assert "another claim: the certificate is about" in " ".join(capsys.readouterr().out.split())
@@ -51,10 +51,10 @@ def test_a_claim_is_compared_with_what_is_named(ball, tmp_path, capsys):
     assert run(["path", "planar2r", str(rows), "--certificate", place, "--quiet"]) == 0
     about = ["verify", place, "--robot", "planar2r", "--quiet", "--path", str(rows)]
     assert run(about) == 0
-    assert f"file {rows.name}, SHA-256" in " ".join(capsys.readouterr().out.split())
+    assert f"2 control points with {rows.name!r} (SHA-256" in " ".join(capsys.readouterr().out.split())
     rows.write_text("0.1,0.9\n0.3,0.4\n")
     assert run(about) == 3
-    assert "another content of p.csv" in " ".join(capsys.readouterr().out.split())
+    assert "a path through other rows than those of the file" in " ".join(capsys.readouterr().out.split())
 
 
 def test_what_was_changed_does_not(ball, capsys):
@@ -94,7 +94,7 @@ def test_a_path_and_a_covering_are_certified(tmp_path, capsys):
     rows.write_text("0.1,-0.9,1.0,0.4,-0.6,0.2\n0.3,-0.6,1.2,0.1,-0.9,0.0\n")
     assert run(["path", "ur5", str(rows), "--certificate", place, "--model-tolerance", "0.3mm,1mrad"]) == 0
     assert "1 mrad of this one, joint by joint: proven" in " ".join(capsys.readouterr().out.split())
-    assert run(["verify", place]) == 0
+    assert run(["verify", place, "--robot", "ur5", "--path", str(rows)]) == 0
     assert "every arm within 0.0003 m" in " ".join(capsys.readouterr().out.split())
     assert run(["path", "ur5", str(rows), "--model-tolerance", "80mrad", "--quiet"]) == 3
     cover, place = str(tmp_path / "c.cover"), str(tmp_path / "c.json")

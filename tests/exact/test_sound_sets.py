@@ -184,3 +184,13 @@ def test_points_of_no_configuration_are_no_zeros(power: int, degree: int, empty:
     known = _Known(Ring([1]))
     known.add((1 + t**2) ** power * (t - 3) ** degree)
     assert known.barren == empty
+
+
+@pytest.mark.parametrize(("power", "empty"), [(0, True), (1, False)])
+def test_conditions_with_one_common_zero_prove_nothing(power: int, empty: bool) -> None:
+    """t − 3 and (t − 3)(t − 5) share t = 3; t − 3 and t − 5 share nothing."""
+    t = flint().nmod_mpoly_ctx.get(["t1"], P, flint().Ordering.lex).gens()[0]
+    known = _Known(Ring([1]))
+    known.add(t - 3)
+    known.add((t - 3) ** power * (t - 5))
+    assert known.barren is empty

@@ -78,12 +78,7 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     """PUMA's wrist, sin θ5 = 0, times 3 + cos 2θ2 + cos 2θ4 + cos 2θ6: that is zero at θ2, θ4, θ6 = ±π/2 alone, where
     no random start arrives, and where θ5 is anything the arm is regular."""
     at, zero = problem("puma560", 1), (0,) * 6
-    wrist = (0, 0, 0, 0, 2, 0)
-    terms = [Term(3.0, "sin", wrist, zero)]
-    for joint in (1, 3, 5):  # sin a cos b = (sin(a + b) + sin(a − b))/2
-        for sign in (4, -4):
-            terms.append(Term(0.5, "sin", tuple(sign * (i == joint) + h for i, h in enumerate(wrist)), zero))
-    wide = normalised(terms)
+    wrist, wide = (0, 0, 0, 0, 2, 0), widened()
     found, strangers = soundness(at, System((wide,)), 1, np.random.default_rng(0))
     assert (found.holds, len(strangers)) == (True, 0)  # random starts see nothing
     tested, strangers = elsewhere(at, coupled(wide), {}, np.random.default_rng(0))
@@ -95,6 +90,31 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     tested, strangers = elsewhere(at, coupled(alone), {}, np.random.default_rng(0))
     assert tested > 10
     assert not len(strangers)
+
+
+def widened(joints: tuple[int, ...] = (1, 3, 5)) -> Equation:
+    """PUMA's wrist, sin θ5 = 0, times 3 + Σ cos 2θ_j over three joints: zero where all of them are at ±π/2, too."""
+    zero, wrist = (0,) * 6, (0, 0, 0, 0, 2, 0)
+    terms = [Term(3.0, "sin", wrist, zero)]
+    for joint in joints:  # sin a cos b = (sin(a + b) + sin(a − b))/2
+        for sign in (4, -4):
+            terms.append(Term(0.5, "sin", tuple(sign * (i == joint) + h for i, h in enumerate(wrist)), zero))
+    return normalised(terms)
+
+
+def test_regular_solutions_count_against_a_row(rng) -> None:
+    """A row of which random starts see nothing wrong is unsound by its regular solutions, and those alone."""
+    at = problem("puma560", 1)
+    inspection = inspect(at, polished(at, search(at.robot, 1, task=at.task, starts=40).converged))
+    cover = membership(at, inspection.q)
+    alone = Equation((Term(1.0, "sin", (0, 0, 0, 0, 2, 0), (0,) * 6),))
+    for equation, sound in ((alone, True), (widened(), False)):
+        row = coupled(equation)
+        random, _ = soundness(at, System((equation,)), 1, np.random.default_rng(0))
+        check = families_module._tested(at, [row], inspection, cover, 0)[row][0]
+        assert random.holds
+        assert check.holds is sound
+        assert check.tested > random.tested  # those elsewhere were counted
 
 
 def test_equations_are_solved_together_from_anywhere() -> None:

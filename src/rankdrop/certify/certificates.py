@@ -24,6 +24,7 @@ from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.proof.boxes import Plan
 from rankdrop.proof.check import Asked, Verdict, check_certificate
+from rankdrop.proof.curves import AskedPath
 from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Refused, Work, sealed
 from rankdrop.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.robot.model import Array, Robot, fingerprint
@@ -112,10 +113,10 @@ class Verified(Verdict, Result):
 
     def sections(self) -> tuple[Section, ...]:
         """As sections of text."""
-        of = f"{self.kind} of {self.arm}" if self.kind else "certificate"
+        of = f"{self.kind} of {self.arm!r}" if self.kind else "certificate"
         counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
         if not self.holds:
-            return (Section("Not confirmed", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
+            return (Section("Not confirmed", of, (f"{self.reason}.", *self.statement), notes=counted, tone="bad"),)
         lines = (f"{self.claim}.", *self.statement)
         return (Section("Holds", of, lines, notes=(*filter(None, (self.how,)), *counted, *self.assumed), tone="good"),)
 
@@ -137,17 +138,19 @@ def refused_as_result() -> Iterator[None]:
 
 
 def asked_about(
-    robot: Robot | None, task: str | Task | None = None, *, q: ArrayLike | None = None, path: str | Path | None = None,
-    rows: ArrayLike | None = None, limits: bool | None = None,
+    robot: Robot | None, task: str | Task | None = None, *, q: ArrayLike | None = None,
+    path: str | Path | AskedPath | None = None, rows: ArrayLike | None = None, limits: bool | None = None,
 ) -> Asked:  # fmt: skip
     """What a certificate must be about; what is None may be anything.
+
+    A certificate of a path holds only for a path that is given here: its curve is compared with every control point.
 
     Args:
         robot: the arm.
         task: of the arm.
         q: (n,) the place [rad, m].
-        path: the file of a path.
-        rows: (M, n) the rows of that file [rad, m].
+        path: the file of a path as its reader read it (`motion.path_asked`), or its name, with `rows`.
+        rows: (M, n) the rows of a path, joined by straight lines [rad, m].
         limits: a covering within the joint limits (True), or of the whole joint space (False).
 
     Raises:
@@ -164,9 +167,17 @@ def asked_about(
     return Asked(
         None if robot is None else arm_record(robot), about,
         None if q is None else np.asarray(unmasked(q, "q"), dtype=np.float64),
-        None if path is None else file_hash(Path(path)),
-        None if rows is None else np.asarray(unmasked(rows, "rows"), dtype=np.float64), limits,
+        _path_asked(path, rows), limits,
     )  # fmt: skip
+
+
+def _path_asked(path: str | Path | AskedPath | None, rows: ArrayLike | None) -> AskedPath | None:
+    if isinstance(path, AskedPath):
+        return path
+    given = None if rows is None else np.asarray(unmasked(rows, "rows"), dtype=np.float64)
+    if path is None:
+        return None if given is None else AskedPath("", "", given, interpolate="linear")
+    return AskedPath(Path(path).name, file_hash(Path(path)), given, interpolate="linear")
 
 
 def file_hash(path: Path) -> str:

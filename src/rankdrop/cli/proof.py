@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -26,7 +26,7 @@ from rankdrop.cli.command import (
 from rankdrop.cli.terminal import STDOUT, kept, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import option
-from rankdrop.questions import CoverOptions
+from rankdrop.questions import CoverOptions, PathOptions
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,21 @@ class VerifyOptions(Output):
     q: Annotated[
         str | None, option("This configuration [rad, m], of a ball or a singular configuration; needs --robot")
     ] = None
-    path: Annotated[str | None, option("This file of a path: its hash, and with --robot its rows")] = None
+    path: Annotated[
+        str | None, option("The file of the path: its curve is compared with every control point; the tip with "
+                           "tool poses. Needs --robot")
+    ] = None  # fmt: skip
+    interpolate: Annotated[
+        Literal["linear", "cubic", "quintic"] | None,
+        option("What joins the rows of --path; else what the certificate states, which is printed"),
+    ] = None
+    topic: Annotated[str | None, option("Of a bag in --path: the topic with the joint values")] = None
+    tip_tolerance: Annotated[
+        float, option("Distance within which the tip is to be proven to stay to the lines of --path", unit="m", ge=1e-8)
+    ] = 1e-4
+    turn_tolerance: Annotated[
+        float, option("Angle within which the tool is to be proven to stay to its turns", unit="rad", ge=1e-8, le=3)
+    ] = 1e-4
     deg: Annotated[bool, option("Angles of --q and of --path are in degrees")] = False
     limits: Annotated[
         bool | None, option("The joint limits (--limits) or the whole joint space (--no-limits), of a covering")
@@ -155,8 +169,9 @@ def verify(
     Code that shares nothing with what made it, by interval arithmetic, on the
     arm's numbers in the file; the whole claim is printed.
     nearest, explain, path and cover write certificates with --certificate. The
-    claim is compared with --robot, --task, --q, --path and --limits; what is not
-    named is printed, and yours to compare.
+    claim is compared with --robot, --task (without it the arm's default), --q,
+    --path and --limits; what is not named is printed, and yours to compare. A
+    path holds for the file of --path alone.
 
     For example:
         rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0 --certificate here.json
@@ -179,17 +194,19 @@ def verify(
 def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
     """What the certificate has to be about."""
     if about.robot is None:
-        for option, value in (("--q", about.q), ("--task", arm.task), ("--length-scale", arm.length_scale)):
+        for option, value in (("--q", about.q), ("--path", about.path), ("--task", arm.task),
+                              ("--length-scale", arm.length_scale)):  # fmt: skip
             if value is not None:
                 raise OptionError("this is compared for an arm", where=option, got=value, mend="name it with --robot")
-        return certify.asked_about(None, path=about.path, limits=about.limits)
+        return certify.asked_about(None, limits=about.limits)
     model, task = open_arm(about.robot, arm)
     q = None if about.q is None else parse_configuration(about.q, model, deg=about.deg)
-    rows = None
-    if about.path is not None and not motion.holds_poses(Path(about.path), model):
-        rows = motion.read_trajectory(Path(about.path), model, deg=about.deg).q
-    stated = task if arm.task is not None or arm.length_scale is not None else None
-    return certify.asked_about(model, stated, q=q, path=about.path, rows=rows, limits=about.limits)
+    path = None
+    if about.path is not None:
+        near = PathOptions(tip_tolerance=about.tip_tolerance, turn_tolerance=about.turn_tolerance)
+        path = motion.path_asked(model, about.path, near, deg=about.deg, topic=about.topic,
+                                 interpolate=about.interpolate)  # fmt: skip
+    return certify.asked_about(model, task, q=q, path=path, limits=about.limits)
 
 
 def model_tolerance(text: str | None) -> certify.ModelTolerance | None:

@@ -14,13 +14,17 @@ from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, dis
 from rankdrop.certify.certificates import file_hash, record_of
 from rankdrop.certify.setting import Setting, enclose, regular, settings_for
 from rankdrop.motion.curve import Curve, Place, boxes
+from rankdrop.motion.files import holds_poses, read_poses, read_trajectory
 from rankdrop.motion.prove import centred, chosen, first_open
 from rankdrop.motion.record import CROSSING as CROSSES
 from rankdrop.motion.record import FREE
 from rankdrop.problem import Mask
+from rankdrop.proof.curves import AskedPath
 from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
+from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
     from rankdrop.motion.record import PathCheck
@@ -82,6 +86,38 @@ def path_certificate(
     if file is not None:
         claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+
+
+def path_asked(
+    robot: Robot, file: str | Path, options: PathOptions | None = None, *, deg: bool = False, topic: str | None = None,
+    interpolate: str | None = None,
+) -> AskedPath:  # fmt: skip
+    """What a file of a path says, for `rankdrop.verify` to compare with a certificate.
+
+    Args:
+        robot: whose joints, or whose tip, it moves.
+        file: joint values or poses of the tip.
+        options: how near the tip has to be to the lines and turns between poses.
+        deg: angles without a unit are in degrees.
+        topic: of a bag.
+        interpolate: "linear", "cubic" or "quintic"; None: what the certificate's degree says.
+
+    Raises:
+        TrajectoryError: the file cannot be read, with the place in it.
+        ResultFileError: its hash cannot be computed.
+    """
+    place, how = Path(file), options or PathOptions()
+    if topic is None and holds_poses(place, robot):
+        poses = read_poses(place, deg=deg)
+        return AskedPath(
+            place.name, file_hash(place), poses=poses.matrices, turned=poses.turned,
+            tip=how.tip_tolerance * counted_length(robot), turn=how.turn_tolerance,
+        )  # fmt: skip
+    read = read_trajectory(place, robot, deg=deg, topic=topic)
+    return AskedPath(
+        place.name, file_hash(place), read.q, read.times if read.timed else None, read.velocities, read.accelerations,
+        interpolate,
+    )  # fmt: skip
 
 
 def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from rankdrop.proof.arm import BITS, Arm, Interval, Region, flint
 from rankdrop.proof.covers import corank_of, verify_covering
+from rankdrop.proof.curves import AskedPath, ToolPath, compare_rows
 from rankdrop.proof.existence import verify_existence
 from rankdrop.proof.minors import verify_in_minors
 from rankdrop.proof.record import (
@@ -48,16 +49,15 @@ class Asked:
         arm: entry of the arm, as a certificate has it.
         task: entry of the task, and `scale`, the unit of motion of each variable.
         q: centre of a ball, or place of a singular configuration [rad, m].
-        path: SHA-256 of a path's file.
-        rows: (M, n) the rows of that file [rad, m].
+        path: a path's file, as it was read: its curve is compared with every control point. A hash that the
+            certificate states is not believed.
         limits: whether a covering is within the joint limits.
     """
 
     arm: Record | None = None
     task: Record | None = None
     q: Array | None = None
-    path: str | None = None
-    rows: Array | None = None
+    path: AskedPath | None = None
     limits: bool | None = None
 
 
@@ -106,6 +106,11 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
         with context.workprec(BITS):
             compare(claim, asked)
             sentence, statement, assumed, how = _prove(claim, work)
+            try:
+                statement += _of_file(claim, asked.path) if claim.kind == PATH else ()
+            except Unproven as error:
+                reason = f"{error}. Proven: {sentence}"
+                return Verdict(False, claim.kind, claim.name, "", reason, assumed, work.done, True, statement, how)
     except Unproven as error:
         return Verdict(False, claim.kind, claim.name, reason=str(error), enclosures=work.done)
     except KeyboardInterrupt:
@@ -133,13 +138,13 @@ def compare(claim: Claim, asked: Asked) -> None:
 
 def _other_arm(claim: Claim, asked: Asked) -> str:
     mine, other = claim.record["arm"], asked.arm or {}
-    name = f"another arm than {other['name']}"
+    name = f"another arm than {other['name']!r}"
     if mine["fingerprint"] != other["fingerprint"] or mine["last"] != other["last"]:
         return f"{name}: their numbers differ"
     if claim.kind == COVERING and claim.limits is not None:
         for own, joint in zip(mine["joints"], other["joints"], strict=True):
             if (own["lower"], own["upper"]) != (joint["lower"], joint["upper"]):
-                return f"{name}: the limits of joint {joint['name']} differ"
+                return f"{name}: the limits of joint {joint['name']!r} differ"
     return ""
 
 
@@ -171,15 +176,30 @@ def _other_place(claim: Claim, asked: Asked) -> str:
 def _other_path(claim: Claim, asked: Asked) -> str:
     if claim.kind != PATH:
         return f"a {claim.kind}, not a path"
-    source = claim.entries.get("path")
-    if source is None:
-        return "a path without the hash of a file: write it again with `rankdrop path --certificate`"
-    if source["sha256"] != asked.path:
-        return f"another content of {source['file']}: its SHA-256 is {source['sha256']}, not {asked.path}"
-    ends = claim.entries["points"][:: claim.entries["degree"]]
-    if asked.rows is not None and (ends.shape != asked.rows.shape or not np.abs(ends - asked.rows).max() <= _SAME):
-        return "a path through other rows than those of the file"
+    if asked.path is not None and asked.path.rows is not None:
+        compare_rows(claim, asked.path)
     return ""
+
+
+def _of_file(claim: Claim, path: AskedPath | None) -> tuple[str, ...]:
+    """What a path was compared with; a file of joint values before anything was proven, the tip is compared here.
+
+    Raises:
+        Unproven: nothing says that it is the path of the user's file.
+    """
+    if path is None or (path.rows is None and path.poses is None):
+        raise Unproven("this is proven of the control points of the certificate alone, which were compared with no "
+                       "file: name it with --path")  # fmt: skip
+    name = f"{path.file!r} (SHA-256 {path.sha256})" if path.file else "the given rows"
+    if path.rows is not None:
+        return (f"compared: {len(claim.entries['points']):,} control points with {name}",)
+    assert path.poses is not None
+    try:
+        far = ToolPath(claim, path).compare()
+    except Unproven as error:
+        raise Unproven("this is proven of the control points of the certificate alone, which are not proven to be the "
+                       f"tool path of {path.file!r}: {error}") from error  # fmt: skip
+    return (f"compared: {len(path.poses):,} poses of {name}; tip within {far}",)
 
 
 def _other_limits(claim: Claim, asked: Asked) -> str:
@@ -225,7 +245,7 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
             raise Unproven("the covering leaves out no box: nothing is claimed")
         where = "joint limits" if claim.entries["limits"] else "joint space"
         sentence = (f"every configuration of the {where} with a rank below {claim.rank} is in one of the "
-                    f"{tree.leaves:,} boxes of {claim.entries['file']}")  # fmt: skip
+                    f"{tree.leaves:,} boxes of {claim.entries['file']!r}")  # fmt: skip
         lines += _state_ranges(claim)
     else:
         others = verify_path(check)
@@ -267,20 +287,30 @@ def _prove_existence(claim: Claim) -> tuple[tuple[str, ...], str]:
 def _state_arm(claim: Claim) -> list[str]:
     """Arm and task, entry by entry; the hash is over all numbers and names of the arm, the rest is for readers."""
     arm, (axes, origin, point) = claim.record["arm"], claim.frame
-    lines = [f"arm {claim.name}, {len(claim.links)} joints; SHA-256 of its numbers, names and limits: {seal(arm)}"]
+    lines = [f"arm {claim.name!r}, {len(claim.links)} joints; SHA-256 of its numbers, names and limits: {seal(arm)}"]
     for place, (joint, link) in enumerate(zip(arm["joints"], claim.links, strict=True), start=1):
         axis = link.screw[:3] if link.kind == SLIDE else link.screw[3:]
         foot = "" if link.kind == SLIDE else f" through {_short(np.cross(axis, link.screw[:3]))} m"
-        follows = f", follows {joint['follows']}" if joint["follows"] else ""
-        limits = "" if follows or "lower" not in joint else f", limits {joint['lower']!r} … {joint['upper']!r}"
-        lines.append(f"joint {place} {joint['name']}: {link.kind}, axis {_short(axis)}{foot}{follows}{limits}")
+        follows = f", follows {joint['follows']!r}" if joint["follows"] else ""
+        limits = "" if follows else _state_limits(joint)
+        lines.append(f"joint {place} {joint['name']!r}: {link.kind}, axis {_short(axis)}{foot}{follows}{limits}")
     name = claim.record["task"]["name"]
-    lines.append(f"task {name}: {_rows(claim.rows)} in the axes of {_link(claim, axes)}, at the point {_values(point)} "
-                 f"m of {_link(claim, origin)}; rank {claim.rank}")  # fmt: skip
+    lines.append(f"task {name!r}: {_rows(claim.rows)} in the axes of {_link(claim, axes)}, at the point "
+                 f"{_values(point)} m of {_link(claim, origin)}; rank {claim.rank}")  # fmt: skip
     if claim.tolerance is not None:
         points = ", ".join(_values(row) for row in claim.tolerance.points.tolist())
         lines.append(f"near arms: joints turned about the points {points} [m]")
     return lines
+
+
+def _state_limits(joint: Record) -> str:
+    """Limits of a joint, ∞ where there is none at one end; "" where the certificate states none of any joint."""
+    if "lower" not in joint:
+        return ""
+    lower, upper = joint["lower"], joint["upper"]
+    if lower is None and upper is None:
+        return ", no limits"
+    return f", limits {'−∞' if lower is None else repr(lower)} … {'∞' if upper is None else repr(upper)}"
 
 
 def _state_scale(claim: Claim) -> list[str]:
@@ -295,7 +325,7 @@ def _state_ranges(claim: Claim) -> list[str]:
     ]
     free = [str(j + 1) for j in range(claim.variables) if j + 1 not in entries["variables"]]
     lines += [f"joints that stand anywhere: {', '.join(free)}"] if free else []
-    return [*lines, f"corank {corank_of(claim)} or more; boxes of {entries['file']}, SHA-256 {entries['sha256']}"]
+    return [*lines, f"corank {corank_of(claim)} or more; boxes of {entries['file']!r}, SHA-256 {entries['sha256']}"]
 
 
 def _state_path(claim: Claim, others: list[Record]) -> list[str]:
@@ -306,7 +336,7 @@ def _state_path(claim: Claim, others: list[Record]) -> list[str]:
         f"q = {_values(points[-1])}; SHA-256 of its control points: {seal({'points': points.tolist()})}"
     ]
     if source is not None:
-        lines.append(f"file {source['file']}, SHA-256 {source['sha256']}: compared where --path names it")
+        lines.append(f"the certificate names the file {source['file']!r}, SHA-256 {source['sha256']!r}: not believed")
     for span in others:
         (a, s), (b, t) = span["from"], span["to"]
         what = "nothing is claimed"

@@ -19,6 +19,7 @@ _NARROW = 1e-13  # pieces of a path whose joints move less are given up [rad]
 _ROUGH, _FINE = 32, 4000  # parts of the surroundings of a piece of a path: of one that is halved next, and of the last
 _SHORT = 0.02  # share of the distance to be kept below which a piece is not halved
 _OUTWARDS = 1e-12  # share by which doubles are taken larger
+_UNCLAIMED = 1e-3  # share of a path's joint motion that may lie in spans that are not free: those are slivers
 _WIDE = 1.2  # half diagonal of boxes around runs of stretches that are tried [rad]
 
 
@@ -173,7 +174,7 @@ def verify_path(check: Check) -> list[Record]:
     """Every span that is said to be free is so, and every crossing has two signs; the spans that are not free.
 
     Raises:
-        Unproven: a span that is not confirmed, a gap between spans, or nothing claimed.
+        Unproven: a span that is not confirmed, a gap between spans, nothing claimed, or nothing of more than a sliver.
     """
     claim = check.claim
     path, spans = CurvePath(check), claim.entries["spans"]
@@ -186,6 +187,10 @@ def verify_path(check: Check) -> list[Record]:
         CLEAR, CROSSING
     )):
         raise Unproven("every span of the path is open: nothing is claimed")
+    unclaimed = path.share_of(others)
+    if not unclaimed <= _UNCLAIMED:
+        raise Unproven(f"only a part of the path is said to be free: a share of {unclaimed:.3g} is not, and at most "
+                       f"{_UNCLAIMED:g} may be slivers around singularities")  # fmt: skip
     for span in spans:
         if ("bracket" in span) != (span["kind"] == CROSSING):
             raise Unproven("a span has a bracket where it is a crossing, and only there")
@@ -271,6 +276,24 @@ class CurvePath:
             first.append(row[0])
             last.append(row[-1])
         return first, last[::-1]
+
+    def share_of(self, spans: list[Record]) -> float:
+        """Share of the path's joint motion that lies in some spans, at most; 1 where the path does not move.
+
+        A stretch moves by at most d max |b_{j+1} − b_j| for a unit of its share, and by its chord at least.
+        """
+        points, degree = self._points, self._degree
+        whole = float(np.linalg.norm(np.diff(points[::degree], axis=0), axis=1).sum())
+        inside = 0.0
+        for span in spans:
+            (first, begin), (last, end) = span["from"], span["to"]
+            for k in range(first, last + 1):
+                low, high = begin if k == first else 0.0, end if k == last else 1.0
+                polygon = np.linalg.norm(np.diff(points[k * degree : (k + 1) * degree + 1], axis=0), axis=1)
+                inside += (high - low) * degree * float(polygon.max())
+        if not whole > 0.0:
+            return 1.0 if spans else 0.0
+        return inside / whole
 
     def prove(self, start: Place, end: Place) -> None:
         """Everything from one place to the other is free."""

@@ -72,6 +72,10 @@ def letters_text(ring: Ring, f: Polynomial) -> str:
         return sum_text(ring, f)
     content, factors = f.factor()
     negative = bool(content < 0)
+    if len(factors) == 1 and factors[0][1] == 1:
+        whole = primitive(factors[0][0])
+        same = bool(factors[0][0].coeffs()[0] > 0) != negative
+        return sum_text(ring, whole if same else -whole)
     parts = []
     for part, power in factors:
         kept = primitive(part)

@@ -6,21 +6,23 @@ import sys
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
+from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
-from rankdrop.exact.letters import covered, decided_by_numbers, doubled
+from rankdrop.exact.letters import covered, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.family.record import DIFFERS
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-from rankdrop.verbs.deriving import _cloud
+from rankdrop.verbs.deriving import _cloud, _not_singular
 
 
 @pytest.mark.slow
@@ -63,7 +65,7 @@ def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
 def test_a_square_at_these_lengths_is_seen() -> None:
     ring_of = exact_chain(open_robot("puma560"))
     tree = rank_tree(ring_of, Work(60.0, 0))
-    assert not doubled(ring_of, tree)
+    assert not splits(ring_of, tree)
     (a, x), (b, y) = list(ring_of.letters.items())[:2]
     ring = ring_of.ring
     one, two, t = ring.letter_half[a], ring.letter_half[b], ring.t[5]
@@ -71,8 +73,35 @@ def test_a_square_at_these_lengths_is_seen() -> None:
     drop = Drop(ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5)
     same = replace(ring_of, letters={**ring_of.letters, b: x})
     assert x != y
-    assert not doubled(ring_of, replace(tree, drops=[drop]))
-    assert doubled(same, replace(tree, drops=[drop]))
+    assert not splits(ring_of, replace(tree, drops=[drop]))
+    assert splits(same, replace(tree, drops=[drop]))
+
+
+def test_factors_and_angles_at_these_lengths_are_seen() -> None:
+    """a (1 + t² s) − b t (1 + s) has the factors 1 − t and 1 − t s where a = b; (a − b) t + a + b has θ5 = π there."""
+    chain = exact_chain(open_robot("puma560"))
+    tree = rank_tree(chain, Work(60.0, 0))
+    (a, x), (b, y) = list(chain.letters.items())[:2]
+    ring = chain.ring
+    one, two, t, s = ring.letter_half[a], ring.letter_half[b], ring.t[5], ring.t[4]
+    same = replace(chain, letters={**chain.letters, b: x})
+    for f in (one * (1 + t**2 * s) - two * t * (1 + s), (one - two) * t + one + two * s, (one - two) * (t + 3)):
+        drop = Drop(ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5)
+        assert not splits(chain, replace(tree, drops=[drop]))
+        assert splits(same, replace(tree, drops=[drop]))
+    assert x != y
+
+
+def test_a_family_that_is_not_singular_at_the_arms_own_lengths_is_no_exact_derivation() -> None:
+    found = conditions(open_robot("scara"), points=0)
+    chain = found.chain
+    q = np.array([[0.3, 1e-7, 0.2, 0.1][: chain.n]])
+    here = Reality(q, True, "", "", np.empty((0, chain.n)))
+    sets = [(Drop(piece, 0), here) for family in found.families for piece in family.pieces]
+    assert _not_singular(chain, sets, found.families, found.generic_rank) == []
+    far = [(drop, replace(reality, points=reality.points + 1e-3)) for drop, reality in sets]
+    (told,) = _not_singular(chain, far, found.families, found.generic_rank)
+    assert "does not vanish at" in told
 
 
 @pytest.mark.parametrize(

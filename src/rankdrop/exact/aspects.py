@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError, TaskError
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, number_value
 from rankdrop.exact.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
@@ -155,7 +155,7 @@ def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     trig = ring.to_trig(atom.f)
     if trig is None:
         return _text(atom.f, str(atom.f)), 1
-    sense = 1 if ratio(ring, trig, atom.f) > 0 else -1
+    sense = 1 if number_value(ratio(ring, trig, atom.f)) > 0 else -1
     return _text(trig, text_of(ring, trig) if len(trig) <= _READABLE else ""), sense
 
 

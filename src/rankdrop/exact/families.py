@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain as chain_of
-from itertools import islice
+from itertools import combinations, islice, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,8 +143,8 @@ def _always(chain: Chain, f: Polynomial) -> bool:
 def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
     """(k, n) configurations of higher rank that satisfy the conditions of a set, where no random start leads to.
 
-    They have joints at right angles, where conditions may vanish whatever the other joints do, or satisfy N = D = 0 of
-    a solution t = N/D, where its condition says nothing of t.
+    They have joints at right angles, where conditions may vanish whatever the other joints do, or which the others have
+    to fit, or they satisfy N = D = 0 of a solution t = N/D, where its condition says nothing of t.
     """
     rng = np.random.default_rng(1)
     shape = REAL_STARTS, chain.n
@@ -163,9 +163,30 @@ def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
         if all(map(used, both)):
             system = System((*equations, *_equations(chain, both)))
             found.append(system.solve(starts, along=moving, iterations=60)[0])
+    found += _with_right_angles(chain, piece, System(equations), starts, moving)
     q = np.concatenate(found)
     q = q[System(equations).zero(q)]
     return np.asarray(q[singular_values(chain.own, q, chain.own_task)[:, rank] > RANK_HIGHER])
+
+
+def _with_right_angles(
+    chain: Chain, piece: ZeroSet, system: System, starts: Array, moving: Array
+) -> Iterator[Array]:
+    """Solutions of the conditions of a set with one or two of the joints that they bind held at right angles.
+
+    One irreducible condition holds on the set alone, whatever the angles are.
+    """
+    if len(piece.equations) < 2:
+        return
+    bound = sorted({j for f in piece.equations for j in Condition(chain.ring, f).joints} - {*chain.ring.prismatic})
+    sizes = (1, 2) if len(bound) <= _PAIRED else (1,)
+    for held in chain_of.from_iterable(combinations(bound, size) for size in sizes):
+        free = moving[:, [not any(column[j - 1] for j in held) for column in moving.T]]
+        for angles in product(RADIANS.values(), repeat=len(held)):
+            q = starts[:_HELD_STARTS].copy()
+            for j, angle in zip(held, angles, strict=True):
+                q[:, j - 1] = angle - chain.shifts[j - 1]
+            yield system.solve(q, along=free, iterations=60)[0]
 
 
 def _equations(chain: Chain, conditions: Sequence[Polynomial]) -> tuple[Equation, ...]:
@@ -176,6 +197,8 @@ def _equations(chain: Chain, conditions: Sequence[Polynomial]) -> tuple[Equation
     )
 
 
+_PAIRED = 4  # joints that conditions bind up to which two at a time are held at right angles
+_HELD_STARTS = 12  # random starts for the others
 _MINORS = 60  # minors that are factored in search of a condition
 _ENOUGH = 6  # conditions that are compared
 
@@ -324,12 +347,13 @@ def _sharp(
         piece, found = more, reality(chain, more, drop.rank, rng)
     if not found.real or len(found.strays):
         return piece, found
+    strays = special_strays(chain, piece, drop.rank)
     for _ in range(_SEPARATED):
-        more = separated(chain, piece, drop.rank, special_strays(chain, piece, drop.rank), known, work)
+        more = separated(chain, piece, drop.rank, strays, known, work)
         if more is None:
             break
-        piece = more
-    return piece, found
+        piece, strays = more, special_strays(chain, more, drop.rank)
+    return piece, replace(found, strays=strays)
 
 
 def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:

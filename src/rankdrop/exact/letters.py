@@ -19,6 +19,7 @@ from rankdrop.exact.algebra.polynomial import (
     approximation,
     factor,
     flint,
+    is_number,
     primitive,
     roots_in,
 )
@@ -72,6 +73,10 @@ def letters_text(ring: Ring, f: Polynomial) -> str:
         return sum_text(ring, f)
     content, factors = f.factor()
     negative = bool(content < 0)
+    if len(factors) == 1 and factors[0][1] == 1:
+        whole = primitive(factors[0][0])
+        same = bool(factors[0][0].coeffs()[0] > 0) != negative
+        return sum_text(ring, whole if same else -whole)
     parts = []
     for part, power in factors:
         kept = primitive(part)
@@ -120,19 +125,34 @@ def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
     return tree.complete and plain.finished and covered(chain, tree, plain)
 
 
-def doubled(chain: Chain, tree: Tree) -> bool:
-    """Whether a condition of a drop has a square in it at the arm's own lengths: a5 − d3 sin θ5 has where a5 = d3.
+def splits(chain: Chain, tree: Tree) -> bool:
+    """Whether a condition of a drop, irreducible with letters, has factors at the arm's own lengths, or is lost there.
 
-    There it touches zero only, and real points of it are met by chance.
+    a5 − d3 sin θ5 has a square in it where a5 = d3: it touches zero only, and real points of it are met by chance. A
+    condition with two factors holds on two families, and one whose degree in t_j is lower at θ_j = π too.
     """
     values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in chain.letters.items()}
     distinct = {str(f): f for drop in tree.drops for f in drop.piece.equations if len(f) <= _LONG}
-    return bool(values) and any(
-        power > 1 and not chain.ring.is_unit(part)
-        for f in distinct.values()
-        if (own := f.subs(values)) != 0
-        for part, power in factor(own)
-    )
+    return bool(values) and any(_splits(chain.ring, f, f.subs(values)) for f in distinct.values())
+
+
+def _splits(ring: Ring, f: Polynomial, own: Polynomial) -> bool:
+    """Whether a condition f that is `own` at the arm's lengths has not one factor there, as f has."""
+    if own == 0 or own.degrees()[: ring.angles] != f.degrees()[: ring.angles]:
+        return True
+    powers = [power for part, power in factor(own) if not is_number(part) and not ring.is_unit(part)]
+    return powers != [1]
+
+
+def with_equal_lengths(chain: Chain) -> Chain | None:
+    """The arm with one letter for lengths that are equal or opposite; None where no two letters are."""
+    changed: dict[str, tuple[int, str]] = {}
+    kept: dict[Fraction, str] = {}
+    for name, value in chain.letters.items():
+        other = kept.setdefault(abs(value), name)
+        if other != name:
+            changed[name] = (1 if value == chain.letters[other] else -1, other)
+    return chain.with_letters(changed) if changed else None
 
 
 def covered(chain: Chain, tree: Tree, plain: Tree) -> bool:

@@ -27,7 +27,15 @@ from html import escape
 from math import comb, gcd, lcm, pi
 from typing import Any, TypeAlias
 
-from rankdrop.exact.algebra.polynomial import WRITTEN, Polynomial, approximation, flint
+from rankdrop.exact.algebra.polynomial import (
+    ROOTS,
+    WRITTEN,
+    Polynomial,
+    approximation,
+    flint,
+    rational_square,
+    reduced_roots,
+)
 from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.family.equation import pretty_angle
 
@@ -103,7 +111,7 @@ def wave(kind: str, turns: Mapping[int, int]) -> tuple[int, Wave | None]:
 
 
 def product(number: Fraction | int, factors: Iterable[tuple[Factor, int]]) -> Product:
-    """number · Π factor^power with equal factors gathered, sums of one part opened, factors in order."""
+    """number · Π factor^power with equal factors gathered, sums of one part opened, √2² as 2, factors in order."""
     number = Fraction(number)
     powers: dict[Factor, int] = {}
     waiting = list(factors)
@@ -114,6 +122,12 @@ def product(number: Fraction | int, factors: Iterable[tuple[Factor, int]]) -> Pr
             waiting += [(inner, p * power) for inner, p in factor.parts[0].factors]
         elif power:
             powers[factor] = powers.get(factor, 0) + power
+    for root in [factor for factor in powers if isinstance(factor, Symbol) and powers[factor] > 1]:
+        square = rational_square(root.name)
+        if square is not None:
+            number *= square ** (powers[root] // 2)
+            powers[root] %= 2
+    powers = {factor: power for factor, power in powers.items() if power}
     return Product(number, tuple(sorted(powers.items(), key=lambda item: _rank(item[0]))))
 
 
@@ -174,6 +188,13 @@ def _place(part: Product) -> tuple[Any, ...]:
     return (not lengths, lengths, not slides, [-j for j in slides], not waves and not sums, waves, sums)
 
 
+def is_number(factor: Factor) -> bool:
+    """Whether a factor is a number: a root, or a sum of products of roots."""
+    if isinstance(factor, Sum):
+        return all(is_number(inner) for part in factor.parts for inner, _ in part.factors)
+    return isinstance(factor, Symbol) and factor.name in ROOTS and not factor.slide
+
+
 def half_of(form: Product, ring: Ring) -> Form:
     """A form in half-angle tangents: (f, D) with form = f / Π (1 + t_j²)^(D_j / 2), exactly.
 
@@ -195,7 +216,7 @@ def half_of(form: Product, ring: Ring) -> Form:
         one = _half_of_factor(factor, ring)
         f = f * one.f**power
         degrees = tuple(d + power * m for d, m in zip(degrees, one.degrees, strict=True))
-    return Form(ring, f, degrees)
+    return Form(ring, reduced_roots(f), degrees)
 
 
 def number_of(value: Fraction, ring: Ring) -> Polynomial:
@@ -432,8 +453,9 @@ class Text:
         return self.sum(self.parts(form))
 
     def parts(self, form: Product) -> tuple[Product, ...]:
-        """What vanishes with the form, as products to be added, without its number and its powers."""
-        form = self.readable(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)))
+        """What vanishes with the form, as products to be added, without numbers before it and its powers."""
+        kept = [factor for factor, _ in form.factors if not is_number(factor)] or [factor for factor, _ in form.factors]
+        form = self.readable(Product(Fraction(1), tuple((factor, 1) for factor in kept)))
         if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum):
             return form.factors[0][0].parts
         return (Product(Fraction(1), form.factors),)

@@ -27,7 +27,18 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial, coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import (
+    SIMPLE,
+    Atom,
+    Factors,
+    Polynomial,
+    coefficients,
+    leading_number,
+    primitive,
+    reciprocal,
+    reduced_roots,
+    used,
+)
 from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.exact.notation import (
     Factor,
@@ -195,7 +206,7 @@ class _Search:
         if p is None:
             return None
         found = single_angles(self.ring, p)
-        return Product(found.number / ratio(self.ring, p, f), found.factors)
+        return _times(_written_number(self.ring, _ratio(f, self.ring.to_half(p).f)), found)
 
     def factors(self, form: Form) -> Iterator[Product]:
         """A form as a product: of all its factors, and with those that hold half angles kept in one bracket."""
@@ -241,7 +252,7 @@ class _Search:
 
     def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
         written = product(1, factors)
-        return Product(_quotient(f, half_of(written, self.ring).f) * written.number, written.factors)
+        return _times(_written_number(self.ring, _ratio(f, half_of(written, self.ring).f)), written)
 
     def by_variable(self, form: Form, place: int) -> Product:
         """f = A cos + B sin + C in one joint (half its angle where the degree is 1), or by powers of a symbol."""
@@ -274,15 +285,32 @@ def parts_of(form: Product) -> list[Product]:
     return [form]
 
 
-def ratio(ring: Ring, p: Polynomial, f: Polynomial) -> Fraction:
-    """c where a trigonometric polynomial is c times what a half-angle one stands for, up to factors 1 + t²."""
-    return _quotient(ring.to_half(p).f, f)
+def ratio(ring: Ring, p: Polynomial, f: Polynomial) -> Polynomial:
+    """The number c, a polynomial in the roots alone, where a trigonometric polynomial is c times what a half-angle one
+    stands for, up to factors 1 + t².
+    """
+    return _ratio(ring.to_half(p).f, f)
 
 
-def _quotient(one: Polynomial, two: Polynomial) -> Fraction:
-    """One half-angle polynomial over another that it is equal to up to a number and factors 1 + t²."""
-    value = one.coeffs()[0] / two.coeffs()[0]
-    return Fraction(int(value.p), int(value.q))
+def _ratio(one: Polynomial, two: Polynomial) -> Polynomial:
+    """One half-angle polynomial over another that it is equal to up to a number and factors 1 + t²: that number, of the
+    field of the roots, as a polynomial in them alone.
+    """
+    above, below = (leading_number(reduced_roots(f)) for f in (one, two))
+    return reduced_roots(above * reciprocal(below))
+
+
+def _written_number(ring: Ring, number: Polynomial) -> Product:
+    """A polynomial in the roots alone as it is written: 3, √2/2, 2 (1 + √3)."""
+    return total(
+        product(Fraction(int(value.p), int(value.q)), symbols(powers[ring.angles :], ring))
+        for powers, value in number.terms()
+    )
+
+
+def _times(one: Product, two: Product) -> Product:
+    """The product of two forms."""
+    return product(one.number * two.number, [*one.factors, *two.factors])
 
 
 def gathered(form: Product) -> Product:
@@ -745,8 +773,10 @@ class Quotient:
                   [(f, s * p) for f, p in lengths.values() if s * p > 0])
             for s in (1, -1)
         )  # fmt: skip
-        number = _leading(one) / _leading(two)
-        return _with_numbers(above[0], below[0], number * below[1] / above[1])
+        number = _leading(one) * reciprocal(_leading(two)) * below[1] * reciprocal(above[1])
+        written = _written_number(ring, reduced_roots(number))
+        roots = Product(Fraction(1), written.factors)
+        return _with_numbers(_times(roots, above[0]), below[0], written.number)
 
     def text(self, most: int | None = None) -> str:
         """For people: "−(a1 + a2 c2) / (a1 a2 s2)".
@@ -796,12 +826,12 @@ def _with_numbers(above: Product, below: Product, number: Fraction) -> tuple[Pro
 
 def _form(
     ring: Ring, atoms: Sequence[tuple[Atom, int]], lengths: Sequence[tuple[Polynomial, int]]
-) -> tuple[Product, Fraction]:
-    """(product of the factors, its number left out; the leading coefficient of that product)."""
+) -> tuple[Product, Polynomial]:
+    """(product of the factors, its number left out; the leading coefficient of that product, of the roots alone)."""
     bare = Product(Fraction(1), product(1, factor_forms(ring, atoms, lengths)).factors)
-    return bare, _quotient(half_of(bare, ring).f, ring.half.constant(1))
+    return bare, leading_number(half_of(bare, ring).f)
 
 
-def _leading(value: Value) -> Fraction:
+def _leading(value: Value) -> Polynomial:
     """The leading coefficient of a polynomial in half-angle tangents: factors 1 + t² have 1, so that they count not."""
-    return ratio(value.ring, value.polynomial, value.ring.half.constant(1))
+    return leading_number(value.ring.to_half(value.polynomial).f)

@@ -292,6 +292,7 @@ FAILURES = {
     "unnamed": (INCOMPLETE, "no conditions were found for {0}"),
     "not derived": (INCOMPLETE, "exact conditions were asked for and not derived, {0}"),
     "no rank": (INCOMPLETE, "no rank was tried on {0}"),
+    "assumption": (INCOMPLETE, "{0} is assumed, which is not true of this arm"),
     "unfinished": (INCOMPLETE, "{0}"),
     "several unfinished": (INCOMPLETE, "{0} things were left unfinished, told at the end"),
     "condition": (INEXACT, "the condition asked about is {0}"),
@@ -412,7 +413,9 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
     """
     exactly, rounded = _exactness(derived.chain)
     lie_on, points = derived.explained.agree, derived.explained.tested
-    claims = ((EXACT,) if derived.complete and not rounded else ()) + ((SAMPLED,) if 0 < points == lie_on else ())
+    general = all(one.holds for one in derived.assumptions)
+    exact = derived.complete and general and not rounded
+    claims = ((EXACT,) if exact else ()) + ((SAMPLED,) if 0 < points == lie_on else ())
     if derived.interrupted:
         return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
     failures = [*_contradictions(derived)]
@@ -438,7 +441,9 @@ def _contradictions(derived: Any) -> Iterator[Failure]:
     if lie_on < points and not derived.disagreements and derived.complete:
         yield "cloud", points - lie_on
     yield from (("no rank", row.id) for row in derived.families if not row.rank_check.tested)
-    if not derived.complete:
+    if derived.complete:  # else what is left says so
+        yield from (("assumption", one.text) for one in derived.assumptions if not one.holds)
+    else:
         one = len(derived.left) == 1
         yield ("unfinished", derived.left[0]) if one else ("several unfinished", len(derived.left))
 

@@ -483,6 +483,25 @@ def near_misses_text(corank: int, many: int, sigma: float, digits: int) -> str:
     )
 
 
+def not_singular_text(mark: str, number: int, wrong: int, tested: int, digits: int) -> str:
+    """A family with real points at which the singular value that it loses does not vanish."""
+    return (
+        f"{mark}: σ{number} does not vanish at {wrong} of {tested} real configurations that satisfy its conditions, "
+        f"with {digits} digits"
+    )
+
+
+def assumption_text(assumed: str) -> str:
+    """An assumption on the lengths that the arm does not satisfy: "a2 ≠ d4"."""
+    return f"{assumed} is assumed, which is not true of this arm"
+
+
+def equal_lengths_text(equal: Iterable[tuple[str, bool, str]]) -> str:
+    """Lengths that share a letter, as (name, whether equal and not opposite, the name that is kept)."""
+    pairs = ", ".join(f"{name} = {'' if same else '−'}{other}" for name, same, other in equal)
+    return f"{pairs} for this arm: derived with one letter for both"
+
+
 def on_no_family_text(corank: int, many: int, tested: int, q: Iterable[float]) -> str:
     """Singular configurations that no family explains, one of them `q`."""
     values = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in q)

@@ -21,24 +21,38 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.derivation import CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
-from rankdrop.exact.families import families, real_sets
+from rankdrop.exact.families import Reality, families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily, alone, merge
-from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
+from rankdrop.exact.letters import (
+    assumptions,
+    decided_by_numbers,
+    sign_of,
+    splits,
+    sum_text,
+    with_equal_lengths,
+)
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.notation import Step
-from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.families.inspection import DIGITS, near_misses
+from rankdrop.exact.tree import Drop, Tree, rank_tree
+from rankdrop.families.inspection import DIGITS, ROUNDING, descents, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
 from rankdrop.text.by_hand import steps_of
-from rankdrop.text.families import near_misses_text, on_no_family_text
+from rankdrop.text.families import (
+    assumption_text,
+    equal_lengths_text,
+    near_misses_text,
+    not_singular_text,
+    on_no_family_text,
+)
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
@@ -47,6 +61,8 @@ _TREE = 0.85  # of the work left that the tree may take
 _SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
 _LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
+_OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
+_NEXT = 1e-5  # from a point with rounded coordinates to the singular configuration it stands for, of a square [rad]
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 
 
@@ -84,6 +100,7 @@ def derived(
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left, derive=asked.special)
+    left += [assumption_text(one.text) for one in assumed if not one.holds]
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
     if left:  # what is left over belongs to what was not derived
         left += over
@@ -125,12 +142,35 @@ def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> 
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
-    told = ("conditions that are independent for general lengths are not for these: derived with numbers",)
+    """Why what holds for general lengths need not hold for this arm."""
+    told = ("conditions that are independent for general lengths are not for these",)
     return (told if work.special else ()) + tuple(
-        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
+        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out"
         for f in work.assumed.values()
         if sign_of(chain, f) == 0
     )
+
+
+def _with_equal_lengths(
+    chain: Chain, lowest: int, work: Work
+) -> tuple[Chain, Tree, Work, tuple[str, ...]] | None:
+    """`_tree` with one letter for lengths that are equal; None where that takes too long, or does not hold either."""
+    special = with_equal_lengths(chain)
+    if special is None:
+        return None
+    again = work.again()
+    with again.share(_LETTERS):
+        tree = rank_tree(special, again, lowest=lowest)
+    if not tree.finished or _broken(special, again) or splits(special, tree):
+        return None
+    equal = [
+        (name, chain.letters[name] == chain.letters[other], other)
+        for name in chain.letters
+        if name not in special.letters
+        for other in special.letters
+        if abs(chain.letters[other]) == abs(chain.letters[name])
+    ]
+    return special, tree, again, (equal_lengths_text(equal),)
 
 
 def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
@@ -143,18 +183,21 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
     broken = _broken(chain, work)
     over = len(tree.unresolved)
     open_ = not tree.complete and optional
-    double = doubled(chain, tree)
-    if double:
-        broken += ("a condition has a square in it for these lengths: derived with numbers",)
+    if splits(chain, tree):
+        broken += ("a condition has several factors for these lengths",)
     if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
         return chain, tree, work, ()
+    if broken:
+        equal = _with_equal_lengths(chain, lowest, work)
+        if equal is not None:
+            return equal
     plain, again = replace(chain, letters={}, written={}), work.again()
     with again.share(_TREE):
         other = rank_tree(plain, again, lowest=lowest)
-    if not double and decided_by_numbers(chain, tree, other):
-        return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
     if broken:
-        return plain, other, again, broken
+        return plain, other, again, tuple(f"{text}: derived with numbers" for text in broken)
+    if decided_by_numbers(chain, tree, other):
+        return chain, replace(tree, unresolved=[]), work, ()  # what letters leave over is not there
     if open_:
         if not other.complete and not again.interrupted:
             return chain, tree, work, ()
@@ -171,6 +214,7 @@ def _families(
     """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
     sets, not_real = real_sets(chain, tree.drops, work, left, work.seed)
     found = families(chain, sets, tree.generic_rank, work)
+    left += _not_singular(chain, sets, found, tree.generic_rank)
     wrong = [
         f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
         f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
@@ -178,6 +222,32 @@ def _families(
         if not family.rank_check.holds
     ]
     return found, not_real, wrong
+
+
+def _not_singular(
+    chain: Chain, sets: Sequence[tuple[Drop, Reality]], families: Sequence[ExactFamily], generic_rank: int
+) -> list[str]:
+    """Sentences on the families that have random real points at which σ does not vanish with `DIGITS` digits.
+
+    The rank modulo a prime is taken at random lengths where lengths are letters: this is the arm with its own lengths.
+    """
+    met = {id(drop.piece): reality.points for drop, reality in sets}
+    told = []
+    for family in families:
+        problem = Problem(chain.own, chain.own_task, family.corank)
+        points = np.concatenate([met[id(piece)][:_OWN] for piece in family.pieces])[:_OWN_ALL]
+        wrong = sum(not _vanishes(problem, q) for q in points)
+        if wrong:
+            told.append(not_singular_text(family.id, generic_rank - family.corank + 1, wrong, len(points), DIGITS))
+    return told
+
+
+def _vanishes(problem: Problem, q: Array) -> bool:
+    """Whether a configuration of the corank asked about is next to q, which satisfies its conditions to rounding."""
+    return any(
+        sigma <= ROUNDING and problem.length(end - q) <= _NEXT
+        for end, sigma in descents(problem, q)
+    )
 
 
 def _unless_interrupted(work: Work, label: str, make: Callable[[Work], Made], otherwise: Made) -> Made:

@@ -328,18 +328,44 @@ def norm(f: Polynomial) -> tuple[Polynomial, Polynomial]:
     return f, cofactor
 
 
-def monic(f: Polynomial) -> Polynomial:
-    """f divided by the number in front of its first power product, where that has a root in it."""
+def leading_number(f: Polynomial) -> Polynomial:
+    """The number in front of the first power product of f, which is not 0: a polynomial in the roots alone."""
     places = [place for place, _ in _relations(f.context())]
-    if not places or f == 0:
-        return f
     first = [e for place, e in enumerate(next(iter(f.monoms()))) if place not in places]
     leading = {}
     for powers, value in f.terms():  # lexicographic, the roots last: these terms come first
         if [e for place, e in enumerate(powers) if place not in places] != first:
             break
         leading[tuple(e if place in places else 0 for place, e in enumerate(powers))] = value
-    number = f.context().from_dict(leading)
+    return f.context().from_dict(leading)
+
+
+def number_value(number: Polynomial) -> Fraction:
+    """The value of a polynomial in the roots alone, to some sixty digits.
+
+    Example:
+        >>> root = flint().fmpq_mpoly_ctx.get(["sqrt2"], flint().Ordering.lex).gens()[0]
+        >>> round(float(number_value(1 - root)), 6)
+        -0.414214
+    """
+    value = Fraction(0)
+    for powers, part in number.terms():
+        names = zip(_names(number.context()), powers, strict=True)
+        value += Fraction(int(part.p), int(part.q)) * prod(approximation(name) ** int(e) for name, e in names if e)
+    return value
+
+
+def rational_square(name: str) -> Fraction | None:
+    """The square of a root where that is a rational number; None where it is not, and for what is no root."""
+    square = _SQUARES.get(name, {})
+    return square[()] if square.keys() == {()} else None
+
+
+def monic(f: Polynomial) -> Polynomial:
+    """f divided by the number in front of its first power product, where that has a root in it."""
+    if f == 0 or not _relations(f.context()):
+        return f
+    number = leading_number(f)
     return f if number.is_constant() else reduced_roots(f * norm(number)[1])
 
 

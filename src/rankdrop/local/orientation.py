@@ -61,6 +61,7 @@ EULER = tuple(name for name in NAMES if name not in (*MAIN, "rodrigues", "mrp"))
 """Orders of Euler angles that are written with their axes, besides ZYZ."""
 _ORDERS = {"zyz": "zyz", "rpy": "zyx", **{name: name for name in EULER}}
 """Angles about three axes, and these in their order; roll, pitch, yaw are those of zyx the other way round."""
+_WIDE = -0.85  # cos θ below which a rotation vector is taken from the quaternion: its skew part fades out at π
 JUMPING = ("rotvec", "quaternion", "mrp")
 """Coordinates that jump at half a turn."""
 
@@ -296,7 +297,7 @@ class Displacement:
     def _error_and_turn(self, q: Array) -> tuple[Array, Array]:
         """(..., m) the displacement, and (..., 3) the rotation vector of the turn from the start."""
         now = pose(self.robot, q)
-        turn = _rotation_vector(now[..., :3, :3] @ self._home[:3, :3].T)
+        turn = rotation_vector(now[..., :3, :3] @ self._home[:3, :3].T)
         shift = (now - self._home)[..., :3, :] @ self._point
         both = np.concatenate([shift @ self._axes, turn @ self._axes], axis=-1)
         return np.asarray(both[..., self._rows] * self._row_scale), turn
@@ -308,15 +309,21 @@ class Displacement:
         return np.asarray(both[..., self._rows, :] * self._row_scale[:, None])
 
 
-def _rotation_vector(turn: Array) -> Array:
-    """(..., 3) θ n of rotations (..., 3, 3): below 60° from their skew part, which is sin θ n."""
+def rotation_vector(turn: Array) -> Array:
+    """(..., 3) θ n of rotations (..., 3, 3), 0 ≤ θ ≤ π; at half a turn π about the axis of (R + 1)/2.
+
+    Up to about 150° from the skew part, which is sin θ n and keeps its digits at small angles; beyond, where sin θ n
+    vanishes, from the quaternion.
+    """
     cosine = 0.5 * (np.trace(turn, axis1=-2, axis2=-1) - 1.0)
-    if not (cosine > 0.5).all():
-        return orientation_coordinates(turn, "rotvec")
     axial = 0.5 * (turn[..., (2, 0, 1), (1, 2, 0)] - turn[..., (1, 2, 0), (2, 0, 1)])
     sine = np.sqrt((axial * axial).sum(axis=-1))
     share = np.where(sine > 0.0, np.arctan2(sine, cosine) / np.maximum(sine, 1e-300), 1.0)
-    return np.asarray(axial * share[..., None])
+    vector = np.asarray(axial * share[..., None])
+    wide = cosine < _WIDE
+    if wide.any():
+        vector[wide] = orientation_coordinates(turn[wide], "rotvec")
+    return vector
 
 
 def _vector_rates(vector: Array, omega: Array) -> Array:

@@ -287,18 +287,27 @@ def check_poses(
     first, solutions = _start(robot, wanted[0], resolved, start)
     tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
     branch = follow(robot, wanted, first, resolved, tolerance=tolerance)
-    away, turned = Aim(robot, resolved).deviation(branch.q, poses_at(wanted, branch.place - 1.0))
+    away, turned = _apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     tool = replace(
-        branch, poses=len(wanted), solutions=solutions, more=robot.n > resolved.m, off=float(away.max(initial=0.0)),
-        turned=float(turned.max(initial=0.0)),
+        branch, poses=len(wanted), solutions=solutions, more=robot.n > resolved.m, off=away, turned=turned,
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
     )  # fmt: skip
     path = _timed(robot, resolved, wanted, times, branch)
     check = check_curve(robot, path, resolved, how, analysis, tolerances, progress)
-    ended = FREE if branch.complete else UNDECIDED if branch.reason == "stuck" else NOT_FOLLOWED
+    ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
     worst = min(check.verdict, ended, key=VERDICTS.index)
     return replace(check, rows=len(branch.q), tool=tool, verdict=worst)
+
+
+def _apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
+    """How far the tip leaves its curve at most, at the rows (K, n) and between them: [m], [rad]."""
+    off, chord = aim.missing(poses, q)
+    if len(q) > 1:
+        away, turned = aim.deviation(q, poses)
+    else:
+        away, turned = off, 2 * np.arcsin(np.minimum(1.0, chord / 2))
+    return float(away.max(initial=0.0)), float(turned.max(initial=0.0))
 
 
 def _checked(poses: ArrayLike) -> Array:

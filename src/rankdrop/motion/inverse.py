@@ -29,7 +29,7 @@ from rankdrop.errors import TaskError
 from rankdrop.kinematics import chain_of, one_configuration, task_jacobian, task_view
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.departure import unlocked
-from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.local.orientation import rotation_vector
 from rankdrop.motion.curve import Index, numbered
 from rankdrop.problem import Mask, into_limits, whole_turns
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -47,6 +47,8 @@ _CAP = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way betw
 _WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SAME = 1e-6  # solutions nearer than this are one [rad]
 _REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
+_CONFIRMED = 1e-9  # by which forward kinematics may miss the pose of a solution [m and chord]
+_TURNED_OVER = 1e-9  # of 1 + cos of the tilt: the heading of a tool that is turned over is undefined
 _FULL = (0, 1, 2, 3, 4, 5)
 _ROUNDED = 1e-12  # share of the links' length that rounding may add
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
@@ -56,6 +58,7 @@ _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps alon
 _MOST = 4096  # poses passed over by one step
 _ROWS = 400_000  # at most
 _FILLS, _PARTS = 8, 64  # of putting rows in within one step, and of one piece in one round
+_PUT_IN = 20_000  # rows of one step; a bound that does not fall with them would ask for more and more
 _SPARE = 1.1  # rows are put in for a bound so many times tighter
 _SMALL = 1e-2  # σ_r at the end of a branch below which a singularity is named as its reason
 
@@ -95,6 +98,7 @@ class Aim:
         self.with_tip = axes == last and not whole
         turns = [row for row in task.rows if row >= 3]
         self.free = next(row - 3 for row in (3, 4, 5) if row not in turns) if len(turns) == 2 else None
+        self.heading = turns[0] - 3 if len(turns) == 1 else None
         self.robot, self.rows = robot, list(task.rows)
         self.length = task.scale(robot)
         self.point = np.array(point)
@@ -117,13 +121,43 @@ class Aim:
             shift = (back @ shift[:, :, None])[:, :, 0]
         if self.free is not None:
             turn = self._without(turn, self.free)
-        twist = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]],
-                         axis=1) / 2  # fmt: skip
-        sine = np.sqrt((twist * twist).sum(axis=1))
-        cosine = (turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2] - 1.0) / 2
-        factor = np.where(sine > 1e-9, np.arctan2(sine, cosine) / np.where(sine > 1e-9, sine, 1.0), 1.0)
-        both = np.concatenate([shift / self.length, twist * factor[:, None]], axis=1)
+        vector = rotation_vector(turn)
+        if self.heading is not None:  # undefined where the tool is turned over
+            over = 1.0 + turn[:, self.heading, self.heading] < _TURNED_OVER
+            vector[over, self.heading] = np.pi
+        both = np.concatenate([shift / self.length, vector], axis=1)
         return np.asarray(both[:, self.rows])
+
+    def missing(self, poses: Array, q: Array) -> tuple[Array, Array]:
+        """What is missing at q (N, n) to `poses` (N, 4, 4), straight from forward kinematics.
+
+        Only what the task asks for counts. The angle θ is that of the chord 2 sin(θ/2) = ‖R − R*‖/√2, which is largest
+        at half a turn.
+
+        Returns:
+            (N,) distance of the reference point [m]; (N,) the chord [1].
+        """
+        now = _core.pose(self._chain, np.ascontiguousarray(q))
+        away, chord = np.zeros(len(q)), np.zeros(len(q))
+        rows = [row for row in self.rows if row < 3]
+        apart = now[:, :3, :3] - poses[:, :3, :3]
+        if rows:
+            off = now[:, :3, 3] - poses[:, :3, 3] + apart @ self.point
+            away = np.linalg.norm(off[:, [0, 1, 2] if self.with_tip else rows], axis=1)
+        if len(rows) == len(self.rows):
+            return away, chord
+        if self.free is None:
+            return away, np.asarray(np.linalg.norm(apart, axis=(1, 2)) / np.sqrt(2.0))
+        # of the axis alone about which the task leaves the tool free
+        return away, np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
+
+    def confirmed(self, poses: Array, q: Array) -> Mask:
+        """(N,) whether forward kinematics at q (N, n) gives the poses (N, 4, 4), to 1e-9 of the length scale and 1e-9.
+        """
+        away, chord = self.missing(poses, q)
+        if self.heading is not None:  # the tilt does not count
+            chord = np.abs(self.error(poses, q)[:, -1])
+        return np.asarray((away <= _CONFIRMED * max(self.length, 1.0)) & (chord <= _CONFIRMED))
 
     def _without(self, turn: Array, axis: int) -> Array:
         """(N, 3, 3) rotations less what they turn about one axis, which the task leaves free."""
@@ -178,7 +212,8 @@ class Aim:
         """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
         q, arrived = self.descend(goal, starts)
         order = np.argsort(arrived, kind="stable")
-        return np.asarray(q[order[arrived[order] >= 0]])
+        found = q[order[arrived[order] >= 0]]
+        return np.asarray(found[self.confirmed(np.broadcast_to(goal, (len(found), 4, 4)), found)])
 
     def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
         """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
@@ -238,28 +273,22 @@ class Aim:
             (K − 1,) each: how far the tip leaves the curve at most between rows, its place [m] and its turn [rad].
         """
         share, offset, links, turns, pitch = self._tip
-        now, values = _core.pose(self._chain, np.ascontiguousarray(q)), q @ share.T + offset
+        values = q @ share.T + offset
         step = np.abs(np.diff(values, axis=0))
         turn = np.cumsum(step * turns, axis=1)
         before = turn - step * turns
         most = np.maximum(np.abs(values[1:]), np.abs(values[:-1]))
         bend = (turn**2 @ links) + ((most * before + 2 * step) * before) @ pitch
         tool = poses[1:, :3, :3] @ poses[:-1, :3, :3].swapaxes(1, 2)
-        theta = np.linalg.norm(orientation_coordinates(tool, "rotvec"), axis=1)
+        theta = np.linalg.norm(rotation_vector(tool), axis=1)
         bend = bend + float(np.linalg.norm(self.point)) * theta**2
+        off, chord = self.missing(poses, q)
         away = turned = np.zeros(len(step))
-        apart, rows = now[:, :3, :3] - poses[:, :3, :3], [row for row in self.rows if row < 3]
-        if rows:
-            off = now[:, :3, 3] - poses[:, :3, 3] + apart @ self.point
-            ends = np.linalg.norm(off[:, [0, 1, 2] if self.with_tip else rows], axis=1)
-            away = np.maximum(ends[1:], ends[:-1]) + bend / 8 + _ROUNDED * float(links.sum())
-        if len(rows) < len(self.rows):
-            if self.free is None:
-                ends = np.linalg.norm(apart, axis=(1, 2)) / np.sqrt(2.0)
-            else:  # of the axis alone about which the task leaves the tool free
-                ends = np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
-            chord = np.maximum(ends[1:], ends[:-1]) + (turn[:, -1] ** 2 + theta**2) / 8
-            turned = 2 * np.arcsin(np.minimum(1.0, (chord + _ROUNDED) / 2))
+        if min(self.rows) < 3:
+            away = np.maximum(off[1:], off[:-1]) + bend / 8 + _ROUNDED * float(links.sum())
+        if max(self.rows) >= 3:
+            bound = np.maximum(chord[1:], chord[:-1]) + (turn[:, -1] ** 2 + theta**2) / 8
+            turned = 2 * np.arcsin(np.minimum(1.0, (bound + _ROUNDED) / 2))
         return away, turned
 
 
@@ -379,7 +408,8 @@ class Followed:
         complete: every pose was reached.
         reached: number of the last pose reached, from 1, with the share of the way to the next.
         last: (n,) configuration there.
-        reason: why it ended: "" where complete, else "start", "singular", "limit" or "stuck".
+        reason: why it ended: "" where complete, else "start", "singular", "limit", "stuck", or "budget": the steps or
+            the rows that one path may have were used up.
         joint: number of the joint at its limit, from 1; 0 for other reasons.
         sigma: σ_r where it ended [1].
         poses: how many were given.
@@ -465,7 +495,7 @@ def between(start: Array, end: Array, share: Array) -> Array:
     The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
     """
     share = np.asarray(share, dtype=np.float64)
-    turn = orientation_coordinates(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2), "rotvec")
+    turn = rotation_vector(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2))
     made = np.zeros((len(share), 4, 4))
     made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
     made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
@@ -497,7 +527,11 @@ class _Walk:
         now, rows, places, last = found[0], [found], [np.zeros(1)], len(self.poses) - 1.0
         place, h, side, size = 0.0, 1.0, self.aim.side(now), 1
         tries = _TRIES[0] + _TRIES[1] * len(self.poses)
+        spent = False
         while place < last:
+            spent = tries < 0 or size > _ROWS
+            if spent:
+                break
             ahead = min(place + h, last)
             if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
                 ahead = float(int(ahead + 1e-9))
@@ -505,7 +539,7 @@ class _Walk:
             joint = -1 if step is None else self._beyond(step[1])
             tries -= 1
             if step is None or joint >= 0:
-                if h < _SHORTEST or tries < 0 or size > _ROWS:
+                if h < _SHORTEST:
                     break
                 h = (ahead - place) / 2
                 continue
@@ -518,9 +552,19 @@ class _Walk:
         ended, sigma = "", np.inf
         if place < last:
             sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
-            ended = "limit" if joint >= 0 else "singular" if sigma <= _SMALL else "stuck"
+            ended = "limit" if joint >= 0 else "singular" if sigma <= _SMALL else "budget" if spent else "stuck"
         q, at = np.concatenate(rows), np.concatenate(places) + 1.0
-        return Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma)
+        return self._confirmed(Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma))
+
+    def _confirmed(self, found: Followed) -> Followed:
+        """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
+        good = self.aim.confirmed(poses_at(self.poses, found.place - 1.0), found.q)
+        if good.all():
+            return found
+        count = int(good.argmin())
+        reached = float(found.place[max(0, count - 1)])
+        q = found.q[:count]
+        return Followed(q, found.place[:count], False, reached, q[-1] if count else found.last, "stuck")
 
     def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
         """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
@@ -563,6 +607,8 @@ class _Walk:
             if (wide <= 1.0).all():
                 return at[1:], q[1:]
             parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
+            if int(parts.sum()) > _PUT_IN:  # the step is halved instead
+                return None
             k, part = numbered(parts)
             at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
         return None

@@ -234,7 +234,7 @@ TOOL = table(
     poses=Positive,
     complete=bool,
     reached=num("row", ge=1),
-    reason=Literal["", "start", "singular", "limit", "stuck"],
+    reason=Literal["", "start", "singular", "limit", "stuck", "budget"],
     words=(str, "why it ended"),
     start=many(num("joint")),
     chosen=str,

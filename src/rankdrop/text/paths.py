@@ -45,7 +45,11 @@ _REMARKS = {
     "no distance": "no distance is searched: {0}",
     "distance open": "the distance to be kept could not be proven around row {0}",
 }
-_REASONS = {"singular": "the branch ends at a singularity", "stuck": "the solver does not converge there"}
+_REASONS = {
+    "singular": "the branch ends at a singularity",
+    "stuck": "the solver does not converge there",
+    "budget": "the steps and rows that one tool path may have are used up",
+}
 COLUMNS = {
     "row": "number of the sample, from 1",
     "time_s": "of the sample",
@@ -206,6 +210,8 @@ def _advice(check: Any) -> str:
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
+        return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
         return "a larger --evaluations may decide it"
     return "--remedies computes changes that avoid it; --full prints every stretch"
@@ -395,6 +401,7 @@ GAINS = {
 """What is compared before and after a remedy: its name and its unit."""
 _ENDED = {
     "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
+    "budget": "need more rows than one path may have",
     "start": "do not reach the first pose", "plan": "found no way when planned over all self-motions",
 }  # fmt: skip
 

@@ -75,7 +75,7 @@ def test_a_short_side_branch_does_not_stop_the_chain() -> None:
 
 def test_equal_chains_are_refused_with_the_candidates() -> None:
     arms = [*chain(1), *chain(6, "left_", "l1"), *chain(6, "right_", "l1")]
-    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; fix: name the tip: tip='left_l6'"
+    words = r"start at 'base'; got tips left_l6 \(7 joints\), right_l6 \(7 joints\); fix: name the tip: tip='left_l6'"
     with pytest.raises(RobotError, match=words) as caught:
         from_urdf(robot(arms), file="two.urdf")
     assert caught.value.on_command_line().endswith("fix: name the tip: --tip left_l6")
@@ -91,14 +91,14 @@ def hand(side: str, wrist: str, finger_length: int = 1) -> list[str]:
 def test_two_hands_are_offered_by_their_tools_and_not_by_their_fingertips() -> None:
     torso, arms = chain(2, "torso_"), [*chain(7, "left_", "torso_l2"), *chain(7, "right_", "torso_l2")]
     two = [*torso, *arms, *hand("left", "left_l7", 3), *hand("right", "right_l7", 3)]
-    with pytest.raises(RobotError, match=r"several chains of 9 moving joints .* tips left_tool_link, right_tool_link;"):
+    with pytest.raises(RobotError, match=r"several limbs .* tips left_tool_link \(9 joints\), right_tool_link \(9 joints\);"):
         from_urdf(robot(two))
     assert from_urdf(robot(two), tip="left_tool_link").n == 9
 
 
 def test_a_longer_hand_does_not_make_an_arm_the_longer_one() -> None:
     arms = [*chain(6, "left_"), *chain(6, "right_"), *hand("right", "right_l6", 3)]
-    with pytest.raises(RobotError, match=r"several chains of 6 moving joints .* tips left_l6, right_tool_link;"):
+    with pytest.raises(RobotError, match=r"several limbs .* tips right_tool_link \(6 joints\), left_l6 \(6 joints\);"):
         from_urdf(robot(arms))
     longer = [*chain(7, "left_"), *chain(6, "right_"), *hand("right", "right_l6", 3)]
     assert from_urdf(robot(longer)).tip == "left_l7"
@@ -138,3 +138,29 @@ def test_a_file_without_moving_joints_is_refused() -> None:
 
 def test_a_chain_of_thousands_of_links_is_read() -> None:
     assert from_urdf(robot([*ARM, *(fixed(f"l{i}", f"l{i + 1}") for i in range(6, 3000))])).tip == "l3000"
+
+
+def test_every_limb_of_a_humanoid_is_listed_hands_first() -> None:
+    limbs = [*chain(5, "l_leg_"), *chain(5, "r_leg_"), *chain(4, "l_hand_"), *chain(4, "r_hand_")]
+    tips = r"l_hand_l4 \(4 joints\), r_hand_l4 \(4 joints\), l_leg_l5 \(5 joints\), r_leg_l5 \(5 joints\);"
+    with pytest.raises(RobotError, match=tips) as caught:
+        from_urdf(robot(limbs))
+    assert caught.value.on_command_line().endswith("fix: name the tip: --tip l_hand_l4")
+
+
+def test_a_broken_joint_beside_the_chain_is_left_out_where_the_tip_is_named() -> None:
+    text = robot([*chain(6, "a_"), fixed("a_l6", "gone")]).replace('<link name="gone"/>', "")
+    with pytest.raises(RobotError, match="the child link is not in the file; got 'gone'"):
+        from_urdf(text)
+    arm = from_urdf(text, tip="a_l6")
+    assert arm.n == 6
+    assert any("left out: its child link 'gone' is not in the file" in note for note in arm.notes)
+    with pytest.raises(RobotError, match="there is no link for the tip"):
+        from_urdf(text, tip="gone")
+
+
+def test_a_broken_joint_that_carries_the_chain_is_refused() -> None:
+    text = robot([fixed("gone", "a_l0"), *chain(6, "a_", "a_l0")]).replace('<link name="gone"/>', "")
+    with pytest.raises(RobotError, match="the parent link is not in the file; got 'gone'"):
+        from_urdf(text, tip="a_l6")
+    assert from_urdf(text, tip="a_l6", base="a_l0").n == 6

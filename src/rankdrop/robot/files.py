@@ -128,6 +128,9 @@ class Element:
         return next((child for child in self.children if child.tag == tag), None)
 
 
+_MISPLACED = expat.errors.codes[expat.errors.XML_ERROR_MISPLACED_XML_PI]
+
+
 def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: int | None = None) -> Element:
     """The root element of an XML text; elements named in `skip` are left out with all they hold.
 
@@ -177,7 +180,10 @@ def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: 
         parser.Parse(data, True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise RobotError(f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}") from None
+        before = text.find("<?xml") > 0 and error.code == _MISPLACED
+        mend = "take out what stands before <?xml …?>, blank lines too" if before else None
+        raise RobotError(f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}",
+                         mend=mend) from None  # fmt: skip
     if not document.children:  # the root itself is one of those left out
         raise RobotError("there is no element to read", where=file)
     return document.children[0]

@@ -46,7 +46,10 @@ class TreeJoint:
 
 @dataclass(frozen=True)
 class Tree:
-    """Links and joints, checked: names unique, every link known, one parent per link, no cycle."""
+    """Links and joints, checked: names unique, one parent per link, no cycle.
+
+    A joint that names a link which is not in the file hangs nowhere: it stands in `broken` with the end that is missing.
+    """
 
     name: str
     file: str
@@ -54,6 +57,7 @@ class Tree:
     joints: dict[str, TreeJoint]
     above: dict[str, TreeJoint] = field(default_factory=dict)  # link -> the joint that carries it
     below: dict[str, list[TreeJoint]] = field(default_factory=dict)  # link -> the joints on it
+    broken: list[tuple[TreeJoint, str]] = field(default_factory=list)  # joint, "parent" or "child"
 
     def where(self, joint: TreeJoint, part: str = "") -> str:
         """Place of a joint, or of one of its elements, for errors: file, line, element, joint."""
@@ -117,7 +121,7 @@ def read_tree(root: Element, file: str) -> Tree:
     """The tree of the links and joints under <robot>.
 
     Raises:
-        RobotError: not a URDF, names missing or used twice, links missing, two parents, a cycle.
+        RobotError: not a URDF, names missing or used twice, two parents, a cycle.
     """
     if root.tag != "robot":
         raise RobotError(
@@ -146,18 +150,16 @@ def read_tree(root: Element, file: str) -> Tree:
 
 
 def connected(tree: Tree) -> Tree:
-    """The tree with its joints hung on its links.
+    """The tree with its joints hung on its links; those that name a link which is not there are in `broken`.
 
     Raises:
-        RobotError: links missing, two parents, a cycle.
+        RobotError: two parents, a cycle.
     """
     for joint in tree.joints.values():
-        for end, link in (("parent", joint.parent), ("child", joint.child)):
-            if link not in tree.links:
-                raise RobotError(
-                    f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
-                    **_hint(link, tree.links),
-                )
+        missing = [end for end, link in (("parent", joint.parent), ("child", joint.child)) if link not in tree.links]
+        if missing:
+            tree.broken.append((joint, missing[0]))
+            continue
         if joint.child in tree.above:
             raise RobotError(
                 f"the link {joint.child!r} has two parents", where=tree.where(joint, "child"),
@@ -255,6 +257,7 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
     notes: list[str] = []
     if tip is not None:
         tree.check_link(tip, "tip")
+    notes.extend(_leave_out_broken(tree, base, tip))
     if base is None:
         base = _root(tree) if tip is None else tree.root_of(tip)
         notes.append(f"base {base!r} chosen: the root link")
@@ -270,6 +273,24 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
             typed="name another --base or --tip",
         )
     return Ends(base, tip, path, notes)
+
+
+def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[str]:
+    """Notes on joints that name a link which is not in the file, where the chain does not need them.
+
+    Raises:
+        RobotError: the tip is not named, so that such a joint may be part of the arm; or it carries the chain.
+    """
+    notes = []
+    for joint, end in tree.broken:
+        carries = tip is not None and base is None and tree.root_of(tip) == joint.child
+        link = getattr(joint, end)
+        if tip is None or carries:
+            hint = _hint(link, tree.links)
+            hint.setdefault("mend", "declare the link" if carries else "declare the link, or name a tip")
+            raise RobotError(f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link), **hint)
+        notes.append(f"joint {joint.name!r} left out: its {end} link {link!r} is not in the file")
+    return notes
 
 
 def _root(tree: Tree) -> str:
@@ -292,44 +313,67 @@ def _most_moving(tree: Tree, base: str) -> dict[str, int]:
     return most
 
 
-_End = tuple[str, dict[str, int], int, list[TreeJoint]]
-"""Where a chain ends by itself: a link, what is fixed to it, the moving joints passed, the joints of a gripper."""
+@dataclass(frozen=True, slots=True)
+class _Limb:
+    """Where a chain ends by itself.
+
+    Attributes:
+        link: the last one.
+        body: it and what is fixed to it, with the number of fixed joints between.
+        passed: moving joints on the way from the base.
+        gripper: joints of fingers after it, which are left out.
+    """
+
+    link: str
+    body: dict[str, int]
+    passed: int
+    gripper: list[TreeJoint]
 
 
 def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
-    ends = _longest(tree, base)
-    tips = [_name_of_tip(tree, link, body) for link, body, _, _ in ends]
+    limbs = _limbs(tree, base)
+    longest = max(limb.passed for limb in limbs)
+    ends = [limb for limb in limbs if limb.passed == longest]
     if len(ends) > 1:
-        names = [tip for tip, _ in tips]
-        raise RobotError(
-            f"several chains of {count(ends[0][2], 'moving joint')} start at {base!r}", where=tree.file,
-            got=f"tips {', '.join(names)}", mend=f"name the tip: tip={names[0]!r}",
-            typed=f"name the tip: --tip {shlex.quote(names[0])}",
-        )
-    ((_, _, passed, gripper),), ((tip, why),) = ends, tips
-    parts = ", ".join(joint.name for joint in gripper)
+        raise _several_limbs(tree, base, limbs)
+    tip, why = _name_of_tip(tree, ends[0].link, ends[0].body)
+    parts = ", ".join(joint.name for joint in ends[0].gripper)
     left_out = f"; the gripper after it is left out ({parts})" if parts else ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {count(passed, 'moving joint')}{why}{left_out}"
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {count(longest, 'moving joint')}{why}{left_out}"
 
 
-def _longest(tree: Tree, base: str) -> list[_End]:
-    """The ends below `base` that most moving joints lead to, grippers not counted, in the order of the file."""
+_HANDS = re.compile(r"hand|arm|grip|palm|wrist|tool|tcp|flange|ee_|eef|effector", re.IGNORECASE)
+_MOST_LIMBS = 12
+"""So many limbs are listed."""
+
+
+def _several_limbs(tree: Tree, base: str, limbs: list[_Limb]) -> RobotError:
+    """The error that lists every limb with its number of joints: hands before feet, then the longest first."""
+    named = [(_name_of_tip(tree, limb.link, limb.body)[0], limb.passed) for limb in limbs if limb.passed > 0]
+    named.sort(key=lambda limb: (_HANDS.search(limb[0]) is None, -limb[1]))
+    listed = [f"{tip} ({count(passed, 'joint')})" for tip, passed in named[:_MOST_LIMBS]]
+    more = [f"and {len(named) - _MOST_LIMBS} more"] if len(named) > _MOST_LIMBS else []
+    first = named[0][0]
+    return RobotError(
+        f"several limbs start at {base!r}", where=tree.file, got=f"tips {', '.join(listed + more)}",
+        mend=f"name the tip: tip={first!r}", typed=f"name the tip: --tip {shlex.quote(first)}",
+    )
+
+
+def _limbs(tree: Tree, base: str) -> list[_Limb]:
+    """Every end below `base`, grippers not counted, in the order of the file."""
     most = _most_moving(tree, base)
-    order = [(base, 0)]
-    bodies: dict[str, dict[str, int]] = {}
-    branches: dict[str, list[TreeJoint]] = {}
-    for link, passed in order:  # grows while it is walked
-        bodies[link] = _fixed_together(tree, link)
-        branches[link] = [joint for part in bodies[link] for joint in tree.below.get(part, ()) if joint.moves]
-        if not _is_gripper(branches[link], most, passed):
-            order.extend((joint.child, passed + 1) for joint in branches[link])
-    reached = dict(order)
-    below: dict[str, list[_End]] = {}
-    for link, passed in reversed(order):
-        found = [end for joint in branches[link] if joint.child in reached for end in below.pop(joint.child)]
-        longest = max((end[2] for end in found), default=passed)
-        below[link] = [end for end in found if end[2] == longest] or [(link, bodies[link], passed, branches[link])]
-    return below[base]
+    limbs = []
+    waiting = [(base, 0)]
+    while waiting:
+        link, passed = waiting.pop()
+        body = _fixed_together(tree, link)
+        branches = [joint for part in body for joint in tree.below.get(part, ()) if joint.moves]
+        if not branches or _is_gripper(branches, most, passed):
+            limbs.append(_Limb(link, body, passed, branches))
+        else:
+            waiting.extend((joint.child, passed + 1) for joint in reversed(branches))
+    return limbs
 
 
 def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) -> bool:

@@ -1,12 +1,40 @@
-"""Files are written here and nowhere else: whole or not at all, and on the disk when the call returns."""
+"""Files are written here and nowhere else: whole or not at all, and on the disk when the call returns.
+
+What is read as a whole is a file: a pipe or a device may have no end.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+
+def is_endless(path: Path) -> bool:
+    """Whether it is there and neither a file nor a folder: a pipe, a socket or a device."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def read_file(path: Path, largest: int) -> bytes:
+    """The bytes of a file.
+
+    Args:
+        path: of the file.
+        largest: bytes that it may have.
+
+    Raises:
+        OSError: it cannot be read, is no file, or is too large.
+    """
+    if is_endless(path):
+        raise OSError(errno.EINVAL, "this is not a file", str(path))
+    with path.open("rb") as stream:
+        content = stream.read(largest + 1)
+    if len(content) > largest:
+        raise OSError(errno.EFBIG, f"the file is too large; allowed: at most {largest / 2**20:g} MB", str(path))
+    return content
 
 
 def replace_file(path: str | Path, content: bytes) -> None:

@@ -252,6 +252,11 @@ def _run(argv: Sequence[str]) -> int:
             _close_stdout()
             say(f"error: stdout: cannot write: {error.strerror}")
             return exits.BAD_INPUT
+        if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+            name = os.fsdecode(error.filename or "")
+            say(f"error: the name of a file is too long; got {len(os.fsencode(name)):,} bytes: {name[:40]!r} …; "
+                "allowed: what the file system takes, most often 255 bytes between two slashes")  # fmt: skip
+            return exits.BAD_INPUT
         raise
     return code if isinstance(code, int) else exits.FINE
 

@@ -40,7 +40,7 @@ from typing import IO, Any, Literal
 import msgspec
 
 from rankdrop.codec import Count, decode, mapping, table, text, whole
-from rankdrop.disk import append_line, locked, replace_file
+from rankdrop.disk import append_line, locked, read_file, replace_file
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError, ResultFileError
 from rankdrop.version import VERSION
 
@@ -147,7 +147,7 @@ class Folder:
         try:
             found.path.joinpath(PARTS).mkdir(parents=True, exist_ok=True)
             if note.exists():
-                if note.read_bytes() != found._note():
+                if read_file(note, _LARGEST) != found._note():
                     raise ResultFileError(
                         "the folder holds another job", where=str(path), got=_describe_note(note),
                         allowed=f"{job.kind} {job.sha256[:12]}", mend="name another folder, or remove this one",
@@ -173,7 +173,7 @@ class Folder:
 
     def _is(self, chunk: int, digest: str) -> bool:
         try:
-            return sha256(self.part(chunk).read_bytes()).hexdigest() == digest
+            return sha256(self.read(chunk)).hexdigest() == digest
         except OSError:
             return False
 
@@ -194,11 +194,11 @@ class Folder:
 
     def read(self, chunk: int) -> bytes:
         """The bytes of a finished chunk."""
-        return self.part(chunk).read_bytes()
+        return read_file(self.part(chunk), _LARGEST)
 
 
 _DIGITS = 9  # of the number of a chunk
-_LARGEST = 1 << 30  # bytes of job.json: a plan holds the poses of its paths
+_LARGEST = 1 << 30  # bytes of job.json, a journal or a part: a plan holds the poses of its paths
 
 
 @cache
@@ -211,7 +211,7 @@ def _note_table() -> Any:
 def journal_of(path: Path) -> Iterator[tuple[int, str]]:
     """(chunk, SHA-256) of every whole line of a journal; the last one may be torn."""
     try:
-        lines = (path / JOURNAL).read_bytes().decode("ascii", "replace").split("\n")
+        lines = read_file(path / JOURNAL, _LARGEST).decode("ascii", "replace").split("\n")
     except OSError:
         return
     for line in lines:
@@ -290,10 +290,9 @@ def _read_note(note: Path) -> Any:
         OSError: the file cannot be read.
         ResultFileError: it is not JSON, or not of a job; names the element.
     """
-    if note.stat().st_size > _LARGEST:
-        raise ResultFileError("the file is too large", where="$", allowed=f"up to {_LARGEST:,} bytes")
+    content = read_file(note, _LARGEST)
     try:
-        return decode(_note_table(), msgspec.json.decode(note.read_bytes()))
+        return decode(_note_table(), msgspec.json.decode(content))
     except (ValueError, RecursionError, msgspec.MsgspecError) as error:
         raise ResultFileError("this is not JSON that can be read", where="$", got=str(error)[:80]) from error
 

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
+from rankdrop.disk import is_endless
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.motion.trajectory import (
     BAGS,
@@ -122,6 +123,8 @@ def read_trajectory(
         MissingExtraError: YAML, or a bag, and PyYAML or rosbags is not installed.
     """
     file, name = Path(path), str(path)
+    if is_endless(file):
+        raise TrajectoryError("this is not a file", where=name, got="a pipe or a device")
     if is_bag(file):
         from rankdrop.motion.bag_file import read_bag
 

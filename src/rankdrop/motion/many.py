@@ -134,7 +134,8 @@ def _record(check: PathCheck) -> Record:
 
 def _parts(file: Path) -> list[Path]:
     """The file itself; of the folder of a recording those in it."""
-    return sorted(one for one in file.iterdir() if one.is_file()) if file.is_dir() else [file]
+    inside = file.iterdir() if file.is_dir() else [file]
+    return sorted(part for part in inside if part.is_file())
 
 
 def _digest(file: Path) -> str:

@@ -300,6 +300,7 @@ def read_table(text: str, name: str) -> Table:
     Raises:
         TrajectoryError: this is not CSV, or there is no row, no row below the names, or too many.
     """
+    text = with_line_feeds(text)
     table = _plain_table(text, name) or _word_table(text, name)
     if not table.head:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
@@ -360,9 +361,14 @@ def _first_line(text: str) -> str:
     return ""
 
 
+def with_line_feeds(text: str) -> str:
+    """A text whose lines end as they do here: a carriage return ends a line too, as old spreadsheets write it."""
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
 def names_of(text: str) -> list[str]:
     """Words of the first row."""
-    line = _first_line(text)
+    line = _first_line(with_line_feeds(text))
     return [word.strip() for word in next(csv.reader([line], delimiter=_delimiter(line), skipinitialspace=True), [])]
 
 

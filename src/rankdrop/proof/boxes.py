@@ -357,6 +357,8 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
 
 def _read(path: Path, reader: Callable[[IO[bytes], str], Content]) -> Content:
     where = str(path)
+    if path.exists() and not path.is_file():
+        raise Refused("this is not a file", where=where)
     try:
         with path.open("rb") as file:
             return reader(file, where)

@@ -305,6 +305,8 @@ def read_certificate(path: Path) -> Claim:
         Unproven: cut off, or its hash is another.
     """
     where = str(path)
+    if path.exists() and not path.is_file():
+        raise Refused("this is not a file", where=where)
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)

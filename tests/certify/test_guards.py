@@ -13,17 +13,25 @@ from reference import arms
 from reference.coverings import covering
 
 from rankdrop.certify import covering as covers_of
-from rankdrop.certify.certificates import covering_certificate, existence_certificate, verify, write_certificate
+from rankdrop.certify.certificates import (
+    covering_certificate,
+    existence_certificate,
+    record_of,
+    verify,
+    write_certificate,
+)
 from rankdrop.certify.covering import write_covering
-from rankdrop.certify.setting import middle_of
+from rankdrop.certify.setting import middle_of, viewed
 from rankdrop.proof import covers
 from rankdrop.proof.arm import BITS, Arm, Region
 from rankdrop.proof.boxes import bits, digest
 from rankdrop.proof.check import arm_of
-from rankdrop.proof.existence import _Zero
+from rankdrop.proof.existence import _Zero, verify_existence
 from rankdrop.proof.record import Link, Unproven, Work, read_certificate
 from rankdrop.proof.regions import Cell, Check, CurvePath
+from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 
 
 @pytest.fixture(autouse=True)
@@ -296,3 +304,21 @@ def test_a_box_around_a_piece_holds_its_ends():
         for j in range(2):
             assert flint.arb(float(centre[j])) + flint.arb(float(wide[j])) >= flint.arb(high)
             assert flint.arb(float(centre[j])) - flint.arb(float(wide[j])) <= flint.arb(low)
+
+
+def test_a_rank_that_the_arm_never_has_is_not_lost(tmp_path):
+    """The third axis goes through the point: the rank of its translation is 2 wherever the arm stands, and a wrench
+    that does nothing exists by Krawczyk's test next to any configuration."""
+    screws = ([0, 0, 0, 0, 0, 1.0], [0, -0.3, 0, 0, 0, 1.0], [0.4, -0.7, 0, 0, 0, 1.0])
+    joints = tuple(Joint(name, JointKind.REVOLUTE, np.array(screw)) for name, screw in zip("abc", screws, strict=True))
+    home = np.eye(4)
+    home[:3, 3] = (0.7, 0.4, 0.2)
+    robot = Robot("blind", joints, home)
+    task = resolve_task("position", robot)
+    setting = replace(viewed(robot, task), rank=3)
+    record = record_of(robot, task, "existence", setting, {"q": [0.3, 0.9, 0.2], "radius": 1e-6}, {})
+    claim = read_certificate(write_certificate(record, tmp_path / "e.json"))
+    assert claim.rank == 3
+    with pytest.raises(Unproven, match="the rank is below 3 at"):
+        verify_existence(arm_of(claim), claim)
+    assert not verify(tmp_path / "e.json").holds

@@ -19,8 +19,10 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
+from rankdrop.family.equation import Equation, Term
+from rankdrop.family.record import Family
 from rankdrop.results import validate
-from rankdrop.results.analysis import Analysis
+from rankdrop.results.analysis import Analysis, family_from_dict
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import check_record, load_schema
@@ -248,3 +250,54 @@ def test_the_decoder_refuses_what_the_schema_refuses() -> None:
         assert str(error.where).startswith("$"), f"{what}: {error}"
         refused += 1
     assert refused > 15
+
+ELBOW = (0, 2, 0, 0)  # sin θ2 = 0 of a SCARA, whose other joints are free; harmonics in halves
+
+
+def planted_family(*equations: Equation, **changes: Any) -> Family:
+    """The elbow of a SCARA with other equations."""
+    return replace(shipped("scara").families[0], equations=equations, **changes)
+
+
+def of_harmonics(*harmonics: int, powers: tuple[int, ...] | None = None) -> Equation:
+    return Equation((Term(1.0, "sin", harmonics, powers or (0,) * len(harmonics)),))
+
+
+def test_terms_of_a_family_that_fit_its_arm_are_taken() -> None:
+    for equation in (of_harmonics(*ELBOW), of_harmonics(0, 64, 0, 0)):
+        validate._check_equations(planted_family(equation), 4, "here")
+
+
+@pytest.mark.parametrize(
+    ("equation", "words"),
+    [
+        (of_harmonics(0, 2, 0, 0, 0), r"terms\[0\]: .*another number of joints; got 5"),
+        (of_harmonics(0, 65, 0, 0), r"terms\[0\]: .*a power or a harmonic is too high; got 65"),
+        (of_harmonics(*ELBOW, powers=(0, -65, 0, 0)), r"terms\[0\]: .*a power or a harmonic is too high; got 65"),
+        (of_harmonics(2, 2, 0, 0), r"terms\[0\]: .*the equation binds a free joint; got \[1, 2\]"),
+        (of_harmonics(*ELBOW, powers=(0, 0, 1, 0)), r"terms\[0\]: .*the equation binds a free joint; got \[2, 3\]"),
+    ],
+)
+def test_terms_of_a_family_that_do_not_fit_its_arm_are_refused(equation: Equation, words: str) -> None:
+    with pytest.raises(ResultFileError, match=words):
+        validate._check_equations(planted_family(equation), 4, "here")
+    with pytest.raises(ResultFileError, match=words.replace("[0", "[1")):
+        validate._check_equations(planted_family(of_harmonics(*ELBOW), equation), 4, "here")
+
+
+def test_equations_that_leave_another_dimension_are_refused() -> None:
+    twice = of_harmonics(*ELBOW), of_harmonics(0, 4, 0, 0)
+    validate._check_equations(planted_family(*twice), 4, "here")  # the same set twice
+    for dimension in (1, 4):
+        with pytest.raises(ResultFileError, match="the equations leave another dimension"):
+            validate._check_equations(planted_family(*twice, dimension=dimension), 4, "here")
+    with pytest.raises(ResultFileError, match="a family has equations exactly where it is named"):
+        validate._check_equations(planted_family(), 4, "here")
+
+
+def test_terms_and_texts_of_a_file_say_the_same() -> None:
+    whole = json.loads(record("scara"))["families"][0]
+    assert family_from_dict(copy.deepcopy(whole)).name == whole["name"]
+    whole["terms"][0][0]["kind"] = "cos"
+    with pytest.raises(ResultFileError, match="equations and terms of a family disagree"):
+        family_from_dict(whole)

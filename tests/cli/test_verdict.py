@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 from dataclasses import replace
 
@@ -9,10 +10,11 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.family.record import DIFFERS, NOT_DERIVED, Check
+from rankdrop.family.record import AGREES, DIFFERS, INTERRUPTED, NOT_DERIVED, Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
-from rankdrop.verbs.analyze import analyze
+from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze, derive
 from rankdrop.verbs.conditions import conditions
 
 
@@ -152,3 +154,29 @@ def test_explain_begins_with_the_five_sentences_of_its_summary(run, q: str, code
     assert " ".join(ended.out.split()).startswith(" ".join(" ".join(sentences).split()))
     assert ended.code == code
     assert record["sentence"].startswith(f"scara: {record['verdict'].upper()}, ")
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"complete": False, "left": ("one system",)}, "one system"),
+        ({"complete": False, "left": ("one system", "another")}, "one system; another"),
+        ({"complete": False, "left": ("one system",), "seconds": 30.0}, "the derivation takes more than 30 s"),
+        ({"interrupted": True}, INTERRUPTED),
+    ],
+)
+def test_a_derivation_that_is_not_complete_is_none(
+    derived, monkeypatch: pytest.MonkeyPatch, change: dict[str, object], reason: str
+) -> None:
+    """Families of some coranks only are no source of families: sampling has to find all of them."""
+    arm = open_robot("scara")
+    deriving = importlib.import_module("rankdrop.verbs.conditions")
+    whole = replace(derived, seconds=0.1)
+    for made, used in ((whole, True), (replace(whole, **change), False)):
+        monkeypatch.setattr(deriving, "conditions", lambda *_, made=made, **__: made)
+        found, record = derive(arm, resolve_task(None, arm), exact="auto", seed=0, fresh=True, progress=None)
+        assert record is not None
+        assert (found is made) is used
+        assert (found is None) is not used
+        assert (record.status, record.reason) == ((AGREES, "") if used else (NOT_DERIVED, reason))
+        assert bool(record.families) is used

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 pytest.importorskip("flint")
 
 from reference.structured import H, arm, lost, structured
 
+from rankdrop.exact import families
 from rankdrop.exact.algebra.field import P
 from rankdrop.exact.algebra.polynomial import flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.solving import Solved
 from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.tree import _Known, barren
+from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.families import Reality, special_strays
+from rankdrop.exact.tree import Drop, _Known, barren
 from rankdrop.families.points import cloud, explained
+from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
@@ -194,3 +201,52 @@ def test_conditions_with_one_common_zero_prove_nothing(power: int, empty: bool) 
     known.add(t - 3)
     known.add((t - 3) ** power * (t - 5))
     assert known.barren is empty
+
+
+def planted(kind: str) -> tuple[Chain, ZeroSet]:
+    """A set of PUMA's with a condition that says nothing of θ5 at special places, where the arm is regular."""
+    chain = exact_chain(open_robot("puma560"))
+    ring = chain.ring
+    if kind == "right angles":  # sin θ5 (cos² θ2 + cos² θ4) = 0
+        f = ring.to_half(ring.s[5] * (ring.c[2] ** 2 + ring.c[4] ** 2)).f
+        return chain, ZeroSet(ring, {}, rest=(f,), equations=(f,))
+    t2, t4, t5 = (ring.form(ring.to_half(ring.s[1]).f).f.context().gen(k) for k in (1, 3, 4))
+    numerator, denominator = t2 - 3, t4 - 2  # t5 = N / D
+    return chain, ZeroSet(ring, {}, solved=(Solved(4, numerator, denominator),),
+                          equations=(denominator * t5 - numerator,))  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["right angles", "undetermined"])
+def test_configurations_of_higher_rank_are_met_where_no_start_leads_to(kind: str) -> None:
+    chain, piece = planted(kind)
+    q = special_strays(chain, piece, 5)
+    theta = q + chain.shifts
+    assert len(q)
+    assert singular_values(chain.own, q, chain.own_task)[:, 5].min() > 1e-3
+    if kind == "right angles":
+        assert np.allclose(np.cos(theta[:, [1, 3]]), 0.0, atol=1e-6)
+        assert np.abs(np.sin(theta[:, 4])).max() > 1e-2
+    else:
+        both = np.isclose(np.tan(theta[:, [1, 3]] / 2), (3.0, 2.0), atol=1e-6).all(axis=1)
+        assert both.sum() > 3
+        assert np.ptp(np.sin(theta[both, 4])) > 0.5  # whatever θ5
+
+
+@pytest.mark.parametrize("kind", ["right angles", "undetermined"])
+def test_a_set_is_cut_off_from_its_special_strays(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Random starts find nothing to cut off; a condition is asked for that fails at the special ones all the same."""
+    chain, piece = planted(kind)
+    asked: list[int] = []
+
+    def separated(chain: Chain, piece: ZeroSet, rank: int, strays: np.ndarray, *rest: object) -> ZeroSet | None:
+        asked.append(len(strays))
+        return replace(piece, pins={5: "0"}) if len(strays) and not piece.pins else None
+
+    none = np.empty((0, 6))
+    monkeypatch.setattr(families, "reality", lambda *_: Reality(np.zeros((1, 6)), True, "", "", none))
+    monkeypatch.setattr(families, "separated", separated)
+    monkeypatch.setattr(families, "tidy", lambda piece, work: piece)
+    sharp, _ = families._sharp(chain, Drop(piece, 5), np.random.default_rng(0), [], Work())
+    assert asked[0] == 0
+    assert max(asked) > 0
+    assert sharp.pins == {5: "0"}

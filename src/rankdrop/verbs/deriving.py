@@ -34,7 +34,7 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.notation import Step
 from rankdrop.exact.tree import Drop, Tree, rank_tree
-from rankdrop.families.inspection import DIGITS, ROUNDING, descents, near_misses
+from rankdrop.families.inspection import DIGITS, descents, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
@@ -62,6 +62,7 @@ _SHARE = 0.7  # of the work left that another phase may take: real sets, a metho
 _LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
 _OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
+_ROUNDED = 1e-13  # σ that the rounding of an arm's own axes leaves, a hundred times over [1]
 _NEXT = 1e-5  # from a point with rounded coordinates to the singular configuration it stands for, of a square [rad]
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 
@@ -266,7 +267,7 @@ def _not_singular(
 def _vanishes(problem: Problem, q: Array) -> bool:
     """Whether a configuration of the corank asked about is next to q, which satisfies its conditions to rounding."""
     return any(
-        sigma <= ROUNDING and problem.length(end - q) <= _NEXT
+        sigma <= _ROUNDED and problem.length(end - q) <= _NEXT
         for end, sigma in descents(problem, q)
     )
 

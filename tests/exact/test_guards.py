@@ -168,3 +168,10 @@ def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     assert check.tested > 0
     assert not over
     assert late == ["numeric configurations of corank 2 and above: the processor's time ran out"]
+
+
+@pytest.mark.slow
+def test_rounded_axes_of_an_arm_make_no_family_regular() -> None:
+    """The axes of jaka_a5 are rounded to 1e-16: σ4 on k3.f1 is 1.3e-15, with any number of digits."""
+    found = conditions(open_robot("jaka_a5"), method="tree", points=0, fresh=True)
+    assert found.verified

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rankdrop.exact.algebra.decompose import decompose, with_points
 from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, is_number, used
 from rankdrop.exact.algebra.ring import Form
-from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.work import Work, failure, watched
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
@@ -292,12 +292,13 @@ def real_sets(
         try:
             work.check()
             drop = waiting[0]
-            piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
-            systems = len(work.unresolved)
-            work.without_points.clear()
-            thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
-        except (OutOfTime, KeyboardInterrupt) as stop:
-            what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
+            with watched(work.check):
+                piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
+                systems = len(work.unresolved)
+                work.without_points.clear()
+                thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
+        except (Exception, KeyboardInterrupt) as stop:
+            what = failure(stop) if isinstance(stop, Exception) else "interrupted"
             left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not looked at for real points")
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()

@@ -38,7 +38,7 @@ from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zer
 from rankdrop.exact.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.exact.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
 from rankdrop.exact.algebra.ring import Form, Ring, Terms, replace_angles
-from rankdrop.exact.algebra.work import OutOfTime, TooLong, Work, spent, tick
+from rankdrop.exact.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.local.block import generic_rank
@@ -279,9 +279,9 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     whole = ZeroSet.whole(chain.ring)
     try:
         columns, never = chain.cleared
-    except OutOfTime as stop:
+    except Exception as stop:
         rank = generic_rank(chain.own, chain.own_task)
-        return Tree(rank, complete=False, left=[f"{stop}: the arm's screws were not written down"])
+        return Tree(rank, complete=False, left=[f"{failure(stop)}: the arm's screws were not written down"])
     generic = rank_on(columns, whole)
     tree = Tree(generic + never, never)
     found: list[Drop] = []
@@ -289,11 +289,11 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     for order in range(generic, lowest, -1):
         waiting = [whole]
         try:
-            with work.share(1.0 if order == lowest + 1 else _STAGE):
+            with work.share(1.0 if order == lowest + 1 else _STAGE), watched(work.check):
                 _explore(columns, order, waiting, found, tree, work)
-        except (OutOfTime, KeyboardInterrupt) as stop:
+        except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False
-            what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
+            what = failure(stop) if isinstance(stop, Exception) else "interrupted"
             tree.left.append(
                 f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not looked into "
                 "to the end"

@@ -506,7 +506,24 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
             pins[joint] = tuple(sorted(value for (value,) in sharp))
     pinned = _row(problem, family, pins)
     taken = pinned.linear.combinations(points, slope, SAME_VALUE)
-    return pinned if len(taken) == len(pinned.combinations) else row
+    if len(taken) < len(pinned.combinations) or _has_further_roots(problem, row, pinned):
+        return row
+    return pinned
+
+
+def _has_further_roots(problem: Problem, row: Row, pinned: Row) -> bool:
+    """Whether singular configurations satisfy the conditions of a row away from the values that joints were found at.
+
+    Next to a special structure a root may lie where conditions are all but flat, which `Row.sample` leaves out.
+    """
+    rng = np.random.default_rng(1)
+    values = row.combinations
+    targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), STARTS // len(values) + 1, axis=0)
+    starts = row.linear.place(problem.random(len(targets), rng), targets, rng)
+    q, solved = row.system.solve(starts, along=row.linear.along, iterations=200)
+    q = q[solved & problem.singular(q)]
+    _, far = pinned.nearest_values(q)
+    return bool((far > NEAR).any())
 
 
 def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, within: float) -> Values:

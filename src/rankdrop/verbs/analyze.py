@@ -90,6 +90,8 @@ def _derived(
         return None, str(error)
     except KeyboardInterrupt:
         return None, INTERRUPTED
+    except Exception as error:  # the sampled result does not depend on the derivation
+        return None, f"{type(error).__name__}: {error}"
     if derived.interrupted:
         return None, INTERRUPTED
     if derived.complete:

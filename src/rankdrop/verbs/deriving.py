@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from rankdrop.exact.algebra.polynomial import PRIMES
-from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
+from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work, failure
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
@@ -34,11 +34,11 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.notation import Step
 from rankdrop.exact.tree import Drop, Tree, rank_tree
-from rankdrop.families.inspection import DIGITS, ROUNDING, descents, near_misses
+from rankdrop.families.inspection import DIGITS, descents, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import Conditions
@@ -62,6 +62,7 @@ _SHARE = 0.7  # of the work left that another phase may take: real sets, a metho
 _LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
 _OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
+_ROUNDED = 1e-13  # σ that the rounding of an arm's own axes leaves, a hundred times over [1]
 _NEXT = 1e-5  # from a point with rounded coordinates to the singular configuration it stands for, of a square [rad]
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 
@@ -79,12 +80,22 @@ def derived(
     basic = None if asked.basic is None else read_joints(asked.basic)
     check_method(given, asked.method, basic=basic, frame=asked.frame)
     lowest = 0 if asked.coranks is None else max(min(given.task.m, given.n) - asked.coranks, 0)
-    chain, tree, work, remarks = _tree(given, lowest, optional=asked.lengths == "auto", work=work)
-    left = list(tree.left)
+    left: list[str] = []
+    nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
+    underived: tuple[Chain, Tree, Work, tuple[str, ...]] = given, nothing, work, ()
+    chain, tree, work, remarks = _guarded(
+        "the rank tree", lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
+    )
+    left += tree.left
+    found: list[ExactFamily] = []
+    not_real: list[str] = []
+    wrong: list[str] = []
     with work.share(_SHARE):
-        found, not_real, wrong = _families(chain, tree, work, left)
+        found, not_real, wrong = _guarded(
+            "the families", lambda: _families(chain, tree, work, left), (found, not_real, wrong), left
+        )
     first = _unless_interrupted(
-        work, "the method for corank 1",
+        work, left, "the method for corank 1",
         lambda own: corank_one(
             chain, asked.method, tree, found, own, chosen=(basic, asked.frame)
         ),
@@ -92,16 +103,27 @@ def derived(
     )  # fmt: skip
     steps: tuple[Step, ...] = ()
     if asked.steps or isinstance(first.derived, Tree):
-        steps = _unless_interrupted(work, "the steps", lambda _: steps_of(chain, first.derived), ())
+        steps = _unless_interrupted(work, left, "the steps", lambda _: steps_of(chain, first.derived), ())
     determinants: Determinants | None = None
     if asked.steps:
-        determinants = _unless_interrupted(work, "the determinant", lambda own: determinants_of(chain, own), None)
-    hidden, unmet = _sets_without_points(chain, tree, found, asked.seed)
+        determinants = _unless_interrupted(work, left, "the determinant", lambda own: determinants_of(chain, own), None)
+    hidden: list[str] = []
+    unmet: list[str] = []
+    hidden, unmet = _guarded(
+        "sets without points", lambda: _sets_without_points(chain, tree, found, asked.seed), (hidden, unmet), left
+    )
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
-    assumed = _assumptions(chain, tree, lowest, work, left, derive=asked.special)
+    assumed: Sequence[Assumption] = ()
+    assumed = _guarded(
+        "the assumptions", lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
+    )
     left += [assumption_text(one.text) for one in assumed if not one.holds]
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
+    differing = list(first.disagreements)
+    if not tree.complete:  # another method may have what the tree has not come to
+        left += differing
+        differing = []
     if left:  # what is left over belongs to what was not derived
         left += over
         over = []
@@ -121,7 +143,7 @@ def derived(
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
         explained=check,
-        disagreements=(*first.disagreements, *wrong, *over),
+        disagreements=(*differing, *wrong, *over),
         complete=tree.complete and not left,
         interrupted=work.interrupted,
         left=tuple(left),
@@ -245,17 +267,29 @@ def _not_singular(
 def _vanishes(problem: Problem, q: Array) -> bool:
     """Whether a configuration of the corank asked about is next to q, which satisfies its conditions to rounding."""
     return any(
-        sigma <= ROUNDING and problem.length(end - q) <= _NEXT
+        sigma <= _ROUNDED and problem.length(end - q) <= _NEXT
         for end, sigma in descents(problem, q)
     )
 
 
-def _unless_interrupted(work: Work, label: str, make: Callable[[Work], Made], otherwise: Made) -> Made:
-    """What is made with a share of the work that is left; `otherwise` where the user has asked to stop."""
+def _guarded(label: str, make: Callable[[], Made], otherwise: Made, left: list[str]) -> Made:
+    """What is made; `otherwise`, and the reason in `left`, where it fails: no failure ends what else was found."""
+    try:
+        return make()
+    except Exception as error:
+        left.append(f"{label}: {failure(error)}")
+        return otherwise
+
+
+def _unless_interrupted(
+    work: Work, left: list[str], label: str, make: Callable[[Work], Made], otherwise: Made
+) -> Made:
+    """What is made with a share of the work that is left; `otherwise` where it fails or the user has asked to stop."""
     if not work.interrupted:
         work.show(label, 0, 1)
+        own = Work(max(_SHARE * work.left, 0.1), work.seed)
         try:
-            return make(Work(max(_SHARE * work.left, 0.1), work.seed))
+            return _guarded(label, lambda: make(own), otherwise, left)
         except KeyboardInterrupt:
             work.interrupt()
     return otherwise

@@ -12,6 +12,7 @@ coefficients (Trager). Polynomials without roots take the plain way.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache, reduce
@@ -37,6 +38,25 @@ class OutOfTime(Exception):
 
 class TooLong(OutOfTime):
     """A polynomial would grow too long on the way that was tried; another way may do."""
+
+
+_watching: list[Callable[[], None]] = []
+
+
+@contextmanager
+def watched(check: Callable[[], None]) -> Iterator[None]:
+    """Until the end of the block the loops of this file call `check`, which raises `OutOfTime` at a limit."""
+    _watching.append(check)
+    try:
+        yield
+    finally:
+        _watching.pop()
+
+
+def _look() -> None:
+    """Stop where the limit of the derivation in progress has passed: called in every loop that may be long."""
+    if _watching:
+        _watching[-1]()
 
 
 Polynomial = Any
@@ -323,6 +343,7 @@ def norm(f: Polynomial) -> tuple[Polynomial, Polynomial]:
     cofactor = f.context().constant(1)
     for place, _ in _relations(f.context()):
         if f.degrees()[place]:
+            _look()
             other = _conjugate(f, place)
             cofactor, f = reduced_roots(cofactor * other), reduced_roots(f * other)
     return f, cofactor
@@ -425,6 +446,7 @@ def gcd(f: Polynomial, g: Polynomial) -> Polynomial:
     Raises:
         TooLong: the primes do not suffice for its coefficients.
     """
+    _look()
     if not (roots_in(f) and f != 0 and g != 0):
         return f.gcd(g)
     found = _from_images(f, g, _common, lambda h, f, g: divmod(f, h)[1] == 0 and divmod(g, h)[1] == 0)
@@ -466,6 +488,7 @@ def _from_images(
     known: dict[tuple[int, ...], int] = {}
     modulus = 1
     for number, prime in enumerate(_lifting(names), 1):
+        _look()
         image = _combined(f, g, names, prime, combine)
         if image is None:
             return None
@@ -487,6 +510,7 @@ def _combined(
     basis = list(product((0, 1), repeat=len(places)))
     choices, images = list(_embeddings(names, prime)), []
     for choice in choices:
+        _look()
         both = combine(*(image_modulo(h, choice, prime) for h in (f, g)))
         if both is None:
             return None
@@ -533,6 +557,7 @@ def factor(f: Polynomial) -> list[tuple[Polynomial, int]]:
 
     Over the roots a multiplicity is that modulo a prime of 61 bits: the factors are known to divide.
     """
+    _look()
     if not roots_in(f):
         return [(one, int(power)) for one, power in f.factor()[1]]
     rational = reduce(lambda a, b: a.gcd(b), _components(f))
@@ -583,6 +608,7 @@ def _split(f: Polynomial) -> list[Polynomial]:
     if content is not None:
         return [piece for part in (content, quotient(f, content)) for piece in _split(part)]
     for shift in range(_SHIFTS):
+        _look()
         turned = _shifted(f, shift)
         found = norm(turned)[0].factor()[1]
         parts = [_shifted(gcd(turned, one), -shift) for one, _ in found]

@@ -18,6 +18,7 @@ from typing import Any
 from rankdrop.exact.algebra.polynomial import OutOfTime as OutOfTime
 from rankdrop.exact.algebra.polynomial import Polynomial, is_number, primitive
 from rankdrop.exact.algebra.polynomial import TooLong as TooLong
+from rankdrop.exact.algebra.polynomial import watched as watched
 
 _spent = 0.0
 
@@ -31,6 +32,11 @@ def tick(microseconds: float) -> None:
 def spent() -> float:
     """The work done since the process began [s of an idle machine]."""
     return _spent * 1e-6
+
+
+def failure(error: BaseException) -> str:
+    """What ended a derivation: the limit that was met, or the error, in words."""
+    return str(error) if isinstance(error, OutOfTime) else f"{type(error).__name__}: {error}"
 
 
 Progress = Callable[[str, int, int], None]

@@ -10,6 +10,7 @@ from .local.block import singular_values as singular_values
 from .local.nearest import nearest_singularity as nearest_singularity
 from .local.redundant import redundancy as redundancy
 from .local.ways_out import escape as escape
+from .motion.branches import inverse as inverse
 from .motion.check import check_path as check_path
 from .results.analysis import Analysis as Analysis
 from .robot.model import Joint as Joint

@@ -234,3 +234,15 @@ class AspectsOptions(Options):
         int, option("Of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
     ] = 0  # fmt: skip
     limits: Annotated[bool, option("Solutions and paths within the joint limits only")] = False
+
+
+@dataclass(frozen=True)
+class InverseOptions(Options):
+    """How the solutions of a pose are searched."""
+
+    starts: Annotated[
+        int, option("Random starts of Newton's method; more while they find new solutions", ge=1, le=1_000_000)
+    ] = 2_000  # fmt: skip
+    seed: Annotated[
+        int, option("Seed of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
+    ] = 0  # fmt: skip

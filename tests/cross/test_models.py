@@ -20,6 +20,7 @@ from reference.measure import relative
 from cross.real_files import FILES
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.motion.branches import inverse
 from rankdrop.robot import (
     from_mujoco,
     from_pinocchio,
@@ -253,3 +254,18 @@ def test_noise_of_a_model_is_taken_as_in_files() -> None:
     assert taken.joints[1].screw[5] == 0.0 == from_urdf(text).joints[1].screw[5]
     assert literal.joints[1].screw[5] != 0.0
     assert taken.notes
+
+
+def test_the_toolbox_finds_the_same_solutions_of_a_pose() -> None:
+    """Its closed form for the Puma 560: eight configurations, of which none is missed."""
+    toolbox = package("roboticstoolbox")
+    model = toolbox.models.DH.Puma560()
+    arm = from_toolbox(model)
+    for q in ([0.1, 0.5, 0.3, 0.2, 0.9, 0.6], [-0.7, 1.1, 0.6, -0.4, 0.8, 0.2]):
+        goal = model.fkine(q)
+        words = [a + b + c for a in "lr" for b in "ud" for c in "nf"]
+        theirs = [model.ikine_a(goal, word) for word in words]
+        ours = np.array([one.q for one in inverse(arm, goal.A).branches])
+        assert len(ours) == sum(one.success for one in theirs) == 8
+        for one in theirs:
+            assert np.abs(np.angle(np.exp(1j * (ours - one.q)))).max(axis=1).min() < 1e-7

@@ -431,6 +431,12 @@ Q = Annotated[str, Parameter(
     allow_leading_hyphen=True,
 )]  # fmt: skip
 
+POSE = Annotated[str, Parameter(
+    help="Pose of the tip in the base axes: x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw, for a position x,y,z "
+    "[m, rad]; 30deg, 120mm are understood.",
+    allow_leading_hyphen=True,
+)]  # fmt: skip
+
 
 def open_arm(name: str, options: ArmOptions, tool: ToolOptions = NO_TOOL) -> tuple[arms.Robot, Task]:
     """Open the arm and resolve its task.
@@ -468,6 +474,25 @@ def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
                           allowed=f"up to {_LONGEST_TOOL:g} m",
                           mend=f"in millimetres: --tcp={millimetres}")  # fmt: skip
     return lengths, [value_of(word, "rad", "--tcp", deg=deg) for word in words[3:]] or [0.0, 0.0, 0.0]
+
+
+def parse_pose(text: str, *, deg: bool, option: str = "--pose") -> list[float]:
+    """The numbers of a pose: three lengths, then none, three angles or four of a quaternion, in m and rad.
+
+    Raises:
+        OptionError: not three, six or seven quantities.
+        ConfigurationError: a word that is none.
+    """
+    words = split_values(text)
+    if len(words) not in (3, 6, 7):
+        raise OptionError("a pose is three lengths, then three angles or a quaternion", where=option,
+                          got=f"{len(words)} numbers in {text!r}",
+                          allowed="x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw; for a position x,y,z [m, rad]",
+                          mend=f'write it as {option}="0.3,0,0.4,180deg,0,0"')  # fmt: skip
+    lengths = [value_of(word, "m", option, deg=deg) for word in words[:3]]
+    if len(words) == 7:
+        return lengths + [arms.quantity(word, "number", where=option) for word in words[3:]]
+    return lengths + [value_of(word, "rad", option, deg=deg) for word in words[3:]]
 
 
 def numbers_of(text: str, option: str) -> list[float]:

@@ -12,6 +12,7 @@ from rankdrop.cli import exits
 from rankdrop.cli.command import (
     NO_IDEAL,
     NO_TOOL,
+    POSE,
     ROBOT,
     Done,
     IdealOptions,
@@ -22,9 +23,11 @@ from rankdrop.cli.command import (
     near_line,
     open_ideal,
     parse_configuration,
+    parse_pose,
 )
 from rankdrop.cli.proof import in_words, model_tolerance, of_place
 from rankdrop.cli.terminal import say
+from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions
 from rankdrop.sections import Section
@@ -69,7 +72,8 @@ def explain(
     robot: ROBOT,
     /,
     *,
-    q: Q,
+    q: Q | None = None,
+    pose: POSE | None = None,
     tool: ToolOptions = NO_TOOL,
     options: ExplainOptions = ExplainOptions(),
     arm: IdealOptions = NO_IDEAL,
@@ -80,17 +84,29 @@ def explain(
     With --only escape: the joints that lead out, which way and how far, and those that cannot. With --only nearest:
     the nearest singular configuration, found from many starts, and a radius proven to be free of any.
 
+    With --pose instead of --q: every configuration found at a pose of the tip, with its verdict, posture and joint
+    limits; or why there is none, and how far the pose is out of reach. The orientation is R = Rz(yaw) Ry(pitch)
+    Rx(roll), or a unit quaternion. --task, --tcp, --deg and --seed apply.
+
     For example:
         rankdrop explain pa10 --q 0,0,0,0,0,0,0
         rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0 --frame base --tcp 0,0,120mm
         rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0 --only nearest --certificate here.json
+        rankdrop explain irb120 --deg --pose 350mm,0,400mm,180,0,0
         rankdrop explain rcrrrr --q 0,0,0,0,0,0,0 --length-scale 1 --only escape --lie
 
     Exit code 0: regular; 3: near a singularity; 4: singular, or the arm is deficient for the task at every
     configuration. With --only escape 0: not singular, or a way out was found; 3: none. With --only nearest 0: one was
-    found; 3: none. 2: bad input.
+    found; 3: none. With --pose 0: a solution inside the joint limits was found; 3: none. 2: bad input.
     """
     from rankdrop import explain as run
+
+    if q is not None and pose is not None:
+        raise OptionError("--q and --pose exclude each other", allowed="one of them")
+    if q is None:
+        if pose is None:
+            raise OptionError("--q is missing: one number per joint, or --pose for a pose of the tip")
+        return _of_pose(robot, pose, arm, tool, options, output)
 
     near = model_tolerance(output.model_tolerance)
     model, task, made = open_ideal(robot, arm, tool)
@@ -116,6 +132,24 @@ def explain(
          "certificate": lambda: proven},
         last=partial(say, STOPPED) if stopped_early(found) else None,
         code=exits.INTERRUPTED if stopped_early(found) else _code(found, output.only),
+    )  # fmt: skip
+
+
+def _of_pose(
+    robot: str, words: str, arm: IdealOptions, tool: ToolOptions, options: ExplainOptions, output: Parts
+) -> Done:
+    """The solutions of the inverse at a pose."""
+    from rankdrop import inverse
+
+    given = {"--only": output.only, "--certificate": output.certificate, "--analysis": output.analysis,
+             "--model-tolerance": output.model_tolerance, "--lie": output.lie or None}  # fmt: skip
+    for name in [name for name, value in given.items() if value is not None][:1]:
+        raise OptionError("this option is for one configuration", where=name, allowed="--q")
+    model, task, _ = open_ideal(robot, arm, tool)
+    found = inverse(model, parse_pose(words, deg=tool.deg), task, seed=options.seed)
+    return Done(
+        lambda: found.sections(deg=tool.deg), {"json": found.to_dict},
+        code=exits.FINE if found.inside else exits.UNEXPLAINED,
     )  # fmt: skip
 
 

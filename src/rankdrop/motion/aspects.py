@@ -289,6 +289,23 @@ def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[st
     return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
 
 
+def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:
+    """The posture of each configuration (N, n): the signs of the factors of det J where they tell solutions apart.
+
+    Returns:
+        For each row such as ("elbow +", "wrist −"); else the sign of det J; empty for arms that have no determinant.
+    """
+    if not len(q) or robot.n != task.m:
+        return ((),) * len(q)
+    _, signs, _ = _decided(robot, task)
+    if signs is None:
+        there = in_metres(robot), task_in_metres(task, robot)
+        values = determinants(*there, np.stack([into_metres(robot, row) for row in q]))
+        return tuple((f"det J {'+' if value > 0 else '−'}",) for value in values)
+    flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
+    return tuple(tuple(flag.label for flag in some) for some in flags)
+
+
 def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
     """In the arm's unit, solutions named by the signs of their factors."""
     q = out_of_metres(robot, solved.q)

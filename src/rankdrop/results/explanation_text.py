@@ -22,6 +22,7 @@ from rankdrop.codec import Record
 from rankdrop.configuration import Cause
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family, short_name
+from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.rates import DirectionRates, StraightMotion
@@ -32,6 +33,7 @@ from rankdrop.sections import Formula, Section
 from rankdrop.task import BASE, TIP, Task
 from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
+from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
     LOST_TYPE,
     PROOF,
@@ -735,6 +737,12 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
+def _place(explanation: Explanation, _: bool) -> Iterator[Section]:
+    """Where the tool is."""
+    robot = explanation.robot
+    yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)),))
+
+
 _MORE = "more with --full: joint rates, failures, σ and angles, circuits, redundancy, …"
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "summary": _summary,
@@ -754,6 +762,7 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
         (Section("Disagreement", "two methods differ; please report it", explanation.disagreements),)
         if explanation.disagreements else ()
     ),
+    "place": _place,
     "more": lambda _, full: iter(() if full else (Section("", "", notes=(_MORE,)),)),
 }
 """Every part by its name, in order."""

@@ -82,6 +82,59 @@ ASPECTS_FILE = file(
     notes=many(str),
     complete=(bool, "false: interrupted"),
 )
+BEYOND = table("beyond", joint=(Positive, "", itemgetter(0)), excess=(num("joint", ge=0), "", itemgetter(1)))
+BRANCHES = table(
+    "branches",
+    q=some(num("joint")),
+    verdict=Literal["regular", "near", "singular", "always-singular"],
+    sigma=(num("1", ge=0), "σ_r"),
+    posture=(many(str), "signs of parts of the arm, such as elbow +"),
+    beyond=(many(BEYOND), "joints outside their limits, and by how much"),
+    residual=(num("1", ge=0), "largest difference between its pose and the pose asked for [m, 1]"),
+)
+CONTINUA = table(
+    "continua",
+    q=(some(num("joint")), "a configuration on it"),
+    dimension=(Positive, "1: a curve"),
+    closed=bool,
+    complete=(bool, "followed to its closing or to both of its ends"),
+    singular=(bool, "every configuration of it is singular"),
+    lowest_q=(some(num("joint")), "of each joint along it", attrgetter("lowest")),
+    highest_q=(some(num("joint")), "", attrgetter("highest")),
+    inside=(num("1", ge=0, le=1), "share of the curve inside the joint limits"),
+    beyond=many(BEYOND),
+    residual=num("1", ge=0),
+)
+UNREACHED = table(
+    "unreached",
+    kind=(Literal["position", "orientation", "joints"],
+        "the position is out of reach; it is in reach but not with this orientation; the arm has too few joints"),
+    off_position=(num("m", ge=0), "least distance from the position, whatever the orientation",
+        attrgetter("position")),
+    off_shift=(num("m", ge=0) | None, "the same with the orientation kept; null where the arm does not make it",
+        attrgetter("shift")),
+    turn=(num("rad", ge=0) | None, "least angle from the orientation, the position kept; null: not reached"),
+    tip=(many(many(num("1"))), "(4, 4) the reachable pose of the least distance"),
+    turned_tip=(many(many(num("1"))) | None, "(4, 4) the reachable pose of the least angle", attrgetter("turned")),
+)
+INVERSE_FILE = file(
+    "inverse",
+    "Written by `rankdrop explain --pose --json`: the solutions of the inverse that were found for a pose, or how far "
+    "it is out of reach. Joint limits do not restrict the search.",
+    robot=_ARM,
+    version=_VERSION,
+    task=(str, "", lambda found: found.task.name),
+    pose=(many(many(num("1"))), "(4, 4) of the tip in the base frame, translations in m"),
+    sentence=str,
+    branches=(many(BRANCHES), "isolated solutions"),
+    continua=(many(CONTINUA), "self-motions: configurations along which the tool stands still"),
+    more=(bool, "there may be self-motions that are not listed"),
+    most=(Positive | None, "no such arm has more isolated solutions; null: not stated"),
+    starts=(Count, "random starts of Newton's method"),
+    arrived=(Count, "starts that ended on a solution"),
+    seed=(Count, "", lambda found: found.options.seed),
+    unreached=UNREACHED | None,
+)
 COLUMNS = table("columns", name=(str, "", itemgetter(0)), meaning=(str, "", itemgetter(1)))
 PATH_ROWS_FILE = file(
     "path-rows",

@@ -1,0 +1,178 @@
+"""Solutions of a pose in words: how many there are, a table of them, how they were searched, why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees
+from typing import Any
+
+import numpy as np
+
+from rankdrop.local.orientation import orientation_coordinates, rotation_vector
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section
+from rankdrop.text.words import joint_word, minus, motion, plural, power, short
+from rankdrop.units import counted_length
+
+_SHAPES = {1: "curve", 2: "surface"}
+_AXIS = 1e-3  # components below it are not shown
+
+
+def tool_place(robot: Robot, pose: Array) -> str:
+    """Where the tool is, in base axes: "(300.0, 200.0, 400.0) mm, roll 0.0°, pitch 68.8°, yaw 22.9°"."""
+    place = pose[:3, 3] * 1e3 / counted_length(robot)
+    angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
+    x, y, z = (_fixed(value) for value in place)
+    roll, pitch, yaw = (_fixed(value, 2) for value in angles)
+    return f"({x}, {y}, {z}) mm, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+
+
+def tool_sentence(robot: Robot, pose: Array) -> str:
+    """Where the tool is, as a sentence."""
+    return f"Tool at {tool_place(robot, pose)}, in base axes."
+
+
+def _fixed(value: float, digits: int = 1) -> str:
+    return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
+
+
+def inverse_sentence(found: Any) -> str:
+    """How many solutions a pose has, or why it has none."""
+    if found.unreached is not None:
+        return f"{found.robot.name}: no solution. {_why(found)}."
+    parts = []
+    if found.continua:
+        parts.append(_continua_words(found))
+    if found.branches or not found.continua:
+        count = len(found.branches)
+        most = f"; a 6R arm has at most {found.most}" if found.most and not found.continua else ""
+        also = "isolated " if found.continua else ""
+        parts.append(f"{count} {also}{plural('solution', count)}{most}")
+    return f"{found.robot.name}: {'; and '.join(parts)}. {_inside_words(found)}."
+
+
+def _continua_words(found: Any) -> str:
+    """The self-motions: "3 self-motion curves (dimension 1): infinitely many solutions"."""
+    words = []
+    for dimension in sorted({one.dimension for one in found.continua}):
+        some = [one for one in found.continua if one.dimension == dimension]
+        kind = _SHAPES.get(dimension, "set")
+        if dimension == 1:
+            count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
+        else:
+            count = f"at least one self-motion {kind}"
+        where = ", all of it singular" if all(one.singular for one in some) else ""
+        words.append(f"{count} (dimension {dimension}{where})")
+    return f"infinitely many solutions: {' and '.join(words)}"
+
+
+def _inside_words(found: Any) -> str:
+    every = (*found.branches, *found.continua)
+    if found.continua and found.inside:
+        return f"{found.inside} of {len(every)} have configurations inside the joint limits"
+    if found.inside == len(every):
+        return "All are inside the joint limits" if len(every) > 1 else "It is inside the joint limits"
+    if found.inside:
+        return f"{found.inside} of {len(every)} inside the joint limits"
+    nearest = min(every, key=lambda one: max(amount for _, amount in one.beyond))
+    return f"None is inside the joint limits; the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
+
+
+def _beyond_words(robot: Robot, one: Any) -> str:
+    joints = robot.variables
+    return ", ".join(
+        f"{joint_word(number, joints[number - 1].name)} by {motion(amount, joints[number - 1].unit).lstrip('+')}"
+        for number, amount in one.beyond
+    )
+
+
+def _beyond_cell(robot: Robot, one: Any) -> str:
+    """Joints outside their limits: "1 by 10.9°, 4 by 20°"."""
+    amounts = ((number, motion(amount, robot.variables[number - 1].unit).lstrip("+")) for number, amount in one.beyond)
+    return ", ".join(f"{number} by {amount}" for number, amount in amounts)
+
+
+def _why(found: Any) -> str:
+    """Why a pose has no solution, and how far it is out of reach."""
+    why, robot = found.unreached, found.robot
+    shift = None if why.shift is None else f"{_length(why.shift, robot)} with this orientation"
+    turn = None
+    if why.turn is not None:
+        turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.pose, why.turned)} at this position"
+    if why.kind == "position":
+        more = f"; {shift}" if shift is not None and why.shift > 1.001 * why.position else ""
+        return f"Out of reach by {_length(why.position, robot)}{more}"
+    apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
+    if why.kind == "joints":
+        count = robot.n
+        return (f"The arm has {count} joints and reaches the position, but not with this orientation: off by {apart}")
+    return f"The position is in reach, but not with this orientation: off by {apart}"
+
+
+def _length(value: float, robot: Robot) -> str:
+    size = 1e3 * value / counted_length(robot)
+    return f"{size:,.0f} mm" if size >= 100 else f"{short(size, 3)} mm"
+
+
+def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
+    """Joint values (n,) as cells of a table."""
+    for joint, value in zip(robot.variables, q.tolist(), strict=True):
+        yield _fixed(degrees(value), 2) if deg and joint.unit == "rad" else _fixed(value, 4)
+
+
+def _turning(wanted: Array, made: Array) -> str:
+    """About which axis of the base: "yaw", or "turning about (0.10, 0.99, 0.00)"."""
+    vector = rotation_vector(made[:3, :3] @ wanted[:3, :3].T)
+    axis = vector / max(float(np.linalg.norm(vector)), 1e-300)
+    large = np.flatnonzero(np.abs(axis) > _AXIS)
+    if len(large) == 1:
+        return ("turning about X", "turning about Y", "yaw (turning about Z)")[int(large[0])]
+    return f"turning about ({', '.join(_fixed(x, 2) for x in axis)})"
+
+
+def inverse_sections(found: Any, *, deg: bool) -> tuple[Section, ...]:
+    """The count, the solutions, how they were searched."""
+    tone = "good" if found.inside else "bad"
+    first = Section(found.sentence, lines=(f"Pose: {tool_place(found.robot, found.pose)}, base axes.",), tone=tone)
+    return (first, *_tables(found, deg=deg), Section("Search", lines=tuple(_searched(found))))
+
+
+def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
+    robot = found.robot
+    heads = tuple(f"{i} [{'°' if deg and one.unit == 'rad' else one.unit}]" for i, one in enumerate(robot.variables, 1))
+    if found.branches:
+        rows = tuple(
+            (str(number), one.verdict, ", ".join(one.posture) or "–",
+             _beyond_cell(robot, one) if one.beyond else "inside", *_cells(robot, one.q, deg=deg))
+            for number, one in enumerate(found.branches, start=1)
+        )  # fmt: skip
+        yield Section("Solutions", "inside the joint limits first, then nearest to q = 0", columns=(
+            "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
+    if found.continua:
+        rows = tuple(
+            (str(number), "singular" if one.singular else "regular",
+             f"{_SHAPES.get(one.dimension, 'set')}{', closed' * one.closed}",
+             f"{100 * one.inside:.0f} %" if one.dimension == 1 else "–", *_cells(robot, one.q, deg=deg))
+            for number, one in enumerate(found.continua, start=1)
+        )  # fmt: skip
+        yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
+            "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
+    why = found.unreached
+    if why is not None:
+        lines = [f"the nearest tip: {tool_place(robot, why.tip)}"]
+        if why.turned is not None:
+            lines.append(f"the nearest orientation there: {tool_place(robot, why.turned)}")
+        yield Section("Nearest poses in reach", "joint limits ignored", lines=tuple(lines))
+
+
+def _searched(found: Any) -> Iterator[str]:
+    """How the solutions were searched, and what is not proven."""
+    how = f"random starts of Newton's method (joint limits ignored, seed {found.options.seed})"
+    if found.unreached is not None:
+        yield (f"none found from {found.starts:,} {how}; that does not prove that there is none, and the distances are "
+               "the least that were found")  # fmt: skip
+        return
+    yield f"found from {found.starts:,} {how}, of which {found.arrived:,} ended on a solution; not proven to be all"
+    yield f"substituted back into forward kinematics: off by at most {power(max(found.residual, 1e-17))} (m, rad)"
+    if found.most is not None and len(found.branches) > found.most:
+        yield f"more than {found.most} solutions: a fault of this package, please report it"

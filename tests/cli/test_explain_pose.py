@@ -1,0 +1,55 @@
+"""`explain --pose`: the command says what `inverse` finds, and `explain --q` where the tool is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+import rankdrop
+from rankdrop.kinematics import pose
+from rankdrop.motion.branches import matrix_of
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+from rankdrop.text.inverse import tool_place
+
+
+@pytest.mark.slow
+def test_the_command_says_the_same_and_writes_valid_json(run, tmp_path: Path) -> None:
+    target = tmp_path / "found.json"
+    ended = run("explain", "irb120", "--deg", "--pose", "350mm,0,0.4,180,0,0", "--json", str(target))
+    assert ended.code == 0
+    assert "8 solutions; a 6R arm has at most 16" in " ".join(ended.out.split())
+    record = json.loads(target.read_text())
+    Draft202012Validator(load_schema("inverse")).validate(record)
+    assert len(record["branches"]) == 8
+    found = rankdrop.inverse(open_robot("irb120"), [0.35, 0.0, 0.4, np.pi, 0.0, 0.0])
+    np.testing.assert_allclose([one["q"] for one in record["branches"]], [one.q for one in found.branches], atol=1e-9)
+
+
+@pytest.mark.slow
+def test_no_solution_has_an_exit_code(run) -> None:
+    ended = run("explain", "irb120", "--pose", "0.9,0,0.4,1,0,0,0")
+    assert ended.code == 3
+    assert "no solution" in ended.out
+
+
+def test_one_place_is_needed(run) -> None:
+    assert run("explain", "irb120").code == 2
+    assert run("explain", "irb120", "--pose", "1,2").code == 2
+    assert run("explain", "irb120", "--pose", "0,0,1", "--q", "0,0,0,0,0,0").code == 2
+    assert run("explain", "irb120", "--pose", "0.35,0,0.4,pi,0,0", "--only", "escape").code == 2
+
+
+
+def test_explain_says_where_the_tool_is(run) -> None:
+    q = [0.1, 0.5, 0.3, 0.2, 0.9, 0.6]
+    robot = open_robot("puma560")
+    out = " ".join(run("explain", "puma560", "--q", ",".join(map(str, q)), "--evaluations", "0").out.split())
+    assert f"Tool at {tool_place(robot, pose(robot, q))}, in base axes." in out
+    assert tool_place(robot, matrix_of([0.1, -0.2, 0.3, 0.1, 0.2, 0.3])) == (
+        "(100.0, −200.0, 300.0) mm, roll 5.73°, pitch 11.46°, yaw 17.19°"
+    )

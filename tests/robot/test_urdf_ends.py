@@ -91,7 +91,8 @@ def hand(side: str, wrist: str, finger_length: int = 1) -> list[str]:
 def test_two_hands_are_offered_by_their_tools_and_not_by_their_fingertips() -> None:
     torso, arms = chain(2, "torso_"), [*chain(7, "left_", "torso_l2"), *chain(7, "right_", "torso_l2")]
     two = [*torso, *arms, *hand("left", "left_l7", 3), *hand("right", "right_l7", 3)]
-    with pytest.raises(RobotError, match=r"several limbs .* tips left_tool_link \(9 joints\), right_tool_link \(9 joints\);"):
+    tips = r"several limbs .* tips left_tool_link \(9 joints\), right_tool_link \(9 joints\);"
+    with pytest.raises(RobotError, match=tips):
         from_urdf(robot(two))
     assert from_urdf(robot(two), tip="left_tool_link").n == 9
 

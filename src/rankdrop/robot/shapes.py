@@ -235,7 +235,7 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
     try:
         import trimesh
     except ImportError:
-        raise MissingExtraError("trimesh", None, "drawing meshes") from None
+        raise MissingExtraError("trimesh", "viewer", "drawing meshes") from None
     found: list[Mesh] = []
     notes: list[str] = []
     faces = 0

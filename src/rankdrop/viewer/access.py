@@ -160,7 +160,7 @@ def start_gated(host: str, gate: Gate, arrived: Callable[[str], None] | None = N
         import viser
         import websockets.asyncio.server as sockets
     except ImportError:
-        raise MissingExtraError("viser", None, "the viewer") from None
+        raise MissingExtraError("viser", "viewer", "the viewer") from None
     with _starting, _guarding(sockets, gate, arrived), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=gate.port, label="rankdrop", verbose=False)
     closed: Any = server

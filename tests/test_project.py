@@ -126,12 +126,6 @@ def test_expected_messages_are_the_packages_own(said: str) -> None:
     assert foreign == []
 
 
-def test_the_checks_run_the_command_of_the_readme() -> None:
-    command = re.findall(r"```console\n(python3 -m venv .*pytest.*)\n```", read(ROOT / "README.md"))
-    assert len(command) == 1
-    assert f"\n{command[0]}\n" in read(ROOT / ".ci" / "run")
-
-
 def test_decisions_are_numbered_without_a_gap() -> None:
     pages = [path for path in KEPT if path.parent == ROOT / "docs" / "decisions"]
     numbers = [int(page.name[:4]) for page in pages]

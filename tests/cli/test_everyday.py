@@ -328,7 +328,7 @@ def test_python_m_is_the_command() -> None:
 
 def test_nothing_tells_people_to_install_from_a_registry() -> None:
     """Whoever has the name there need not be us: `pip install` is followed by the folder of the source."""
-    own = re.compile(r"""pip install (?:--quiet )?(?:-e )?["'`]*\.(?:\[|["'`]|\s|$|\\)""")
+    own = re.compile(r"""pip install (?:--quiet )?(?:-r |(?:-c \S+ )?(?:-e )?["'`]*\.(?:\[|["'`]|\s|$|\\))""")
     wrong = []
     folders = [ROOT / one for one in ("src", "docs", "examples", "tools")]
     files = [path for folder in folders for path in folder.rglob("*") if path.suffix in {".py", ".md", ".toml"}]

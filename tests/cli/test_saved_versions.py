@@ -58,9 +58,13 @@ def test_a_saved_analysis_is_read_and_holds(path: Path) -> None:
         np.testing.assert_array_equal(family.witness, row["witness"])
 
 
+SINCE = {"inverse"}
+"""Kinds of files that came after the newest release; empty when one is saved."""
+
+
 def test_the_newest_version_has_saved_one_of_every_kind() -> None:
     newest = max(SAVED.iterdir(), key=lambda folder: [int(part) for part in folder.name.split(".")])
-    assert {record(path)["schema"].split("/")[1] for path in newest.glob("*.json")} == set(NAMES)
+    assert {record(path)["schema"].split("/")[1] for path in newest.glob("*.json")} == set(NAMES) - SINCE
 
 
 @pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("certificate")], ids=label)

@@ -113,9 +113,10 @@ def test_explanations_are_as_they_were(
 README_BLOCKS = {
     3: ("analyze ur5e", 100, lambda text: f"{text.split(chr(10) * 2, 1)[0]}\n…\n{_corank_one(text)}…\n"),
     4: ("explain ur5e --deg --q 0,-60,0,40,50,0", 80, lambda text: "\n".join([*text.splitlines()[:7], "…\n"])),
-    5: ("path ur5e pick.csv --deg", 80, lambda text: "\n".join([*text.splitlines()[:6], "…\n"])),
+    5: ("path ur5e --example pick.csv; path ur5e pick.csv", 80,
+        lambda text: "\n".join([*text.splitlines()[:5], "…\n"])),
 }
-"""Place of the console block in the README: command line, width, the part of the output that it shows."""
+"""Place of the console block in the README: command lines, width, the part of the output that it shows."""
 
 
 def _corank_one(text: str) -> str:
@@ -126,13 +127,16 @@ def _corank_one(text: str) -> str:
 @pytest.mark.slow_at("3")
 @pytest.mark.parametrize("place", README_BLOCKS)
 def test_the_readme_shows_what_is_printed(
-    place: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    place: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    line, width, part = README_BLOCKS[place]
-    monkeypatch.chdir(HERE / "files")
+    """As a newcomer sees it, from an empty folder."""
+    lines, width, part = README_BLOCKS[place]
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", str(width))
-    assert main.run([*shlex.split(line), "--quiet"]) in (0, 3, 4)
-    readme_block(place, f"$ rankdrop {line}\n{part(capsys.readouterr().out)}")
+    for line in lines.split("; "):
+        assert main.run([*shlex.split(line), "--quiet"]) in (0, 3, 4)
+    typed = "".join(f"$ rankdrop {line}\n" for line in lines.split("; "))
+    readme_block(place, typed + part(capsys.readouterr().out))
 
 
 def readme_block(place: int, wanted: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rankdrop import certify, jobs, motion, results, text
 from rankdrop.cli import exits
@@ -22,11 +22,15 @@ from rankdrop.cli.command import (
     parse_configuration,
 )
 from rankdrop.cli.proof import model_tolerance
-from rankdrop.cli.terminal import STDOUT, kept, reporter, say, write_text
+from rankdrop.cli.terminal import STDOUT, kept, reporter, say, write_bytes, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions
 from rankdrop.sections import Section
+
+if TYPE_CHECKING:
+    from rankdrop.robot import Robot
+    from rankdrop.task import Task
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,10 @@ class PathOutput(Output):
     """What is printed and written."""
 
     full: Annotated[bool, option("Print every crossing and every free stretch")] = False
+    example: Annotated[
+        str | None, option("Write a path to try: from a good posture of the arm through its nearest singularity; no "
+                           "file is checked", writes=(".csv", ".npz", ".json"))
+    ] = None  # fmt: skip
     figure: Annotated[
         str | None,
         option("Draw distance, singular value and joint rates along the path: .svg, .png or .pdf", writes=DRAWN),
@@ -138,7 +146,8 @@ def path(
     Several files, or a folder of them, give a table, worst first.
 
     For example:
-        rankdrop path ur5e pick.csv --deg
+        rankdrop path ur5e --example pick.csv
+        rankdrop path ur5e pick.csv
         rankdrop path panda plan.yaml --interpolate cubic --min-distance 5deg
         rankdrop path ur5e programs/ --json paths.json --out checked
         rankdrop path --status checked
@@ -161,6 +170,10 @@ def path(
     if many.status is not None:
         write_text(f"{jobs.progress_of(many.status).sentence}\n", STDOUT)
         return exits.FINE
+    if output.example is not None:
+        if robot is None:
+            raise OptionError("no arm is named", where="ROBOT", mend="rankdrop path ROBOT --example FILE")
+        return _example(robot, files, output.example, open_arm(robot, arm, source), quiet=output.quiet)
     near = model_tolerance(output.model_tolerance)
     if output.rows is not None:
         motion.check_format(output.rows)
@@ -187,6 +200,24 @@ def path(
                 progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
             )  # fmt: skip
     return _of_one(result, remedies, near, families, output, mend.fixed, found[0])
+
+
+def _example(
+    name: str, files: tuple[str, ...], target: str, opened: tuple[Robot, Task], *, quiet: bool
+) -> int:
+    """Write a path to try.
+
+    Raises:
+        OptionError: files are named as well, or the ending names no format.
+    """
+    if files:
+        raise OptionError("no file is checked with this option", where="--example", got=files[0],
+                          mend=f"rankdrop path {name} --example {target}")  # fmt: skip
+    made = motion.example_path(*opened)
+    write_bytes(motion.trajectory_bytes(made, opened[0], target), target)
+    if not quiet:
+        say(f"{target}: {len(made.q)} rows, {made.times[-1]:g} s; check it: rankdrop path {name} {target}")
+    return exits.FINE
 
 
 def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:

@@ -11,6 +11,7 @@ from .check import check_file as check_file
 from .check import check_path as check_path
 from .check import check_poses as check_poses
 from .curve import Place as Place
+from .example import example_path as example_path
 from .files import ENDINGS as ENDINGS
 from .files import WRITTEN as WRITTEN
 from .files import Poses as Poses

@@ -181,9 +181,10 @@ def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: 
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
         before = text.find("<?xml") > 0 and error.code == _MISPLACED
-        mend = "take out what stands before <?xml …?>, blank lines too" if before else None
-        raise RobotError(f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}",
-                         mend=mend) from None  # fmt: skip
+        raise RobotError(
+            f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}",
+            mend="take out what stands before <?xml …?>, blank lines too" if before else None,
+        ) from None
     if not document.children:  # the root itself is one of those left out
         raise RobotError("there is no element to read", where=file)
     return document.children[0]

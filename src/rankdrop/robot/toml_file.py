@@ -143,8 +143,9 @@ def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = flo
     try:
         return tomllib.loads(text, parse_float=parse_float)
     except (ValueError, RecursionError) as error:  # also of a number of more digits than Python reads
-        reason = "a number has too many digits" if "digits" in str(error) else str(error) or "nested too deeply"
-        raise RobotError(f"this is not TOML: {reason}", where=file) from None
+        if "digits" in str(error):
+            raise RobotError("this is not TOML: a number has too many digits", where=file) from None
+        raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
 
 
 def _robot(

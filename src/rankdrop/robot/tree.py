@@ -287,8 +287,10 @@ def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[str
         link = getattr(joint, end)
         if tip is None or carries:
             hint = _hint(link, tree.links)
-            hint.setdefault("mend", "declare the link" if carries else "declare the link, or name a tip")
-            raise RobotError(f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link), **hint)
+            raise RobotError(
+                f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
+                allowed=hint["allowed"], mend=hint.get("mend") or f"declare it{'' if carries else ', or name a tip'}",
+            )
         notes.append(f"joint {joint.name!r} left out: its {end} link {link!r} is not in the file")
     return notes
 

@@ -46,6 +46,7 @@ from rankdrop.local.directions import (
     words,
 )
 from rankdrop.local.failures import Failures, failures_at
+from rankdrop.local.jog import Jog, jog_farther, jog_out
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
@@ -54,7 +55,7 @@ from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation_text import IDLE, NO_RATE, SHARE, reason_of, sections_of
+from rankdrop.results.explanation_text import reason_of, sections_of
 from rankdrop.results.known import known_analysis, shipped_conditions_record
 from rankdrop.robot.ideal import Near, ideal, near_ideal
 from rankdrop.robot.model import Array, Robot, geometry
@@ -81,8 +82,10 @@ class Summary:
         pinned: (number, value) of the joints that the family holds at fixed values [rad, m].
         lost: (6,) directions that are lost, or nearly, in base axes.
         slowest: the slowest straight motion in terms of its limit; None without rate limits.
-        way_out: (number, motion) of the joints to move [rad, m]; empty where no way out is known.
-        sigma_after: σ_r after that motion.
+        way_out: (number, motion) of the one or two joints to jog, one after the other [rad, m]; empty where no such jog
+            was found.
+        regular_after: the verdict after them is regular, or the generic rank of an arm that is deficient everywhere.
+        sigma_after: σ_r after them.
         next_family, next_distance: the next family, or the nearest singularity of all.
         source: where the families come from; `exact`: exact conditions of this arm are shipped.
         radius: proven free of singularities [rad]; None where that is not known.
@@ -100,6 +103,7 @@ class Summary:
     lost: tuple[tuple[float, ...], ...]
     slowest: StraightMotion | None
     way_out: tuple[tuple[int, float], ...]
+    regular_after: bool
     sigma_after: float | None
     next_family: str
     next_distance: float | None
@@ -322,21 +326,6 @@ def _loses_along(here: Configuration, q: Sequence[float], corank: int, normal: A
     return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
 
 
-def best_way_out(out: Escape, rank: Rank) -> tuple[tuple[tuple[int, float], ...], float | None]:
-    """The joint to move, or joints where none alone helps, with their motions [rad, m], and σ_r then."""
-    best = max(abs(one.rate) for one in out.single)
-    for one in out.single:
-        worth = rank.corank or abs(one.rate) > max(IDLE * best, NO_RATE)
-        if one.order is not None and worth and one.within_limits and abs(one.step) >= NO_RATE:
-            return ((one.number, one.step),), one.sigma_after
-    several = out.best_direction
-    if not (several.within_limits and several.restores):
-        return (), None
-    delta = np.array(several.delta) * several.step
-    large = [number for number in several.numbers if abs(delta[number - 1]) >= SHARE * np.abs(delta).max()]
-    return tuple((number, float(delta[number - 1])) for number in large), several.sigma_after
-
-
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
                   small: float = SMALL) -> str:  # fmt: skip
     """The verdict by what a monitor measures, before any search.
@@ -509,7 +498,6 @@ class Explanation(Result):
         base = self.lost.seen.get("base")
         family, distance, near = slow or (about, self.distance, None)
         following, away = self._following(about)
-        moves, after = best_way_out(self.escape, self.rank)
         turned = self.q if about is None else self.focus
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
@@ -519,10 +507,20 @@ class Explanation(Result):
             pinned=tuple((pin.number, float(turned[pin.number - 1])) for pin in about.pinned) if about else (),
             lost=tuple(tuple(row.tolist()) for row in base.directions) if base else (),
             slowest=next((one for one in self.straight if slow is None or one.speed < one.limit), None),
-            way_out=moves, sigma_after=after, next_family=following.name if following else "", next_distance=away,
+            way_out=self.jog.moves, regular_after=self.jog.regular, sigma_after=self.jog.sigma_after,
+            next_family=following.name if following else "", next_distance=away,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
         )  # fmt: skip
+
+    @cached_property
+    def jog(self) -> Jog:
+        """The jog after which the verdict is regular; from a regular configuration, the one that raises σ_r most."""
+        if self.cause == Cause.NEVER:
+            return Jog((), regular=False, sigma_after=None)
+        if self.cause == Cause.NONE:
+            return jog_farther(self.here, self.options)
+        return jog_out(self.here, self.options)
 
     def _following(self, about: Family | None) -> tuple[Family | None, float | None]:
         """The next family and how far it is: that of the nearest singularity of all where the answer is about none."""

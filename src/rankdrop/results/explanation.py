@@ -8,6 +8,7 @@ proven free. Its entries as plain data have the names of docs/json.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import ClassVar
@@ -47,12 +48,13 @@ from rankdrop.local.directions import (
 )
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
-from rankdrop.local.nearest import Nearest, nearest_singularity
+from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity, other_sheets
 from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, JointEscape, escape
+from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation_text import reason_of, sections_of
@@ -86,7 +88,8 @@ class Summary:
             was found.
         regular_after: the verdict after them is regular, or the generic rank of an arm that is deficient everywhere.
         sigma_after: σ_r after them.
-        next_family, next_distance: the next family, or the nearest singularity of all.
+        next_family, next_distance: the nearest singularity other than the one the answer is about, on any sheet.
+        next_searches: how many searches looked for it; 0 for none.
         source: where the families come from; `exact`: exact conditions of this arm are shipped.
         radius: proven free of singularities [rad]; None where that is not known.
     """
@@ -107,6 +110,7 @@ class Summary:
     sigma_after: float | None
     next_family: str
     next_distance: float | None
+    next_searches: int
     source: str
     exact: bool
     radius: float | None
@@ -326,6 +330,23 @@ def _loses_along(here: Configuration, q: Sequence[float], corank: int, normal: A
     return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
 
 
+@dataclass(frozen=True, slots=True)
+class Next:
+    """The singularity that is next.
+
+    Attributes:
+        family, distance: of the nearest other singular configuration [rad; slides in length scales]; None: none found.
+        searches: how many searches looked for it; 0 for none.
+    """
+
+    family: Family | None
+    distance: float | None
+    searches: int
+
+
+_SHEETS = 1e-3  # distances that differ by less belong to the same sheet [rad]
+
+
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
                   small: float = SMALL) -> str:  # fmt: skip
     """The verdict by what a monitor measures, before any search.
@@ -497,7 +518,7 @@ class Explanation(Result):
         about = self.met[0].family if self.met and slow is None else None
         base = self.lost.seen.get("base")
         family, distance, near = slow or (about, self.distance, None)
-        following, away = self._following(about)
+        following = self.next.family
         turned = self.q if about is None else self.focus
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
@@ -508,7 +529,8 @@ class Explanation(Result):
             lost=tuple(tuple(row.tolist()) for row in base.directions) if base else (),
             slowest=next((one for one in self.straight if slow is None or one.speed < one.limit), None),
             way_out=self.jog.moves, regular_after=self.jog.regular, sigma_after=self.jog.sigma_after,
-            next_family=following.name if following else "", next_distance=away,
+            next_family=following.name if following else "",
+            next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
         )  # fmt: skip
@@ -522,14 +544,61 @@ class Explanation(Result):
             return jog_farther(self.here, self.options)
         return jog_out(self.here, self.options)
 
-    def _following(self, about: Family | None) -> tuple[Family | None, float | None]:
-        """The next family and how far it is: that of the nearest singularity of all where the answer is about none."""
-        far = self.far
-        if about is None and self.slow_family is None and far.nearest is not None:
-            return far.nearest_family.family if far.nearest_family else None, far.nearest.distance
-        rest = (one for one in far.families if about is None or one.family.name != about.name)
-        following = next(rest, None)
-        return (None, None) if following is None else (following.family, following.distance)
+    @cached_property
+    def next(self) -> Next:
+        """The nearest singularity other than the one that the answer is about, on any sheet."""
+        far, ideal_arm = self.far, self.slow_family is not None and self.slow_family[2] is not None
+        if self.cause in (Cause.NONE, Cause.NEVER, Cause.NEAR_MISS):
+            if far.nearest is None or far.nearest_family is None:
+                return Next(None, None, 0 if far.unasked else STARTS[0])
+            return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts)
+        found = [*self._other_families(), *self._other_values()]
+        searches = 0
+        known = far.nearest.q if far.nearest is not None and not ideal_arm else None
+        with suppress(OptionError):  # a long arm: families that are known are all there is
+            searches, sheets = other_sheets(
+                self.here, known, limits=self.options.limits, seed=self.options.seed,
+                seeds=tuple(one.q for one in far.families[:_SEEDS]),
+            )  # fmt: skip
+            least = min((distance for _, distance in found), default=np.inf)
+            for one in sheets:
+                if one.distance < least - _SHEETS and not self._told(one.q, one.corank, one.distance):
+                    found.append((self.incidences_at(np.array(one.q), one.corank)[0].family, one.distance))
+                    break
+        family, distance = min(found, key=lambda both: both[1], default=(None, None))
+        return Next(family, distance, searches)
+
+    def _other_families(self) -> Iterator[tuple[Family, float]]:
+        """Known families that do not hold here, but for what the answer is about."""
+        about = self.met[0].family.name if self.met and self.slow_family is None else None
+        for one in self.far.families:
+            if one.family.name != about and not self._told(one.q, one.family.corank, one.distance):
+                yield one.family, one.distance
+
+    def _other_values(self) -> Iterator[tuple[Family, float]]:
+        """Families that hold here and pin a single joint, at their other values."""
+        for family in (one.family for one in self.met if self.slow_family is None):
+            if family.coupled or len(family.pinned) != 1 or family.corank != 1:
+                continue
+            joint = family.pinned[0].number - 1
+            ways = np.array(family.pinned[0].values) - self.q[joint]
+            if self.robot.periodic[joint]:
+                ways = wrap(ways)
+            ends = self.q[joint] + ways
+            if self.options.limits:
+                ways = ways[(ends >= self.robot.lower[joint]) & (ends <= self.robot.upper[joint])]
+            ways = np.sort(np.abs(ways / self.here.scale[joint]))
+            yield from ((family, float(way)) for way in ways[1:2])
+
+    def _told(self, q: Sequence[float], corank: int, distance: float) -> bool:
+        """Whether a singular configuration is what the answer is about already: near because slow."""
+        if self.slow_family is None:
+            return False
+        _, slow_distance, near = self.slow_family
+        if near is None:
+            return abs(distance - slow_distance) < _SHEETS
+        slow = (one.normal[0] for one in slowest_motions(self.here.robot, self.here.q[None], self.here.task))
+        return any(_loses_along(self.here, q, corank, normal) for normal in slow)
 
     @property
     def robot(self) -> Robot:

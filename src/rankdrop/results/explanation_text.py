@@ -37,6 +37,7 @@ from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
     LOST_TYPE,
     NO_JOG,
+    NOT_SEARCHED,
     PROOF,
     after_jog,
     angle,
@@ -156,7 +157,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
         lost = "Lost: nothing"
     if "{jog}" in way and not summary.way_out:
         way = f"{way.partition(':')[0]}: {NO_JOG}"
-    following = "Next: no other singularity was found."
+    following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
         following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
     facts = _summarised(explanation, summary)

@@ -152,6 +152,7 @@ SUMMARY = table(
     regular_after=(optional(bool), "the verdict after them is regular"),
     sigma_after=num("1", ge=0) | None,
     next_distance=num("distance", ge=0) | None,
+    next_searches=(optional(Count), "searches for it; 0 for none"),
     source=Literal["catalogue", "analysis", "on the spot"],
     radius=num("distance", ge=0) | None,
     text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),

@@ -111,6 +111,8 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
 
 NO_JOG = "no jog of one or two joints inside the limits was found"
 
+NOT_SEARCHED = "Next: not searched."
+
 
 def jog_step(step: float, unit: str) -> str:
     """A jog to 0.1° or to 0.1 mm: "+12°", "−5.7°", "+0.05 m"."""

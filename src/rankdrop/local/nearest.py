@@ -21,7 +21,7 @@ arm: slide at 0): σ holds half the digits there, and distances are right to 1e-
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Annotated, Any
@@ -33,6 +33,7 @@ from rankdrop import _core
 from rankdrop.configuration import Configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import LARGEST_SEED, one_configuration, whole_number
+from rankdrop.local.block import read_only
 from rankdrop.options import Options, option, takes
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
@@ -162,8 +163,12 @@ def nearest_singularity(
     resolved = resolve_task(task, robot)
     if metre_exponent(robot):
         there = nearest_singularity(
-            in_metres(robot), into_metres(robot, centre), task_in_metres(resolved, robot), asked,
-            seeds=[into_metres(robot, one) for one in extra], tolerances=tolerances,
+            in_metres(robot),
+            into_metres(robot, centre),
+            task_in_metres(resolved, robot),
+            asked,
+            seeds=[into_metres(robot, one) for one in extra],
+            tolerances=tolerances,
         )
         if there is None:
             return None
@@ -174,12 +179,7 @@ def nearest_singularity(
     problem = Problem(robot, resolved, corank, tolerances, asked.limits)
     walks = STARTS[0 if corank == 1 else 1] if starts is None else starts
     whole_number("corank", corank, 1, problem.generic_rank)
-    conditions = (resolved.m - problem.rank) * (robot.n - problem.rank)
-    if min(robot.n, conditions) > _MOST_CONDITIONS:
-        raise OptionError(
-            "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
-            allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
-        )  # fmt: skip
+    check_joints(problem)
     first = np.array(extra).reshape(-1, robot.n)
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     steps = starts is None and walk.smooth
@@ -206,6 +206,103 @@ def nearest_singularity(
         agreeing=int((distances <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Elsewhere:
+    """A singular configuration on another sheet of the singular set.
+
+    Attributes:
+        distance: from q to the sheet [rad; metres divided by the length scale]; from a singular q it may be 0.05 rad
+            too large where sheets cross.
+        q: (n,) a point of the sheet near there [rad, m].
+        corank: at that point.
+    """
+
+    distance: float
+    q: tuple[float, ...]
+    corank: int
+
+
+OTHERS = 40
+"""Starts of the search for other sheets; points that are known are counted as well."""
+_HERE = 1e-3  # the end of a walk is a place that is known where it is so near to it, whole turns aside [rad]
+_LOOKED_AT = 8  # of the nearest ends
+_AROUND = 6  # starts around an end: where most of them lead nearer, the end is no minimum
+_ASIDE = 0.01  # how far from it they are [rad]
+_GENERIC = 0.05  # a step off a singular q, whose feet often lie on two sheets at once [rad]
+_BACK = (0.1, 0.0)  # shares of that step from which the foot is walked to again
+_THROUGH = 1.05  # a sheet through q is no farther than that step, to rounding and curvature
+
+
+def other_sheets(
+    here: Configuration, known: ArrayLike | None, *, limits: bool = False, seed: int = 0,
+    seeds: Iterable[ArrayLike] = (),
+) -> tuple[int, Iterator[Elsewhere]]:  # fmt: skip
+    """Sheets of the singular set other than that of a known place, nearest to q first.
+
+    From starts all around, walks along the singular set lead to local minima of the distance from q. A singular q is
+    left by a small step first: its foot on another sheet often lies on its own sheet too, and walks do not know them
+    apart. Every sheet through q is then no farther than that step.
+
+    Args:
+        here: the configuration q.
+        known: (n,) the singular configuration that a regular q is near to; None where it is near none.
+        limits: only configurations inside the joint limits count.
+        seed: of the starts.
+        seeds: further starts (n,).
+
+    Returns:
+        How many starts there were, and what they found. Not finding a sheet is no proof.
+
+    Raises:
+        OptionError: too many joints for a search.
+    """
+    place = here.metric
+    robot, task = place.robot, replace(place.task, length_scale=place.task.scale(place.robot))
+    problem = Problem(robot, task, 1, here.tolerances, limits)
+    check_joints(problem)
+    moves = tuple((~problem.idle).tolist())
+    step = _draws(seed, (1, 1), moves)[1][0]
+    step = step * (_GENERIC / max(float(np.linalg.norm(step)), 1e-300)) * problem.scale
+    centre = read_only(place.q + step * bool(here.measured.corank))
+    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
+    given = np.array([into_metres(here.robot, np.array(one)) + step for one in seeds]).reshape(-1, robot.n)
+    starts = walk.all_around(given, OTHERS, seed)
+    known_here = None if known is None else into_metres(here.robot, np.array(known))
+    return len(starts), _sheets(walk, here, starts, known_here, seed)
+
+
+def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None, seed: int) -> Iterator[Elsewhere]:
+    """The sheets that starts (N, n) lead to, but for that of the known place and those through a singular q."""
+    problem, told = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
+    least = _THROUGH * _GENERIC if here.measured.corank else 0.0
+    ends = walk.distinct(walk.minima(starts))
+    far = problem.length(ends - walk.centre)
+    for end in ends[far > least][:_LOOKED_AT]:
+        if not walk.apart(end, told) or not walk.is_minimum(end, seed):
+            continue
+        found = walk.finest(end[None])
+        if found is not None:
+            lost = problem.rank + 1 - int((problem.sigma(found[0]) > problem.tolerances.singular).sum())
+            foot = walk.foot_from(here.metric.q, found[0])
+            distance = float(problem.length(foot - here.metric.q))
+            yield Elsewhere(distance, tuple(out_of_metres(here.robot, found[0]).tolist()), lost)
+            told = np.concatenate([told, found[0][None]])
+
+
+def check_joints(problem: Problem) -> None:
+    """Refuse a problem that the walks cannot take.
+
+    Raises:
+        OptionError: more than 16 joints and conditions at once.
+    """
+    conditions = (problem.task.m - problem.rank) * (problem.n - problem.rank)
+    if min(problem.n, conditions) > _MOST_CONDITIONS:
+        raise OptionError(
+            "too many joints for this corank", got=f"{problem.n} joints, {conditions} conditions",
+            allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
+        )  # fmt: skip
 
 
 @lru_cache(maxsize=16)
@@ -315,6 +412,52 @@ class _Walk:
             method=0, rank=problem.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
             stationary=problem.tolerances.stationary, seed=0, scale=problem.scale, limits=self.box, tie=TIE,
         )  # fmt: skip
+
+    def all_around(self, given: Array, count: int, seed: int) -> Array:
+        """(N, n) starts given, and in balls of several radii around the centre."""
+        moves = tuple((~self.problem.idle).tolist())
+        return np.concatenate([given, self._ball(_draws(seed, (count, 1), moves)[0], 1.0)])
+
+    def minima(self, starts: Array) -> Array:
+        """(C, n) where starts (N, n) end that take Newton's steps, or walk where these cannot be taken."""
+        return self._feet(starts, np.inf)[0] if self.smooth else self.run(starts)[0]
+
+    def distinct(self, ends: Array) -> Array:
+        """(C, n) ends without those that repeat another, nearest first."""
+        kept = np.empty((0, len(self.centre)))
+        for end in ends[self.problem.length(ends - self.centre).argsort(kind="stable")]:
+            if self.apart(end, kept):
+                kept = np.concatenate([kept, end[None]])
+        return kept
+
+    def apart(self, end: Array, places: Array) -> bool:
+        """Whether an end (n,) is none of some places (K, n), whole turns aside."""
+        ways = end - places
+        ways = ways - whole_turns(self.problem.robot, ways)
+        return bool((self.problem.length(ways) > _HERE).all())
+
+    def foot_from(self, q: Array, end: Array) -> Array:
+        """(n,) the foot of q on the sheet of an end (n,): as near to it as walks come that do not leave the sheet.
+
+        The distance of a sheet changes by no more than the centre moves: a walk that comes nearer went to another one.
+        """
+        way, walk, foot = self.centre - q, self, end
+        for share in _BACK if way.any() else ():
+            other = _Walk(Configuration(self.problem, read_only(q + share * way)), self.box)
+            moved = float(self.problem.length(other.centre - walk.centre))
+            again, _, _ = other._walk_along(foot[None], _NEARLY, polish=False)
+            if not self.problem.singular(again)[0] or abs(other.distance(again[0]) - walk.distance(foot)) > moved:
+                break
+            walk, foot = other, again[0]
+        return foot
+
+    def is_minimum(self, end: Array, seed: int) -> bool:
+        """Whether walks that begin around an end (n,) come back to it, or to what is no nearer."""
+        moves = tuple((~self.problem.idle).tolist())
+        aside = _draws(seed, (1, _AROUND), moves)[1] * (_ASIDE * self.problem.scale)
+        distances = self.run(end + aside)[1]
+        nearer = int((distances < self.distance(end) - _HERE).sum())
+        return 2 * nearer < max(len(distances), 1)
 
     def finest(self, ends: Array) -> tuple[Array, float] | None:
         """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""

@@ -8,6 +8,7 @@ proven free. Its entries as plain data have the names of docs/json.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import ClassVar
@@ -46,15 +47,17 @@ from rankdrop.local.directions import (
     words,
 )
 from rankdrop.local.failures import Failures, failures_at
-from rankdrop.local.nearest import Nearest, nearest_singularity
+from rankdrop.local.jog import Jog, jog_farther, jog_out
+from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity, other_sheets
 from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.ways_out import Escape, JointEscape, escape
+from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation_text import IDLE, NO_RATE, SHARE, reason_of, sections_of
+from rankdrop.results.explanation_text import reason_of, sections_of
 from rankdrop.results.known import known_analysis, shipped_conditions_record
 from rankdrop.robot.ideal import Near, ideal, near_ideal
 from rankdrop.robot.model import Array, Robot, geometry
@@ -81,9 +84,12 @@ class Summary:
         pinned: (number, value) of the joints that the family holds at fixed values [rad, m].
         lost: (6,) directions that are lost, or nearly, in base axes.
         slowest: the slowest straight motion in terms of its limit; None without rate limits.
-        way_out: (number, motion) of the joints to move [rad, m]; empty where no way out is known.
-        sigma_after: σ_r after that motion.
-        next_family, next_distance: the next family, or the nearest singularity of all.
+        way_out: (number, motion) of the one or two joints to jog, one after the other [rad, m]; empty where no such jog
+            was found.
+        regular_after: the verdict after them is regular, or the generic rank of an arm that is deficient everywhere.
+        sigma_after: σ_r after them.
+        next_family, next_distance: the nearest singularity other than the one the answer is about, on any sheet.
+        next_searches: how many searches looked for it; 0 for none.
         source: where the families come from; `exact`: exact conditions of this arm are shipped.
         radius: proven free of singularities [rad]; None where that is not known.
     """
@@ -100,9 +106,11 @@ class Summary:
     lost: tuple[tuple[float, ...], ...]
     slowest: StraightMotion | None
     way_out: tuple[tuple[int, float], ...]
+    regular_after: bool
     sigma_after: float | None
     next_family: str
     next_distance: float | None
+    next_searches: int
     source: str
     exact: bool
     radius: float | None
@@ -322,19 +330,21 @@ def _loses_along(here: Configuration, q: Sequence[float], corank: int, normal: A
     return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
 
 
-def best_way_out(out: Escape, rank: Rank) -> tuple[tuple[tuple[int, float], ...], float | None]:
-    """The joint to move, or joints where none alone helps, with their motions [rad, m], and σ_r then."""
-    best = max(abs(one.rate) for one in out.single)
-    for one in out.single:
-        worth = rank.corank or abs(one.rate) > max(IDLE * best, NO_RATE)
-        if one.order is not None and worth and one.within_limits and abs(one.step) >= NO_RATE:
-            return ((one.number, one.step),), one.sigma_after
-    several = out.best_direction
-    if not (several.within_limits and several.restores):
-        return (), None
-    delta = np.array(several.delta) * several.step
-    large = [number for number in several.numbers if abs(delta[number - 1]) >= SHARE * np.abs(delta).max()]
-    return tuple((number, float(delta[number - 1])) for number in large), several.sigma_after
+@dataclass(frozen=True, slots=True)
+class Next:
+    """The singularity that is next.
+
+    Attributes:
+        family, distance: of the nearest other singular configuration [rad; slides in length scales]; None: none found.
+        searches: how many searches looked for it; 0 for none.
+    """
+
+    family: Family | None
+    distance: float | None
+    searches: int
+
+
+_SHEETS = 1e-3  # distances that differ by less belong to the same sheet [rad]
 
 
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
@@ -508,8 +518,7 @@ class Explanation(Result):
         about = self.met[0].family if self.met and slow is None else None
         base = self.lost.seen.get("base")
         family, distance, near = slow or (about, self.distance, None)
-        following, away = self._following(about)
-        moves, after = best_way_out(self.escape, self.rank)
+        following = self.next.family
         turned = self.q if about is None else self.focus
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
@@ -519,19 +528,77 @@ class Explanation(Result):
             pinned=tuple((pin.number, float(turned[pin.number - 1])) for pin in about.pinned) if about else (),
             lost=tuple(tuple(row.tolist()) for row in base.directions) if base else (),
             slowest=next((one for one in self.straight if slow is None or one.speed < one.limit), None),
-            way_out=moves, sigma_after=after, next_family=following.name if following else "", next_distance=away,
+            way_out=self.jog.moves, regular_after=self.jog.regular, sigma_after=self.jog.sigma_after,
+            next_family=following.name if following else "",
+            next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
         )  # fmt: skip
 
-    def _following(self, about: Family | None) -> tuple[Family | None, float | None]:
-        """The next family and how far it is: that of the nearest singularity of all where the answer is about none."""
-        far = self.far
-        if about is None and self.slow_family is None and far.nearest is not None:
-            return far.nearest_family.family if far.nearest_family else None, far.nearest.distance
-        rest = (one for one in far.families if about is None or one.family.name != about.name)
-        following = next(rest, None)
-        return (None, None) if following is None else (following.family, following.distance)
+    @cached_property
+    def jog(self) -> Jog:
+        """The jog after which the verdict is regular; from a regular configuration, the one that raises σ_r most."""
+        if self.cause == Cause.NEVER:
+            return Jog((), regular=False, sigma_after=None)
+        if self.cause == Cause.NONE:
+            return jog_farther(self.here, self.options)
+        return jog_out(self.here, self.options)
+
+    @cached_property
+    def next(self) -> Next:
+        """The nearest singularity other than the one that the answer is about, on any sheet."""
+        far, ideal_arm = self.far, self.slow_family is not None and self.slow_family[2] is not None
+        if self.cause in (Cause.NONE, Cause.NEVER, Cause.NEAR_MISS):
+            if far.nearest is None or far.nearest_family is None:
+                return Next(None, None, 0 if far.unasked else STARTS[0])
+            return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts)
+        found = [*self._other_families(), *self._other_values()]
+        searches = 0
+        known = far.nearest.q if far.nearest is not None and not ideal_arm else None
+        with suppress(OptionError):  # a long arm: families that are known are all there is
+            searches, sheets = other_sheets(
+                self.here, known, limits=self.options.limits, seed=self.options.seed,
+                seeds=tuple(one.q for one in far.families[:_SEEDS]),
+            )  # fmt: skip
+            least = min((distance for _, distance in found), default=np.inf)
+            for one in sheets:
+                if one.distance < least - _SHEETS and not self._told(one.q, one.corank, one.distance):
+                    found.append((self.incidences_at(np.array(one.q), one.corank)[0].family, one.distance))
+                    break
+        family, distance = min(found, key=lambda both: both[1], default=(None, None))
+        return Next(family, distance, searches)
+
+    def _other_families(self) -> Iterator[tuple[Family, float]]:
+        """Known families that do not hold here, but for what the answer is about."""
+        about = self.met[0].family.name if self.met and self.slow_family is None else None
+        for one in self.far.families:
+            if one.family.name != about and not self._told(one.q, one.family.corank, one.distance):
+                yield one.family, one.distance
+
+    def _other_values(self) -> Iterator[tuple[Family, float]]:
+        """Families that hold here and pin a single joint, at their other values."""
+        for family in (one.family for one in self.met if self.slow_family is None):
+            if family.coupled or len(family.pinned) != 1 or family.corank != 1:
+                continue
+            joint = family.pinned[0].number - 1
+            ways = np.array(family.pinned[0].values) - self.q[joint]
+            if self.robot.periodic[joint]:
+                ways = wrap(ways)
+            ends = self.q[joint] + ways
+            if self.options.limits:
+                ways = ways[(ends >= self.robot.lower[joint]) & (ends <= self.robot.upper[joint])]
+            ways = np.sort(np.abs(ways / self.here.scale[joint]))
+            yield from ((family, float(way)) for way in ways[1:2])
+
+    def _told(self, q: Sequence[float], corank: int, distance: float) -> bool:
+        """Whether a singular configuration is what the answer is about already: near because slow."""
+        if self.slow_family is None:
+            return False
+        _, slow_distance, near = self.slow_family
+        if near is None:
+            return abs(distance - slow_distance) < _SHEETS
+        slow = (one.normal[0] for one in slowest_motions(self.here.robot, self.here.q[None], self.here.task))
+        return any(_loses_along(self.here, q, corank, normal) for normal in slow)
 
     @property
     def robot(self) -> Robot:

@@ -36,7 +36,10 @@ from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
     LOST_TYPE,
+    NO_JOG,
+    NOT_SEARCHED,
     PROOF,
+    after_jog,
     angle,
     angle_below,
     avoidable_words,
@@ -46,6 +49,7 @@ from rankdrop.text.words import (
     failures_table,
     fixed,
     hunt_words,
+    jog_step,
     joint_word,
     minus,
     motion,
@@ -126,11 +130,11 @@ def _measured(explanation: Explanation) -> dict[str, object]:
     }  # fmt: skip
 
 
-_NEAR, _FARTHER = "near a singularity: {name}{place}", "Get farther away: {jog}; σ{r} is {after} then"
+_NEAR, _FARTHER = "near a singularity: {name}{place}", "Get farther away: {jog}"
 _FAMILY, _PROVEN = "; family from {source}", "{proven}"
 _SUMMARY = {
     Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
-                 "Get out: {jog}. Cartesian jogging along the lost motion fails", _FAMILY),
+                 "Get out: {jog}. Cartesian jogging fails", _FAMILY),
     Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
                   "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
     Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
@@ -151,9 +155,9 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     what, lost, way, sure = _SUMMARY[summary.cause]
     if "{slowest}" in lost and (summary.slowest is None or isinf(summary.slowest.speed)):
         lost = "Lost: nothing"
-    if "{jog}" in way and (not summary.way_out or summary.sigma_after is None):
-        way = f"{way.partition(':')[0]}: no small motion inside the joint limits does"
-    following = "Next: no other singularity was found."
+    if "{jog}" in way and not summary.way_out:
+        way = f"{way.partition(':')[0]}: {NO_JOG}"
+    following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
         following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
     facts = _summarised(explanation, summary)
@@ -164,10 +168,13 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
 
 def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]:
     """What the sentences of the summary are filled with."""
-    units, moves = explanation.robot.units, summary.way_out
+    units, moves, rank = explanation.robot.units, summary.way_out, explanation.rank
     joints = [joint_word(number, one.name) for number, one in enumerate(explanation.robot.variables, start=1)]
     pinned = [f"{joints[i - 1]} at {_value_words(value, units[i - 1])}" for i, value in summary.pinned[:2]]
-    jog = [f"{joints[i - 1]} by {motion(value, units[i - 1], 2)}" for i, value in moves]
+    jog = [f"{joints[i - 1]} by {jog_step(value, units[i - 1])}" for i, value in moves]
+    after = after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)
+    if summary.cause == Cause.NONE:
+        after = f"; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
     place, offsets = f", {_degrees(summary.distance or 0.0)} away", _offset_words(summary)
     return _measured(explanation) | {
         "name": summary.family or "family unknown",
@@ -176,8 +183,7 @@ def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]
         "lost": _motions_words(summary.lost) if summary.lost else "see --full",
         "never": _motions_words(explanation.lost.never.tolist()),
         "slowest": "" if summary.slowest is None else _speed_words(summary.slowest),
-        "jog": f"{'jog' if len(moves) == 1 else 'move together'} {', '.join(jog)}",
-        "after": short(summary.sigma_after or 0.0, 2),
+        "jog": f"jog {', then '.join(jog)}{after}",
         "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
         "proven": f"; none within {short(below(degrees(summary.radius), 3))}° (proven)" if summary.radius else "",
     }

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from math import ceil, degrees, floor, inf, isinf, log10, pi
+from math import ceil, degrees, floor, inf, isinf, log10, pi, radians
 from typing import Any
 
 import numpy as np
@@ -107,6 +107,23 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
         return "0"
     text = short(degrees(value) if unit == "rad" else value, digits)
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
+
+
+NO_JOG = "no jog of one or two joints inside the limits was found"
+
+NOT_SEARCHED = "Next: not searched."
+
+
+def jog_step(step: float, unit: str) -> str:
+    """A jog to 0.1° or to 0.1 mm: "+12°", "−5.7°", "+0.05 m"."""
+    return motion(radians(round(degrees(step), 1)) if unit == "rad" else round(step, 4), unit)
+
+
+def after_jog(rank: int, *, regular: bool, deficient: bool) -> str:
+    """What the configuration is after a jog; `deficient`: the arm is singular at every configuration."""
+    if not regular:
+        return f": rank {rank} then, but still near a singularity; no jog found that ends regular"
+    return f"; rank {rank} from there, the most of this arm" if deficient else "; regular from there"
 
 
 def vector(values: Iterable[float]) -> str:

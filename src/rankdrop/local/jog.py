@@ -1,0 +1,220 @@
+"""The jog that gets out: one joint, or two one after the other, after which the verdict is regular.
+
+A configuration is regular where σ_r exceeds `small`, the nearest singular configuration is farther than `near`, and no
+straight motion is slower than the speeds asked for. Jogs of every joint to both sides are tried in order of their size,
+many at once, then jogs of two joints. σ_r, the first-order distance σ_r/‖∇σ_r‖ and the slowest motions are computed for
+all of them; the nearest singular configuration is searched only from those that pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations, product
+
+import numpy as np
+
+from rankdrop.configuration import Configuration
+from rankdrop.errors import OptionError
+from rankdrop.local.block import block
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.local.rates import slowest_motions
+from rankdrop.questions import ExplainOptions
+from rankdrop.robot.model import Array
+from rankdrop.units import into_metres
+
+_SIZES = (4, 6, 8, 10, 12, 15, 20, 30, 45, 60)  # jogs of one joint [°; slides by the same share]
+_LARGE = (75, 90, 120, 150)  # of one joint, where two joints by less do not get out
+_PAIRED = (4, 8, 15, 30, 60)  # of each of two joints
+_LEAST = 0.5  # a jog below it is none [°]
+_MARGIN = 1.1  # a jog is not exact: the bars of the verdict are exceeded by a tenth
+_FIRST_ORDER = 0.4  # the distance is hardly larger than σ_r/‖∇σ_r‖, or twice that where σ_r is of second order
+_SEARCHES = 40  # searches of the nearest singular configuration
+
+
+@dataclass(frozen=True, slots=True)
+class Jog:
+    """Jogs of one joint or two, and what the configuration after them is.
+
+    Attributes:
+        moves: (number, step) of the joints to jog, one after the other [rad, m]; empty where none was found.
+        regular: σ_r, distance and speeds exceed the bars of the verdict after them.
+        sigma_after: σ_r then; None where there is no jog.
+    """
+
+    moves: tuple[tuple[int, float], ...]
+    regular: bool
+    sigma_after: float | None
+
+
+_NONE = Jog((), regular=False, sigma_after=None)
+
+
+def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
+    """The smallest jog of one joint, or of two, that ends inside the limits at a regular configuration.
+
+    Args:
+        here: the configuration to leave.
+        options: `near`, `small`, `speed`, `turn_speed` decide what is regular; `limits`, `seed` as in `explain`.
+
+    Returns:
+        The jog. Where none ends regular: the jog to full rank after which the slowest motion is fastest, or nothing.
+
+    Example:
+        >>> from rankdrop.configuration import at
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = jog_out(at(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]), ExplainOptions())
+        >>> [(number, round(float(np.degrees(step)), 1)) for number, step in found.moves], found.regular
+        ([(5, -4.0)], True)
+    """
+    trial = _Trial(here, options)
+    for jogs in (_alone(here, _SIZES), _in_pairs(here), _alone(here, _LARGE)):
+        trial.run(jogs)
+        if trial.found is not None:
+            return trial.found
+    return trial.second or _NONE
+
+
+def jog_farther(here: Configuration, options: ExplainOptions) -> Jog:
+    """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r does not grow."""
+    size = max(float(np.degrees(options.step)), _LEAST)
+    trial = _Trial(here, options)
+    jogs = trial.inside(next(_alone(here, (size,))))
+    if not len(jogs):
+        return _NONE
+    sigma = trial.estimates(here.q + jogs)[0]
+    for row in np.argsort(-sigma):
+        if sigma[row] <= here.measured.sigma[here.generic - 1]:
+            break
+        if trial.regular(jogs[row]):
+            return trial.jog(jogs[row], float(sigma[row]), regular=True)
+    return _NONE
+
+
+def _steps(here: Configuration, sizes: tuple[float, ...]) -> Array:
+    """(n, sizes) jogs [rad, m]; a slide moves by the same share of the length scale, to two digits."""
+    steps = np.radians(sizes) * here.scale[:, None]
+    for j, joint in enumerate(here.robot.variables):
+        if joint.unit == "m":
+            steps[j] = [float(f"{step:.2g}") for step in steps[j]]
+    return steps
+
+
+def _alone(here: Configuration, sizes: tuple[float, ...]) -> Iterator[Array]:
+    """Jogs (2n, n) of one joint to both sides, for each size."""
+    for steps in _steps(here, sizes).T:
+        yield np.concatenate([np.diag(steps), np.diag(-steps)])
+
+
+def _in_pairs(here: Configuration) -> Iterator[Array]:
+    """Jogs (4P, n) of two joints to both sides, P pairs, for each two sizes, smallest first."""
+    steps, pairs = _steps(here, _PAIRED), list(combinations(range(len(here.q)), 2))
+    if not pairs:
+        return
+    first, second = np.array(pairs).T
+    for one, other in sorted(product(range(len(_PAIRED)), repeat=2), key=lambda two: sum(_PAIRED[i] for i in two)):
+        jogs = np.zeros((4, len(pairs), len(here.q)))
+        rows = np.arange(len(pairs))
+        for side, (sign, sign_of_second) in enumerate(product((1.0, -1.0), repeat=2)):
+            jogs[side, rows, first] = sign * steps[first, one]
+            jogs[side, rows, second] = sign_of_second * steps[second, other]
+        yield jogs.reshape(-1, len(here.q))
+
+
+class _Trial:
+    """Jogs (N, n) from one configuration, tried in the order given; searches begin at that configuration as well."""
+
+    def __init__(self, here: Configuration, options: ExplainOptions) -> None:
+        self.here, self.options = here, options
+        self.found: Jog | None = None
+        self.second: Jog | None = None  # to full rank, the slowest motion as fast as can be
+        self._fastest = 0.0
+        self._searches = 0
+
+    def inside(self, jogs: Array) -> Array:
+        """Those that end inside the limits; a joint beyond a limit may move back towards it."""
+        robot, q = self.here.robot, self.here.q
+        ends = q + jogs
+        outside = np.maximum(np.maximum(robot.lower - ends, ends - robot.upper), 0.0)
+        before = np.maximum(np.maximum(robot.lower - q, q - robot.upper), 0.0)
+        good = (outside == 0.0) | (outside < before) | (jogs == 0.0)
+        return np.asarray(jogs[good.all(axis=1)])
+
+    def run(self, every: Iterable[Array]) -> None:
+        """Find the first jog of some (N, n) that ends regular."""
+        here, options = self.here, self.options
+        for jogs in every:
+            inside = self.inside(jogs)
+            if here.measured.corank:  # the configuration itself is singular, and that near
+                inside = inside[np.linalg.norm(inside / here.scale, axis=1) > _MARGIN * options.near]
+            if len(inside):
+                self._some(inside)
+            if self.found is not None:
+                return
+
+    def _some(self, jogs: Array) -> None:
+        """Find the first of a few jogs that ends regular."""
+        ends, options = self.here.q + jogs, self.options
+        sigma, estimate = self.estimates(ends)
+        least = max(_MARGIN * options.small, self.here.tolerances.singular)
+        passing = np.flatnonzero((sigma > least) & (estimate > _FIRST_ORDER * options.near))
+        passing = passing[np.argsort(-sigma[passing].round(9), kind="stable")]
+        if not len(passing):
+            return
+        speed = self._speeds(ends[passing])
+        for row, share in zip(passing, speed, strict=True):
+            if share > _MARGIN and self._far(ends[row]):
+                self.found = self.jog(jogs[row], float(sigma[row]), regular=True)
+                return
+        best = int(np.minimum(speed, _MARGIN).argmax())
+        if speed[best] > self._fastest:
+            self._fastest = float(speed[best])
+            self.second = self.jog(jogs[passing[best]], float(sigma[passing[best]]), regular=False)
+
+    def regular(self, jog: Array) -> bool:
+        """Whether one jog (n,) ends regular."""
+        end = self.here.q + jog
+        sigma = float(self.estimates(end[None])[0][0])
+        least = max(_MARGIN * self.options.small, self.here.tolerances.singular)
+        return sigma > least and bool(self._speeds(end[None])[0] > _MARGIN) and self._far(end)
+
+    def jog(self, step: Array, sigma: float, *, regular: bool) -> Jog:
+        """The record of a jog (n,)."""
+        moves = tuple((int(j) + 1, float(step[j])) for j in np.flatnonzero(step))
+        return Jog(moves, regular, sigma)
+
+    def estimates(self, ends: Array) -> tuple[Array, Array]:
+        """(N,) σ_r and (N,) σ_r/‖∇σ_r‖, the distance to first order [rad]."""
+        here = self.here.metric
+        parts = block(here.robot, into_metres(self.here.robot, ends), here.task, here.generic - 1)
+        gradient = np.linalg.norm(parts.d[:, 0, 0, :] * here.scale, axis=1)
+        sigma = parts.sigma[:, here.generic - 1]
+        return sigma, sigma / np.maximum(gradient, 1e-300)
+
+    def _speeds(self, ends: Array) -> Array:
+        """(N,) the slowest straight motion as a multiple of the speed asked for; inf without rate limits."""
+        here, options = self.here, self.options
+        least = np.full(len(ends), np.inf)
+        if here.generic < here.task.m:
+            return least
+        bars = {"m/s": options.speed, "rad/s": options.turn_speed}
+        for one in slowest_motions(here.robot, ends, here.task):
+            if bars[one.unit] > 0.0:
+                least = np.minimum(least, one.speed / bars[one.unit])
+        return least
+
+    def _far(self, end: Array) -> bool:
+        """Whether no singular configuration is found within `near`."""
+        here, options = self.here, self.options
+        self._searches += 1
+        if self._searches > _SEARCHES:
+            return False
+        task = replace(here.task, length_scale=here.task.scale(here.robot))
+        try:
+            nearest = nearest_singularity(
+                here.robot, end, task, limits=options.limits, seed=options.seed, seeds=(here.q,),
+                tolerances=here.tolerances,
+            )  # fmt: skip
+        except OptionError:  # too many joints for a search: the verdict does not know the distance either
+            return True
+        return nearest is None or nearest.distance > _MARGIN * options.near

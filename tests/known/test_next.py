@@ -1,0 +1,76 @@
+"""The singularity that is next: on any sheet, not the one that the answer is about, and never denied unsearched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from known.test_jog import FEW, singular_configurations
+from rankdrop.errors import OptionError
+from rankdrop.local.block import singular_values
+from rankdrop.local.nearest import nearest_singularity, other_sheets
+from rankdrop.results import explanation
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.verbs.explain import explain
+
+
+def next_line(found: explanation.Explanation) -> str:
+    return next(line for line in found.sections()[0].lines if str(line).startswith("Next:"))
+
+
+def test_the_other_value_of_the_same_joint_is_next() -> None:
+    found = explain(open_robot("scara"), [0.3, 0.0, 0.1, 0.2], evaluations=0)
+    assert found.summary.next_distance == pytest.approx(np.pi)
+    assert found.summary.next_family == found.met[0].family.name
+    assert "180°" in next_line(found)
+
+
+@pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4", "gen3_6dof"])
+def test_an_arm_with_one_family_hears_of_its_other_sheets(name: str) -> None:
+    arm, q = next(iter(singular_configurations(name, 1, seed=3)))
+    task = resolve_task(None, arm)
+    found = explain(arm, q, evaluations=0)
+    assert not found.far.families
+    assert found.summary.next_distance is not None
+    assert 0.0 < found.summary.next_distance < np.pi
+    _, sheets = other_sheets(found.here, None)
+    for one in sheets:
+        there = np.array(one.q)
+        rank = found.rank.generic_rank - one.corank
+        assert singular_values(arm, there, task)[rank] <= 1e-8
+        half = q + 0.9 * (there - q)  # nearer to the sheet than to q: the search from there finds the sheet, not q
+        near = nearest_singularity(arm, half, task)
+        assert near is not None
+        assert near.distance <= 0.1 * np.linalg.norm(there - q) + 1e-6
+
+
+@pytest.mark.parametrize("name", FEW[:6])
+def test_no_known_family_is_nearer_than_the_next_singularity(name: str) -> None:
+    for arm, q in singular_configurations(name, 1):
+        found = explain(arm, q, evaluations=0)
+        nearest = min((one.distance for one in found.far.families), default=np.inf)
+        if found.summary.next_distance is not None:
+            assert found.summary.next_distance <= nearest + 1e-9
+
+
+def test_a_singularity_that_is_near_because_slow_is_not_told_twice() -> None:
+    for name in ("gen3", "ur5e", "crx10ia", "gen3_6dof"):
+        arm = open_robot(name)
+        for share in (0.05, 0.08, 0.12, 0.2):
+            found = explain(arm, np.full(arm.n, 1.0) - (1.0 - share) * (np.arange(arm.n) == arm.n - 2), evaluations=0)
+            if found.slow_family is not None and found.summary.next_distance is not None:
+                same = found.summary.next_family == found.summary.family
+                assert not same or abs(found.summary.next_distance - found.summary.distance) > 1e-3
+
+
+def test_what_was_not_searched_is_not_denied(monkeypatch) -> None:
+    def refuse(*_args: object, **_named: object) -> None:
+        raise OptionError("too many joints for this corank", got="22 joints", allowed="16")
+
+    arm, q = next(iter(singular_configurations("gen3", 1, seed=3)))
+    with monkeypatch.context() as patched:
+        patched.setattr(explanation, "other_sheets", refuse)
+        assert next_line(explain(arm, q, evaluations=0)) == "Next: not searched."
+    monkeypatch.setattr(explanation, "other_sheets", lambda *_args, **_named: (40, iter(())))
+    assert next_line(explain(arm, q, evaluations=0)) == "Next: none found by 40 searches."

@@ -22,7 +22,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import check_path, check_poses, path_asked, path_certificate
 from rankdrop.motion.curve import curve
-from rankdrop.motion.inverse import poses_at
+from rankdrop.motion.tool_line import poses_at
 from rankdrop.proof.curves import AskedPath, ToolPath, control_points
 from rankdrop.proof.record import Unproven, claim_of, sealed
 from rankdrop.robot.model import Joint, JointKind, Robot

@@ -10,7 +10,8 @@ import pytest
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.motion.inverse import between, follow
+from rankdrop.motion.follow import follow
+from rankdrop.motion.tool_line import between
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.units import scaled

@@ -10,7 +10,7 @@ import pytest
 
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.motion import inverse
+from rankdrop.motion import follow, inverse
 from rankdrop.motion.check import PathQuestion, check_file, check_poses
 from rankdrop.motion.inverse import Aim, rotation
 from rankdrop.questions import PathOptions
@@ -146,7 +146,7 @@ def test_a_bound_that_cannot_fall_costs_no_rows(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_a_spent_budget_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inverse, "_ROWS", 20)
+    monkeypatch.setattr(follow, "_ROWS", 20)
     robot = open_robot("ur5")
     q = np.array([[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [1.4, -0.6, 1.9, -1.0, 1.2, 0.4]])
     check = check_poses(robot, pose(robot, q), start=q[0])

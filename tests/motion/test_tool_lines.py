@@ -15,8 +15,10 @@ import pytest
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.rates import rate_limits
 from rankdrop.motion.check import check_poses
-from rankdrop.motion.inverse import Aim, follow, poses_at
+from rankdrop.motion.follow import follow
+from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import PathCheck
+from rankdrop.motion.tool_line import poses_at
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

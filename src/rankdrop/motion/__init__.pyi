@@ -21,8 +21,8 @@ from .files import read_poses as read_poses
 from .files import read_trajectory as read_trajectory
 from .files import trajectories_in as trajectories_in
 from .files import trajectory_bytes as trajectory_bytes
+from .follow import Followed as Followed
 from .inverse import Aim as Aim
-from .inverse import Followed as Followed
 from .many import check_files as check_files
 from .many import paths_to_dict as paths_to_dict
 from .record import CROSSING as CROSSING

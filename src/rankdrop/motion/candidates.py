@@ -39,7 +39,8 @@ from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box,
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.redundant import CLOSED, self_motion
 from rankdrop.motion.curve import Curve, Index, numbered
-from rankdrop.motion.inverse import Aim, Followed, Pull, distinct, follow, near_and_within, within
+from rankdrop.motion.follow import Followed, Pull, follow
+from rankdrop.motion.inverse import Aim, distinct, near_and_within, within
 from rankdrop.motion.trajectory import Trajectory, regular_times
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot

@@ -29,7 +29,8 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.certificate import margin
 from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
-from rankdrop.motion.inverse import Aim, Followed, distinct, follow, near_and_within, poses_at
+from rankdrop.motion.follow import Followed, follow
+from rankdrop.motion.inverse import Aim, distinct, near_and_within
 from rankdrop.motion.prove import prove
 from rankdrop.motion.record import (
     CROSSING,
@@ -48,6 +49,7 @@ from rankdrop.motion.record import (
     Violation,
 )
 from rankdrop.motion.survey import Survey, crossings
+from rankdrop.motion.tool_line import poses_at
 from rankdrop.motion.trajectory import Trajectory, checked, checked_times, rows_of, unit_hint
 from rankdrop.options import takes
 from rankdrop.questions import PathOptions
@@ -286,7 +288,7 @@ def check_poses(
     resolved = resolve_task(task, robot)
     first, solutions = _start(robot, wanted[0], resolved, start)
     tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
-    branch = follow(robot, wanted, first, resolved, tolerance=tolerance)
+    branch = _followed(robot, wanted, first, resolved, tolerance, free=start is None)
     away, turned = _apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     tool = replace(
@@ -298,6 +300,26 @@ def check_poses(
     ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
     worst = min(check.verdict, ended, key=VERDICTS.index)
     return replace(check, rows=len(branch.q), tool=tool, verdict=worst)
+
+
+def _followed(
+    robot: Robot, poses: Array, first: Array, task: Task, tolerance: tuple[float, float], *, free: bool
+) -> Followed:
+    """The branch of a configuration at the first pose.
+
+    Args:
+        robot, poses, first, task, tolerance: as for `follow`.
+        free: the configuration may be turned with the tool held still: it was not asked for.
+    """
+    branch = follow(robot, poses, first, task, tolerance=tolerance, through=True)
+    turn = branch.turn
+    if turn is None:
+        return branch
+    k = int(turn.place) - 1
+    rest = follow(robot, poses[k:], turn.to, task, tolerance=tolerance, through=True)
+    if free and k == 0:
+        return rest
+    return replace(branch, turn=replace(turn, rest_complete=rest.complete, rest_reached=rest.reached + k))
 
 
 def _apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:

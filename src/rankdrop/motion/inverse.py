@@ -1,4 +1,4 @@
-"""The inverse of an arm: poses solved by Newton's method, from near and from far; tool paths followed on one branch.
+"""The inverse of an arm: poses solved by Newton's method, from near and from far.
 
     e(q) = (p* − p ; log(R* Rᵀ)), the rows of the task, translations divided by the length scale
 
@@ -6,40 +6,26 @@
     from far   q ← q + Jᵀ(J Jᵀ + λ)⁻¹ e,  λ = |e|²
 
 A solution that no start leads to is missed: a list is what was found. What is found is a solution, to rounding.
-
-Between two poses of a tool path the tip goes straight and turns about one axis at a constant rate, as a linear move of
-a controller does. It is followed by steps from near. A step counts only where the corrector has little left to correct,
-where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so that the branch is
-kept up to the singularity or the limit at which it ends. Poses passed over by a step are filled in from a straight
-guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven
-to stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.errors import TaskError
-from rankdrop.kinematics import chain_of, one_configuration, task_jacobian, task_view
+from rankdrop.kinematics import chain_of, task_jacobian, task_view
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.departure import unlocked
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.motion.curve import Index, numbered
+from rankdrop.motion.curve import Index
 from rankdrop.problem import Mask, into_limits, whole_turns
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import anchors
 from rankdrop.robot.transform import hat
-from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index, resolve_task
-from rankdrop.text.paths import branch_chosen
-
-Pull = Callable[[Array], Array]
-"""pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""
+from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
 
 _GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
 _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
@@ -51,16 +37,6 @@ _CONFIRMED = 1e-9  # by which forward kinematics may miss the pose of a solution
 _TURNED_OVER = 1e-9  # of 1 + cos of the tilt: the heading of a tool that is turned over is undefined
 _FULL = (0, 1, 2, 3, 4, 5)
 _ROUNDED = 1e-12  # share of the links' length that rounding may add
-_LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
-_BENT = 0.2  # share of a step that the corrector may add to the predictor
-_SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
-_TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
-_MOST = 4096  # poses passed over by one step
-_ROWS = 400_000  # at most
-_FILLS, _PARTS = 8, 64  # of putting rows in within one step, and of one piece in one round
-_PUT_IN = 20_000  # rows of one step; a bound that does not fall with them would ask for more and more
-_SPARE = 1.1  # rows are put in for a bound so many times tighter
-_SMALL = 1e-2  # σ_r at the end of a branch below which a singularity is named as its reason
 
 
 def rotation(turn: Array) -> Array:
@@ -396,234 +372,3 @@ def apart(robot: Robot, one: Array, other: Array) -> Array:
     """other − one, turning joints the short way."""
     gap = other - one
     return np.asarray(gap - whole_turns(robot, gap))
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """Joint values along a tool path, and how they were found.
-
-    Attributes:
-        q: (K, n) configurations at the places [rad, m]; angles run on, they are not wrapped.
-        place: (K,) poses reached, from 1; with a tolerance places between poses as well, as shares of the way.
-        complete: every pose was reached.
-        reached: number of the last pose reached, from 1, with the share of the way to the next.
-        last: (n,) configuration there.
-        reason: why it ended: "" where complete, else "start", "singular", "limit", "stuck", or "budget": the steps or
-            the rows that one path may have were used up.
-        joint: number of the joint at its limit, from 1; 0 for other reasons.
-        sigma: σ_r where it ended [1].
-        poses: how many were given.
-        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
-        more: the arm is redundant, so that there are more.
-        next_reachable: a configuration within the joint limits was found for the pose after the end.
-        off: the tip stays within this distance of its curve, proven [m].
-        turned: … and within this angle, as far as the task asks for orientations [rad].
-    """
-
-    q: Array
-    place: Array
-    complete: bool
-    reached: float
-    last: Array
-    reason: str = ""
-    joint: int = 0
-    sigma: float = np.inf
-    poses: int = 0
-    solutions: int = 0
-    more: bool = False
-    next_reachable: bool = False
-    off: float = 0.0
-    turned: float = 0.0
-
-    @property
-    def start(self) -> list[float]:
-        """(n,) configuration at the first pose."""
-        return [float(x) for x in self.q[0]]
-
-    @property
-    def chosen(self) -> str:
-        """Which branch of the inverse kinematics the path takes, in words."""
-        return branch_chosen(self)
-
-
-def follow(
-    robot: Robot,
-    poses: ArrayLike,
-    start: ArrayLike,
-    task: Task | str | None = None,
-    *,
-    limits: bool = True,
-    pull: Pull | None = None,
-    tolerance: tuple[float, float] | None = None,
-) -> Followed:
-    """Follow poses of the tip from a configuration at the first of them, on the branch of that configuration.
-
-    Args:
-        robot: the arm.
-        poses: (T, 4, 4) of the tip in the base frame [m]; rows that the task leaves free are ignored.
-        start: (n,) configuration near the first pose [rad, m]; Newton brings it there.
-        task: name, `Task`, or None for the task the arm is made for.
-        limits: end at joint limits.
-        pull: null-space motion of a redundant arm; None for the shortest motion.
-        tolerance: how far the tip may leave its curve between rows, proven: its place [m] and its turn [rad]; None:
-            rows at the poses alone.
-
-    Returns:
-        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
-
-    Raises:
-        ConfigurationError: the start is not one configuration.
-        TaskError: there is no such task, or its reference point does not move with the tip.
-
-    Example:
-        >>> from rankdrop.kinematics import pose
-        >>> from rankdrop.robot.open import open_robot
-        >>> arm = open_robot("ur5")
-        >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
-        >>> found = follow(arm, ends, [0, -1, 1, 0.3, 0.8, 0])
-        >>> found.complete, (found.q[1].round(6) + 0.0).tolist()
-        (True, [0.2, -1.1, 1.2, 0.3, 0.8, 0.0])
-    """
-    wanted = np.asarray(poses, dtype=np.float64)
-    aim = Aim(robot, resolve_task(task, robot))
-    return _Walk(aim, wanted, limits, pull, tolerance).run(one_configuration(robot, start))
-
-
-def between(start: Array, end: Array, share: Array) -> Array:
-    """(N, 4, 4) poses at shares (N,) 0 … 1 from poses `start` to `end`, each (4, 4) or (N, 4, 4).
-
-    The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
-    """
-    share = np.asarray(share, dtype=np.float64)
-    turn = rotation_vector(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2))
-    made = np.zeros((len(share), 4, 4))
-    made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
-    made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
-    made[:, 3, 3] = 1.0
-    return made
-
-
-def poses_at(poses: Array, place: Array) -> Array:
-    """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
-    k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)
-    return between(poses[k], poses[np.minimum(k + 1, len(poses) - 1)], place - k)
-
-
-@dataclass(eq=False)
-class _Walk:
-    aim: Aim
-    poses: Array
-    limits: bool
-    pull: Pull | None
-    tolerance: tuple[float, float] | None
-
-    def run(self, start: Array) -> Followed:
-        """From the first pose on."""
-        found, arrived = self.aim.solve(self.poses[:1], start[None])
-        joint = self._beyond(found) if arrived[0] else -1
-        if not arrived[0] or joint >= 0:
-            reason = "limit" if arrived[0] else "start"
-            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, reason, joint + 1)
-        now, rows, places, last = found[0], [found], [np.zeros(1)], len(self.poses) - 1.0
-        place, h, side, size = 0.0, 1.0, self.aim.side(now), 1
-        tries = _TRIES[0] + _TRIES[1] * len(self.poses)
-        spent = False
-        while place < last:
-            spent = tries < 0 or size > _ROWS
-            if spent:
-                break
-            ahead = min(place + h, last)
-            if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
-                ahead = float(int(ahead + 1e-9))
-            step = self._try(now, place, ahead, side)
-            joint = -1 if step is None else self._beyond(step[1])
-            tries -= 1
-            if step is None or joint >= 0:
-                if h < _SHORTEST:
-                    break
-                h = (ahead - place) / 2
-                continue
-            at, q = step
-            kept = slice(None) if self.tolerance is not None else at == np.floor(at)
-            rows.append(q[kept])
-            places.append(at[kept])
-            size += len(rows[-1])
-            h, place, now = min(2.0 * (ahead - place), float(_MOST)), ahead, q[-1]
-        ended, sigma = "", np.inf
-        if place < last:
-            sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
-            ended = "limit" if joint >= 0 else "singular" if sigma <= _SMALL else "budget" if spent else "stuck"
-        q, at = np.concatenate(rows), np.concatenate(places) + 1.0
-        return self._confirmed(Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma))
-
-    def _confirmed(self, found: Followed) -> Followed:
-        """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
-        good = self.aim.confirmed(poses_at(self.poses, found.place - 1.0), found.q)
-        if good.all():
-            return found
-        count = int(good.argmin())
-        reached = float(found.place[max(0, count - 1)])
-        q = found.q[:count]
-        return Followed(q, found.place[:count], False, reached, q[-1] if count else found.last, "stuck")
-
-    def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
-        """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
-        target = poses_at(self.poses, np.array([ahead]))
-        error = self.aim.error(target, now[None])
-        if np.linalg.norm(error) > 1.0:  # Newton is not to be trusted so far
-            return None
-        guess = now + self.aim.step(now[None], error)[0]
-        first = float(np.linalg.norm((guess - now) / self.aim.joints))
-        if first > _LONGEST:
-            return None
-        guess = guess + self._null_space_pull(now, first)
-        found, arrived = self.aim.solve(target, guess[None])
-        if not arrived[0]:
-            return None
-        end = found[0]
-        added = float(np.linalg.norm((end - guess) / self.aim.joints))
-        if added > _BENT * first + 1e-9 or (self.aim.square and self.aim.side(end) != side):
-            return None
-        at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
-        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9)
-
-    def _filled(self, at: Array, ends: Array, off: float) -> tuple[Array, Array] | None:
-        """Places and configurations of one step, solved from straight guesses, none farther than `off` from its guess.
-
-        With a tolerance more places are put in until the tip keeps it between all of them.
-        """
-        known, q = at[[0, -1]], ends
-        for _ in range(_FILLS):
-            line = np.stack([np.interp(at, known, column) for column in q.T], axis=1)
-            solved, reached = self.aim.solve(poses_at(self.poses, at), line)
-            apart = np.linalg.norm((solved - line) / self.aim.joints, axis=1)
-            if not reached.all() or (apart > off).any():
-                return None
-            solved[0], known, q = ends[0], at, solved
-            if self.tolerance is None:
-                return at[1:], q[1:]
-            away, turned = self.aim.deviation(q, poses_at(self.poses, at))
-            wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1])
-            if (wide <= 1.0).all():
-                return at[1:], q[1:]
-            parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
-            if int(parts.sum()) > _PUT_IN:  # the step is halved instead
-                return None
-            k, part = numbered(parts)
-            at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
-        return None
-
-    def _null_space_pull(self, now: Array, length: float) -> Array:
-        """(n,) the part of the pull in the null space, for a step of some length."""
-        if self.pull is None:
-            return np.zeros_like(now)
-        joints = self.aim.joints
-        _, _, v = _core.svd(np.ascontiguousarray(self.aim.jacobian(now[None])))
-        null = v[0][:, self.aim.rank :]
-        return np.asarray(length * joints * (null @ (null.T @ (self.pull(now) / joints))))
-
-    def _beyond(self, q: Array) -> int:
-        """First joint beyond its limit in any row; −1 for none, or where limits do not count."""
-        low, high = self.aim.robot.lower - 1e-9, self.aim.robot.upper + 1e-9
-        out = np.argwhere(self.limits & ((q < low) | (q > high)))
-        return int(out[0, 1]) if len(out) else -1

@@ -16,7 +16,7 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.motion.curve import Curve, Index, Place
-from rankdrop.motion.inverse import Followed
+from rankdrop.motion.follow import Followed
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section

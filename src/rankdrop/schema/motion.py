@@ -282,17 +282,33 @@ REMEDIES = table(
     notes=(many(str), "kinds without a remedy: what was tried and what came of it"),
     complete=(bool, "false where it was interrupted"),
 )
+TURN = table(
+    "turn",
+    place=(num("pose", ge=1), "number of the pose at which it is made"),
+    q=(many(num("joint")), "configuration before the turn"),
+    to=(many(num("joint")), "and after it, the tool where it was"),
+    rest_complete=(bool | None, "from there the tool path can be followed to its end"),
+    rest_reached=(num("pose", ge=0), "last pose reached from there, with the share of the way to the next"),
+)
+PASSED = table(
+    "passed",
+    place=(num("pose", ge=1), "number of the pose, with the share of the way to the next"),
+    rest=(bool, "the arm has to rest there; false: it may pass at any speed"),
+)
 TOOL = table(
     "tool",
     poses=Positive,
     complete=bool,
     reached=num("row", ge=1),
-    reason=Literal["", "start", "singular", "limit", "stuck", "budget"],
+    reason=Literal["", "start", "singular", "limit", "turn", "stuck", "budget"],
     words=(str, "why it ended"),
     start=many(num("joint")),
     chosen=str,
     off=(num("m", ge=0), "the tip is proven to stay within this distance of its curve"),
     turned=(optional(num("rad", ge=0)), "and within this angle"),
+    passed=(optional(many(PASSED)), "singularities at which the branch goes on"),
+    folds=(optional(bool), "the branch folds back where it ends: there is no solution near it further on"),
+    turn=(optional(TURN | None), "the internal turn after which the path goes on, where the branch needs one"),
 )
 def _part(one: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""

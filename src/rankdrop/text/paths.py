@@ -26,6 +26,7 @@ _CLOSEST = 3  # free stretches whose closest configuration is printed
 _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
+_TURNS = 1e-6  # a joint that turns less stands still [rad]
 _NAMED = 10  # crossings whose poses are noted
 
 _EVIDENCE = {
@@ -45,6 +46,7 @@ _REMARKS = {
     "no distance": "no distance is searched: {0}",
     "distance open": "the distance to be kept could not be proven around row {0}",
 }
+_FOLDS = "the branch folds back at a singularity"
 _REASONS = {
     "singular": "the branch ends at a singularity",
     "stuck": "the solver does not converge there",
@@ -103,13 +105,45 @@ def why_ended(tool: Any, robot: Robot) -> str:
     if tool.complete:
         return ""
     pose = f"at pose {tool.reached:.5g}"
+    if tool.turn is not None:
+        return turn_words(tool.turn, robot)
+    if tool.folds:
+        place = f"{pose} (σ = {tool.sigma:.1e}), and no configuration near it leads on"
+        reason = f"{_FOLDS}, {place}"
+        return f"{reason}; {_ahead(tool)}"
     reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})" if tool.reason in _REASONS else (
         f"{_joint(robot, tool.joint)} reaches its limit {pose}"
     )
+    return f"{reason}; {_ahead(tool)}"
+
+
+def _ahead(tool: Any) -> str:
+    """Whether the pose after the end can be reached."""
     ahead = f"pose {int(min(np.floor(tool.reached + 1e-9) + 1, tool.poses))}"
     if tool.next_reachable:
-        return f"{reason}; {ahead} is within reach, by other configurations"
-    return f"{reason}; {ahead} is out of reach: no configuration within the joint limits was found for it"
+        return f"{ahead} is within reach, by other configurations"
+    return f"{ahead} is out of reach: no configuration within the joint limits was found for it"
+
+
+def turn_words(turn: Any, robot: Robot) -> str:
+    """An internal turn: its joint that turns most, the others, and how far the path can be followed after it."""
+    moved = turn.to - turn.q
+    turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
+    order = sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
+    first, *others = order if order else [int(np.abs(moved).argmax())]
+
+    def change(i: int) -> str:
+        unit = robot.variables[i].unit
+        scale, sign = (degrees(1.0), "°") if unit == "rad" else (1.0, f" {unit}")
+        ends = " to ".join(f"{short(round(scale * float(x), 6) + 0.0, 4)}{sign}" for x in (turn.q[i], turn.to[i]))
+        return f"joint {i + 1} from {ends}"
+
+    with_it = f", with {', '.join(change(i) for i in sorted(others))}" if others else ""
+    after = (
+        "; after it the path can be followed to its end" if turn.rest_complete else
+        f"; after it the path can be followed to pose {turn.rest_reached:.5g}" if turn.rest_complete is not None else ""
+    )  # fmt: skip
+    return f"turn {change(first)} with the tool held still{with_it}, at pose {turn.place:.5g}{after}"
 
 
 def sentence(check: Any) -> str:
@@ -125,6 +159,7 @@ def sentence(check: Any) -> str:
     words = f"{words[0].upper()}{words[1:]}."
     if check.tool is not None and not check.tool.complete:
         beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
+        beyond += " without an internal turn" if check.tool.turn is not None else ""
         return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
     return words
 
@@ -138,8 +173,22 @@ def _reached(check: Any) -> Iterator[str]:
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {_when(part[0].closest.place)}"
+    if check.tool is not None and check.tool.passed and check.crossings:
+        yield passing_words(check.tool.passed)
     if check.margin == "violated" and not check.crossings:
         yield f"comes nearer than {angle(check.options.min_distance)} to a singularity"
+
+
+def passing_words(passed: Sequence[Any]) -> str:
+    """How the branch goes on at the singularities that it passes."""
+    if all(not one.rest for one in passed):
+        return "the branch goes on through it, at any speed" if len(passed) == 1 else (
+            "the branch goes on through each, at any speed"
+        )
+    rests = [f"{one.place:.5g}" for one in passed if one.rest]
+    if rests == ["1"]:
+        return "the path leaves the singularity at its start, from rest"
+    return f"the branch goes on where the arm rests for an instant, at pose {', '.join(rests[:_NAMED])}"
 
 
 def _violation(one: Any, check: Any) -> str:
@@ -210,6 +259,8 @@ def _advice(check: Any) -> str:
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
+        return "make the turn first, then run the command with --start at its end"
     if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
         return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
@@ -402,7 +453,8 @@ GAINS = {
 _ENDED = {
     "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
     "budget": "need more rows than one path may have",
-    "start": "do not reach the first pose", "plan": "found no way when planned over all self-motions",
+    "start": "do not reach the first pose", "turn": "need an internal turn",
+    "plan": "found no way when planned over all self-motions",
 }  # fmt: skip
 
 
@@ -419,7 +471,8 @@ _DONE = {
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
 }
 _CHANGES = {
-    "null-space": "joint motion that leaves the tool where it is", "flip": "other posture at the first pose",
+    "null-space": "joint motion that leaves the tool where it is along the whole path: the arm has no spare joint",
+    "flip": "other posture at the first pose",
     "tool tilt": "rotation in the task", "base shift": "translation in the task",
 }  # fmt: skip
 _BLENDS = {None: "only paths that are straight between their rows have corners",

@@ -1,0 +1,29 @@
+"""Poses between the poses of a tool path: straight for the tip, about one axis at a constant rate for its turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rankdrop.local.orientation import rotation_vector
+from rankdrop.motion.inverse import rotation
+from rankdrop.robot.model import Array
+
+
+def between(start: Array, end: Array, share: Array) -> Array:
+    """(N, 4, 4) poses at shares (N,) 0 … 1 from poses `start` to `end`, each (4, 4) or (N, 4, 4).
+
+    The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
+    """
+    share = np.asarray(share, dtype=np.float64)
+    turn = rotation_vector(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2))
+    made = np.zeros((len(share), 4, 4))
+    made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
+    made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
+    made[:, 3, 3] = 1.0
+    return made
+
+
+def poses_at(poses: Array, place: Array) -> Array:
+    """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
+    k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)
+    return between(poses[k], poses[np.minimum(k + 1, len(poses) - 1)], place - k)

@@ -272,7 +272,7 @@ def test_an_archive_tells_its_size_before_it_is_unpacked(tmp_path: Path, monkeyp
     np.savez_compressed(path, q=np.zeros((20_000, 4)), other=np.zeros(10))
     assert read_trajectory(path, ARM).q.shape == (20_000, 4)
     monkeypatch.setattr("rankdrop.motion.files.LARGEST_ARRAY", 100_000)
-    monkeypatch.setattr(np, "load", lambda *_, **__: pytest.fail("it was unpacked"))
+    monkeypatch.setattr("rankdrop.motion.files.read_array", lambda *_, **__: pytest.fail("it was unpacked"))
     with pytest.raises(RankdropError, match=r"bomb.npz, q: the array is too large"):
         read_trajectory(path, ARM)
 
@@ -320,7 +320,8 @@ def test_the_page_of_limits_is_what_the_code_has() -> None:
         "joints of a chain": f"{files.MOST_STEPS:,}", "elements of an XML file": f"{files.MOST_ELEMENTS:,}",
         "elements of an MJCF": f"{files.MOST_BODIES:,}", "elements of XML, lists": f"{files.DEEPEST}",
         "dots in": f"{files.DOTS**0.5:,.0f}; over all lines the sum of their squares up to {files.DOTS:,}",
-        "rows of": f"{files.MOST_ROWS:,}", "characters of": f"{files.LONGEST_HEAD}",
+        "rows of": f"{files.MOST_ROWS:,}", "arrays of": f"{files.MOST_MEMBERS:,}",
+        "characters of": f"{files.LONGEST_HEAD}",
         "length, place": f"−{files.LARGEST_LENGTH:g} … {files.LARGEST_LENGTH:g} m".replace("e+", "e"),
         "angle, joint": f"−{files.LARGEST_ANGLE:g} … {files.LARGEST_ANGLE:g} rad".replace("e+06", "e6"),
         "entry of": f"−{files.LARGEST_NUMBER:g} … {files.LARGEST_NUMBER:g}".replace("e+", "e"),

@@ -48,7 +48,7 @@ class TreeJoint:
 class Tree:
     """Links and joints, checked: names unique, one parent per link, no cycle.
 
-    A joint that names a link which is not in the file hangs nowhere: it stands in `broken` with the end that is missing.
+    A joint that names a link which is not in the file hangs nowhere: `broken` has it, with the end that is missing.
     """
 
     name: str

@@ -41,7 +41,7 @@ GREY = (0.72, 0.74, 0.77)
 _PATIENCE = 10.0  # processor time of a file [s]
 _SECONDS = 1.0  # more of it for each MB
 _CRASHES = 3  # files over which the reader crashes, before the rest is left out
-_READER = "the reader of meshes"
+_READER = "trimesh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +125,6 @@ def mesh_parts(names: list[str]) -> bytes:
                 parts = _read(Path(name), MOST_FACES - faces, MOST_VERTICES - vertices)
         except RankdropError as error:
             about.append({"error": error_to_dict(error)})
-        except MemoryError:
-            gc.collect()
-            about.append({"error": {"what": f"{_READER} needs too much memory for the file", "where": name}})
-        except Exception as error:  # a mesh that is damaged: whatever its reader raises
-            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            about.append({"error": {"what": f"the mesh cannot be read: {reason}", "where": name}})
         else:
             faces += sum(len(part.faces) for part in parts)
             vertices += sum(len(part.vertices) for part in parts)
@@ -178,8 +172,21 @@ def _read(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     """The parts of a file that fit into what is left of triangles and vertices.
 
     Raises:
-        RobotError: too large, too many, or vertices out of range; or whatever the reader raises.
+        RobotError: too large, too many, out of range, damaged, or more than the memory.
     """
+    try:
+        return _parsed(file, most_faces, most_vertices)
+    except RankdropError:
+        raise
+    except MemoryError:
+        gc.collect()
+        raise RobotError(f"{_READER} needs too much memory for the file", where=str(file)) from None
+    except Exception as error:  # a mesh that is damaged: whatever its reader raises
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        raise RobotError(f"the mesh cannot be read: {reason}", where=str(file)) from None
+
+
+def _parsed(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     import trimesh
 
     try:

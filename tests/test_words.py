@@ -75,8 +75,9 @@ FOREIGN = {
     "codec.py": "messages of msgspec, docstrings, JSON",
     "exact/reading.py": "conditions of the user",
     "motion/trajectory.py": "files of the user",
-    **dict.fromkeys(("robot/files.py", "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
-                     "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
+    **dict.fromkeys(("robot/files.py", "robot/mesh_file.py", "robot/open.py", "robot/quantities.py",
+                     "robot/screws.py", "robot/toml_file.py", "robot/tree.py", "robot/urdf.py",
+                     "robot/xacro.py"), "files of the user"),
 }  # fmt: skip
 """Modules that take texts of others apart, and whose."""
 OWN = {

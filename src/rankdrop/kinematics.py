@@ -23,8 +23,8 @@ from rankdrop import _core
 from rankdrop._core import derivative_one, jacobian_one, pose_one
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.transform import unmasked
-from rankdrop.task import WORLD_ALIGNED, Frame, Task, link_index, resolve_task
+from rankdrop.robot.transform import as_numbers
+from rankdrop.task import WORLD_ALIGNED, Frame, Task, frame_of, link_index, resolve_task
 
 __all__ = ["jacobian", "jacobian_derivative", "link_poses", "pose", "task_jacobian", "task_jacobian_derivative"]
 """Of what stands here; the rest is for the package."""
@@ -139,7 +139,7 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
         RobotError: not a Robot.
     """
     check_robot(robot)
-    array = np.asarray(unmasked(q, "q", ConfigurationError), dtype=np.float64)
+    array = as_numbers(q, "q", ConfigurationError)
     if array.ndim == 0 or array.shape[-1] != robot.n:
         raise ConfigurationError(
             f"expected q of shape (..., {robot.n})", where=f"robot {robot.name!r}", got=array.shape,
@@ -159,13 +159,7 @@ def one_configuration(robot: Robot, q: ArrayLike) -> Array:
     Raises:
         ConfigurationError: another shape, or a value that is no number or not finite.
     """
-    try:
-        configuration = np.array(unmasked(q, "q", ConfigurationError), dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ConfigurationError(
-            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
-            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
-        ) from error  # fmt: skip
+    configuration = np.array(as_numbers(q, "q", ConfigurationError))
     if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
         names = ", ".join(joint.name for joint in robot.variables)
         raise ConfigurationError(
@@ -266,7 +260,7 @@ def link_poses(robot: Robot, q: ArrayLike) -> Array:
     return _core.links(chain_of(robot), rows).reshape(*batch, len(robot.joints) + 2, 4, 4)
 
 
-def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: Array | None = None) -> Array:
+def jacobian(robot: Robot, q: ArrayLike, frame: Frame | str = WORLD_ALIGNED, *, out: Array | None = None) -> Array:
     """Geometric Jacobian: column i is the twist (v; ω) that unit speed of joint i gives the tip.
 
     J_i = (Rᵀ(v_i + ω_i × p) ; Rᵀω_i), with R the axes and p the reference point of `frame` (AM eq. 1; for a revolute
@@ -275,7 +269,7 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
-        frame: SPACE, BODY, WORLD_ALIGNED (default), or any `Frame` of the chain.
+        frame: SPACE, BODY, WORLD_ALIGNED (default), or any `Frame` of the chain; or "space", "tip", "base".
         out: where to write the result, float64 of its shape; fresh memory costs a large batch up to half its time.
 
     Returns:
@@ -284,13 +278,14 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
         OptionError: out has another shape or type, or shares memory with q.
-        TaskError: the frame names a link that does not exist.
+        TaskError: no such frame, or it names a link that does not exist.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> jacobian(open_robot("pa10"), [0.0] * 7).shape
         (6, 7)
     """
+    frame = frame_of(frame)
     single = jacobian_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
     if single is not None:
         return single
@@ -299,7 +294,9 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
     return found.reshape(*batch, 6, robot.n) if out is None else out
 
 
-def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: Array | None = None) -> Array:
+def jacobian_derivative(
+    robot: Robot, q: ArrayLike, frame: Frame | str = WORLD_ALIGNED, *, out: Array | None = None
+) -> Array:
     """Derivative of the Jacobian by every joint, from the bracket.
 
     In SPACE, ∂J_i/∂q_k = [J_k, J_i] for k < i, else 0. In another frame the reference point and the axes move too:
@@ -317,8 +314,9 @@ def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
         OptionError: out has another shape or type, or shares memory with q.
-        TaskError: the frame names a link that does not exist.
+        TaskError: no such frame, or it names a link that does not exist.
     """
+    frame = frame_of(frame)
     single = derivative_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
     if single is not None:
         return single

@@ -40,6 +40,23 @@ BODY = Frame(TIP, TIP)
 WORLD_ALIGNED = Frame(BASE, TIP)
 """Base axes, reference point at the tip: the default."""
 
+FRAMES = {"base": WORLD_ALIGNED, "tip": BODY, "space": SPACE}
+"""Frames by name, by their axes: a reference point at the tip, but for "space"."""
+
+
+def frame_of(frame: Frame | str) -> Frame:
+    """A frame, or the one of that name.
+
+    Raises:
+        TaskError: neither a frame nor the name of one.
+    """
+    if isinstance(frame, Frame):
+        return frame
+    if isinstance(frame, str) and frame in FRAMES:
+        return FRAMES[frame]
+    got = frame if isinstance(frame, str) else f"a {type(frame).__name__}"
+    raise TaskError("there is no such frame", where="frame", got=got, allowed=f"{', '.join(FRAMES)}, or a Frame")
+
 
 def link_index(link: int, joints: int, what: str) -> int:
     """Link number in 0 … joints + 1 (the last is the tip), from a number or TIP.

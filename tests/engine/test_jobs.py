@@ -239,3 +239,27 @@ def test_two_processes_on_loopback_are_a_cluster(truth: list[tuple[int, bytes]],
         for process in (worker, scheduler):
             process.terminate()
             process.wait()
+
+
+def test_two_processes_do_not_fill_one_folder(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
+    """The second is refused in one line while the first is at work; the lock ends with it."""
+    out, refused = tmp_path / "out", []
+
+    def second(chunk: int, content: bytes) -> None:
+        if not refused:
+            with pytest.raises(ResultFileError, match=r"out: another process is working on this; fix: wait"):
+                made(job(), folder=out)
+            refused.append(chunk)
+
+    assert list(finish(job(), Engine(here=True), folder=out, each=second)) == truth
+    assert refused
+    assert not list(out.glob("*.lock"))
+    assert made(job(), folder=out) == truth
+
+
+def test_a_finished_job_is_read_without_a_lock(
+    truth: list[tuple[int, bytes]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made(job(), folder=tmp_path)
+    monkeypatch.setattr("rankdrop.jobs.running.locked", lambda _: pytest.fail("a lock is made in a folder of results"))
+    assert made(job(), folder=tmp_path) == truth

@@ -8,6 +8,7 @@ import math
 import os
 import socket
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -108,3 +109,19 @@ def test_the_network_is_out_of_reach() -> None:
         assert connects(port)
         cut_off = not run_limited(connects, port, file="f", parser="P")
         assert cut_off is run_limited(has_namespaces, file="f", parser="P")
+
+
+def writes(size: int) -> str:
+    with tempfile.TemporaryFile() as stream:
+        stream.write(bytes(size))
+    kept = Path(tempfile.mkdtemp()) / "left"
+    kept.write_bytes(b"x")
+    return str(kept)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
+def test_a_temporary_folder_has_a_limit_and_is_removed() -> None:
+    kept = Path(run_limited(writes, 1000, file="f", parser="P", scratch=1000))
+    assert not kept.parent.parent.exists()
+    with pytest.raises(RobotError, match=os.strerror(errno.EFBIG)):
+        run_limited(writes, 1001, file="f", parser="P", scratch=1000)

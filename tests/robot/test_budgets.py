@@ -23,10 +23,11 @@ from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader
 from rankdrop.robot.ideal import read_tolerance
+from rankdrop.robot.mesh_file import LARGEST_MESH, MOST_FACES, MOST_INSTANCES, MOST_MESHES, MOST_VERTICES
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import Angles, quantity
-from rankdrop.robot.shapes import LARGEST_MESH
+from rankdrop.robot.shapes import MOST_VISUALS
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf, number
 from robot.urdf_text import chain, joint, robot
@@ -272,7 +273,7 @@ def test_an_archive_tells_its_size_before_it_is_unpacked(tmp_path: Path, monkeyp
     np.savez_compressed(path, q=np.zeros((20_000, 4)), other=np.zeros(10))
     assert read_trajectory(path, ARM).q.shape == (20_000, 4)
     monkeypatch.setattr("rankdrop.motion.files.LARGEST_ARRAY", 100_000)
-    monkeypatch.setattr(np, "load", lambda *_, **__: pytest.fail("it was unpacked"))
+    monkeypatch.setattr("rankdrop.motion.files.read_array", lambda *_, **__: pytest.fail("it was unpacked"))
     with pytest.raises(RankdropError, match=r"bomb.npz, q: the array is too large"):
         read_trajectory(path, ARM)
 
@@ -316,11 +317,14 @@ def test_the_page_of_limits_is_what_the_code_has() -> None:
     for start, value in {
         "XML (URDF": f"{files.LARGEST_FILE // mb} MB", "TOML, lists": f"{files.LARGEST_TABLE // mb} MB",
         "YAML": f"{files.LARGEST_YAML // mb} MB;", "array in": f"{files.LARGEST_ARRAY // mb} MB,",
-        "mesh": f"{LARGEST_MESH // mb} MB", "moving joints": f"{files.MOST_JOINTS:,}",
+        "mesh file of": f"{LARGEST_MESH // mb} MB", "mesh files": f"{MOST_MESHES}", "shapes": f"{MOST_VISUALS:,}",
+        "triangles": f"{MOST_FACES:,}", "vertices": f"{MOST_VERTICES:,}", "copies": f"{MOST_INSTANCES:,}",
+        "moving joints": f"{files.MOST_JOINTS:,}",
         "joints of a chain": f"{files.MOST_STEPS:,}", "elements of an XML file": f"{files.MOST_ELEMENTS:,}",
         "elements of an MJCF": f"{files.MOST_BODIES:,}", "elements of XML, lists": f"{files.DEEPEST}",
         "dots in": f"{files.DOTS**0.5:,.0f}; over all lines the sum of their squares up to {files.DOTS:,}",
-        "rows of": f"{files.MOST_ROWS:,}", "characters of": f"{files.LONGEST_HEAD}",
+        "rows of": f"{files.MOST_ROWS:,}", "arrays of": f"{files.MOST_MEMBERS:,}",
+        "characters of": f"{files.LONGEST_HEAD}",
         "length, place": f"−{files.LARGEST_LENGTH:g} … {files.LARGEST_LENGTH:g} m".replace("e+", "e"),
         "angle, joint": f"−{files.LARGEST_ANGLE:g} … {files.LARGEST_ANGLE:g} rad".replace("e+06", "e6"),
         "entry of": f"−{files.LARGEST_NUMBER:g} … {files.LARGEST_NUMBER:g}".replace("e+", "e"),

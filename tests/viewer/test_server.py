@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from http.client import HTTPConnection
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +96,29 @@ def test_exposed_it_wants_the_token() -> None:
         assert answer(viewer, Cookie=cookie, Sec_WebSocket_Protocol="viser-v0", **HANDSHAKE)[0] == 101
     finally:
         viewer.close()
+
+
+JUNK = {"no message": b"\xc1\xff", "text": "hello", "unknown": b"\x81\xa4type\xa3abc", "empty": b"", "list": b"\x90"}
+
+
+@pytest.mark.parametrize("kind", JUNK)
+def test_junk_of_a_client_is_one_line(kind: str, viewer: Viewer, caplog: pytest.LogCaptureFixture) -> None:
+    """It was a traceback of 17 lines. The viewer goes on."""
+    from websockets.exceptions import ConnectionClosed
+    from websockets.sync.client import connect
+
+    protocol = f"viser-v{version('viser')}"
+    address = f"ws://localhost:{viewer.server.get_port()}/"
+    with connect(address, subprotocols=[protocol]) as page:  # type: ignore[list-item]
+        page.send(JUNK[kind])
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                page.recv(timeout=20)
+    told = [caplog.handler.format(record) for record in caplog.records if record.name.startswith("rankdrop")]
+    assert len(told) == 1
+    assert "\n" not in told[0]
+    assert "it sent what cannot be read" in told[0]
+    assert answer(viewer)[0] == 200
 
 
 def test_no_client_can_ask_for_a_tunnel(viewer: Viewer) -> None:

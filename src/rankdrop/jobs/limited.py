@@ -1,6 +1,6 @@
 """Run a foreign parser in a child process with limits on memory, processor time and files.
 
-MuJoCo's compiler, xacro, NumPy's archives and ROS bags unpack what a file asks for: 200 bytes may ask for gigabytes.
+MuJoCo's compiler, xacro, meshes and ROS bags unpack what a file asks for: 200 bytes may ask for gigabytes.
 The child reads the file and returns plain data. A child that meets a limit, or crashes, is one line of error.
 
 Limits hold where the system has them: memory on Linux, processor time and written files on Linux and macOS, waiting
@@ -17,6 +17,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,12 +33,13 @@ PATIENCE = 20 * CPU
 """Time by the clock that a child may take [s]: waiting for a pipe costs no processor time."""
 _NEW_USER, _NEW_NETWORK = 0x10000000, 0x40000000  # CLONE_NEWUSER, CLONE_NEWNET
 _OUT_OF_MEMORY = 3  # exit code of a child
+_TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # where Python looks for a folder of temporary files
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")  # each takes memory
 
 
 def run_limited(
     function: Callable[..., Any], *arguments: Any, file: str | Path, parser: str,
-    memory: int | None = None, cpu: int | None = None, error: type[RankdropError] = RobotError,
+    memory: int | None = None, cpu: int | None = None, scratch: int = 0, error: type[RankdropError] = RobotError,
 ) -> Any:
     """The result of a function that is called in a child process with limits.
 
@@ -48,6 +50,8 @@ def run_limited(
         parser: whose code reads it, for errors ("MuJoCo").
         memory: data that the child may hold [bytes]; None for `MEMORY`.
         cpu: processor time of the child [s]; None for `CPU`.
+        scratch: bytes that a file may have which the child writes; it has a temporary folder of its own then, which is
+            removed afterwards, however the child ends. 0: the child writes nothing.
         error: type of all errors.
 
     Raises:
@@ -55,15 +59,20 @@ def run_limited(
     """
     memory, cpu = memory or MEMORY, cpu or CPU
     paths = [str(Path(__file__).resolve().parents[2]), *(path for path in sys.path if path)]
-    request = {"function": [function.__module__, function.__name__], "arguments": arguments, "limits": [memory, cpu]}
-    try:
-        child = subprocess.run(
-            [sys.executable, "-P", "-m", "rankdrop.jobs.limited"], input=json.dumps(request).encode(), timeout=PATIENCE,
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env={**os.environ, **_ONE_THREAD, "PYTHONPATH": os.pathsep.join(paths)},
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        raise error(f"{parser} does not finish reading the file", where=str(file), allowed=f"{PATIENCE} s") from None
+    request = {"function": [function.__module__, function.__name__], "arguments": arguments,
+               "limits": [memory, cpu, scratch]}  # fmt: skip
+    environment = {**os.environ, **_ONE_THREAD, "PYTHONPATH": os.pathsep.join(paths)}
+    with tempfile.TemporaryDirectory(prefix="rankdrop-") if scratch else contextlib.nullcontext() as folder:
+        if folder is not None:
+            environment |= dict.fromkeys(_TEMPORARY, folder)
+        try:
+            child = subprocess.run(
+                [sys.executable, "-P", "-m", "rankdrop.jobs.limited"], input=json.dumps(request).encode(),
+                timeout=PATIENCE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            raise error(f"{parser} does not finish reading the file", where=str(file),
+                        allowed=f"{PATIENCE} s") from None  # fmt: skip
     kind, _, content = child.stdout.partition(b"\n")
     if child.returncode != 0 or kind not in (b"bytes", b"json", b"error"):
         raise error(f"{parser} {_end_of(child.returncode, memory, cpu)}", where=str(file),
@@ -102,13 +111,13 @@ def _serve() -> None:
     os._exit(0)  # libraries may crash as they end
 
 
-def _limit(memory: int, cpu: int) -> None:
+def _limit(memory: int, cpu: int, scratch: int) -> None:
     """Set the limits of this process, and cut it off from the network, as far as the system can."""
     try:
         import resource
     except ImportError:  # Windows
         return
-    for limit, most in ((resource.RLIMIT_DATA, memory), (resource.RLIMIT_CPU, cpu), (resource.RLIMIT_FSIZE, 0),
+    for limit, most in ((resource.RLIMIT_DATA, memory), (resource.RLIMIT_CPU, cpu), (resource.RLIMIT_FSIZE, scratch),
                         (resource.RLIMIT_CORE, 0)):  # fmt: skip
         with contextlib.suppress(OSError, ValueError):  # a lower one is set already
             resource.setrlimit(limit, (most, most))

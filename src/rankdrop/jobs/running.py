@@ -103,18 +103,22 @@ def error_from_dict(record: dict[str, Any]) -> RankdropError:
 
 
 @contextmanager
-def alone(path: str | Path) -> Iterator[None]:
+def alone(path: str | Path, inside: str = "") -> Iterator[None]:
     """Work on a file or a folder as the only process.
+
+    Args:
+        path: of the file or folder.
+        inside: name in the folder next to which the lock is made; else it is made next to the path.
 
     Raises:
         ResultFileError: another process works on it, or no lock can be made there.
     """
     with ExitStack() as held:
         try:
-            held.enter_context(locked(path))
+            held.enter_context(locked(Path(path, inside)))
         except BlockingIOError as error:
             raise ResultFileError("another process is working on this", where=str(path),
-                                  mend="wait until it has ended, or name another file") from error  # fmt: skip
+                                  mend="wait until it has ended, or name another one") from error  # fmt: skip
         except OSError as error:
             raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
         yield
@@ -360,26 +364,31 @@ def finish(
     engine = engine or Engine()
     check_engine(engine)
     tell = report or (lambda done, total: None)
-    kept = None if folder is None else Folder.open(folder, job)
-    done = kept.finished() if kept is not None else set()
-    memory: dict[int, bytes] = {}
-    count = len(done)
-    if kept is not None and each is not None:
-        for chunk in sorted(done):
-            each(chunk, kept.read(chunk))
-    tell(count, job.chunks)
-    left = [chunk for chunk in range(job.chunks) if chunk not in done]
-    if left:
-        with contextlib.closing(_made(job, left, engine)) as making:
-            for chunk, content in making:
-                if kept is not None:
-                    kept.keep(chunk, content)
-                else:
-                    memory[chunk] = content
-                if each is not None:
-                    each(chunk, content)
-                count += 1
-                tell(count, job.chunks)
+    with contextlib.ExitStack() as held:
+        kept = None if folder is None else Folder.open(folder, job)
+        done = kept.finished() if kept is not None else set()
+        if kept is not None and len(done) < job.chunks:
+            held.enter_context(alone(kept.path, JOB))
+            kept = Folder.open(kept.path, job)  # another process may have begun another job, or finished chunks, since
+            done = kept.finished()
+        memory: dict[int, bytes] = {}
+        count = len(done)
+        if kept is not None and each is not None:
+            for chunk in sorted(done):
+                each(chunk, kept.read(chunk))
+        tell(count, job.chunks)
+        left = [chunk for chunk in range(job.chunks) if chunk not in done]
+        if left:
+            with contextlib.closing(_made(job, left, engine)) as making:
+                for chunk, content in making:
+                    if kept is not None:
+                        kept.keep(chunk, content)
+                    else:
+                        memory[chunk] = content
+                    if each is not None:
+                        each(chunk, content)
+                    count += 1
+                    tell(count, job.chunks)
     for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
         yield chunk, kept.read(chunk) if kept is not None else memory.pop(chunk)
 

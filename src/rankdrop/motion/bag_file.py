@@ -7,8 +7,10 @@ count from the first row.
 
 from __future__ import annotations
 
+import errno
 import io
 import json
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -31,6 +33,9 @@ _STATE, _PLAN = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajecto
 _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}
 _LISTED = 12  # topics that an error names
 _SECONDS = 1.0  # of the processor for each MB of a bag, besides those that every file has
+_SCRATCH = 64 * 2**20  # bytes that a recording whose files are compressed may have unpacked,
+_RATIO = 100  # and as many for each byte of it
+_PAGE = 65536  # bytes that a reader may ask for beyond the end of a file
 
 
 def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = False) -> Trajectory:
@@ -57,10 +62,14 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
     except ImportError as error:
         raise MissingExtraError("rosbags", "bags", "a ROS bag") from error
     del rosbags
-    size = sum(one.stat().st_size for one in (path.iterdir() if path.is_dir() else [path]))
+    files = list(path.iterdir()) if path.is_dir() else [path]
+    size = sum(one.stat().st_size for one in files)
+    packed = sum(one.suffix.lower() == ".zstd" for one in files)
+    scratch = (_SCRATCH + _RATIO * size) // packed if packed else 0
     names = [joint.name for joint in robot.variables]
     content = run_limited(bag_rows, name, names, topic, file=path, parser="the reader of ROS bags",
-                          memory=MEMORY, cpu=CPU + int(_SECONDS * size / 1e6), error=TrajectoryError)  # fmt: skip
+                          memory=MEMORY, cpu=CPU + int(_SECONDS * size / 1e6), scratch=scratch,
+                          error=TrajectoryError)  # fmt: skip
     parts = np.load(io.BytesIO(content))
     about = json.loads(str(parts["about"]))
     found = arranged(about["where"], robot, parts, deg=deg)
@@ -107,11 +116,32 @@ def _opened(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str
     with _reading(str(path)):
         if path.suffix.lower() == ".bag":
             store = get_typestore(Stores.ROS1_NOETIC)
-            return store.deserialize_ros1, Reader1(path), lambda kind: str(store.generate_msgdef(kind)[1])
+            reader = Reader1(_MeasuredPath(path))
+            return store.deserialize_ros1, reader, lambda kind: str(store.generate_msgdef(kind)[1])
         for file in [path] if path.is_file() else sorted(path.glob("*.db3")):
             _check_database(file)
         store = get_typestore(Stores.LATEST)
-        return store.deserialize_cdr, Reader2(path), lambda kind: str(store.hash_rihs01(kind))
+        return store.deserialize_cdr, Reader2(_MeasuredPath(path)), lambda kind: str(store.hash_rihs01(kind))
+
+
+class _MeasuredPath(type(Path())):  # type: ignore[misc]  # the class of paths of this system
+    """A path that opens files which refuse to read far beyond their end."""
+
+    def open(self, mode: str = "r", *_: Any, **__: Any) -> Any:
+        return _Measured(io.FileIO(self, "rb")) if mode == "rb" else super().open(mode)
+
+
+class _Measured(io.BufferedReader):
+    """A file in which a damaged length costs no memory: nothing is longer than what is left of the file."""
+
+    def __init__(self, raw: io.FileIO) -> None:
+        super().__init__(raw)
+        self._size = os.fstat(raw.fileno()).st_size
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        if size is not None and size > self._size - self.tell() + _PAGE:
+            raise OverflowError
+        return super().read(size)
 
 
 def _check_database(file: Path) -> None:
@@ -141,6 +171,10 @@ def _reading(where: str) -> Iterator[None]:
     except (RankdropError, MemoryError):  # the process that reads a bag has a limit on its memory
         raise
     except Exception as error:
+        if isinstance(error, OSError) and error.errno == errno.EFBIG:
+            raise TrajectoryError("the files of the recording unpack to too much", where=where,
+                                  allowed=f"{_SCRATCH // 2**20} MB and {_RATIO} times their size together",
+                                  mend="unpack them by zstd -d") from error  # fmt: skip
         got = DAMAGES.get(type(error)) or " ".join(f"{type(error).__name__}: {error}".split())[:160]
         raise TrajectoryError("the bag cannot be read, it is damaged or cut off", where=where, got=got,
                               mend=BAG_MEND) from error  # fmt: skip

@@ -35,7 +35,7 @@ from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions
 from rankdrop.results.explanation import Explanation, known_families
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.transform import from_xyz_rpy, nearest_rotation, unmasked
+from rankdrop.robot.transform import as_numbers, from_xyz_rpy, nearest_rotation
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.inverse import inverse_sections, inverse_sentence
@@ -188,7 +188,7 @@ def matrix_of(pose: ArrayLike) -> Array:
     Raises:
         ConfigurationError: neither of these, not finite, no rotation, or no unit quaternion.
     """
-    given = np.asarray(unmasked(pose, "pose", ConfigurationError), dtype=np.float64)
+    given = as_numbers(pose, "pose", ConfigurationError)
     forms = "a (4, 4) matrix; x,y,z; x,y,z,roll,pitch,yaw; or x,y,z,qx,qy,qz,qw [m, rad]"
     if given.shape not in ((4, 4), (3,), (6,), (7,)):
         raise ConfigurationError("this is no pose", where="pose", got=f"shape {given.shape}", allowed=forms)

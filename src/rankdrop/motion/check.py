@@ -57,7 +57,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
-from rankdrop.robot.transform import unmasked
+from rankdrop.robot.transform import as_numbers
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.paths import reading_remarks
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -118,7 +118,7 @@ def check_path(
     """
     check_robot(robot)
     how = PathOptions.of(options, given)
-    samples = np.asarray(unmasked(q, "q", ConfigurationError), dtype=np.float64)
+    samples = as_numbers(q, "q", ConfigurationError)
     if samples.ndim != 2 or not len(samples):
         raise ConfigurationError(
             "a path has one row for each sample", where="q", got=f"shape {samples.shape}",
@@ -145,7 +145,7 @@ def check_path(
 def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
     if t is None:
         return None
-    times = np.asarray(unmasked(t, "t", ConfigurationError), dtype=np.float64)
+    times = as_numbers(t, "t", ConfigurationError)
     if times.shape != (count,):
         raise ConfigurationError(f"there is one time for each {what}", where="t", got=f"shape {times.shape}",
                                  allowed=f"shape ({count},)")  # fmt: skip
@@ -153,7 +153,7 @@ def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
 
 
 def _like(rows: Array, values: ArrayLike, name: str, robot: Robot) -> Array:
-    array = np.asarray(unmasked(values, name, ConfigurationError), dtype=np.float64)
+    array = as_numbers(values, name, ConfigurationError)
     if array.shape != rows.shape:
         raise ConfigurationError(f"{name} have the shape of q", where=name, got=f"shape {array.shape}",
                                  allowed=f"shape {rows.shape}")  # fmt: skip
@@ -333,7 +333,7 @@ def _apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
 
 
 def _checked(poses: ArrayLike) -> Array:
-    wanted = np.asarray(unmasked(poses, "poses", ConfigurationError), dtype=np.float64)
+    wanted = as_numbers(poses, "poses", ConfigurationError)
     if wanted.ndim != 3 or wanted.shape[1:] != (4, 4) or not len(wanted):
         raise ConfigurationError("a tool path has one matrix for each pose", where="poses",
                                  got=f"shape {wanted.shape}", allowed="shape (P, 4, 4), P ≥ 1")  # fmt: skip
@@ -364,7 +364,7 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
 def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, int]:
     """A configuration at the first pose, and how many it was chosen from; 0: it was given."""
     if start is not None:
-        given = np.asarray(unmasked(start, "start", ConfigurationError), dtype=np.float64)
+        given = as_numbers(start, "start", ConfigurationError)
         if given.shape != (robot.n,) or not np.isfinite(given).all():
             raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
                                      allowed=f"{robot.n} finite numbers")  # fmt: skip

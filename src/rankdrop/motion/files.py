@@ -12,16 +12,22 @@ import reprlib
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, prod
 from pathlib import Path
 from tokenize import TokenError
-from typing import Any
-from zipfile import BadZipFile, ZipFile, is_zipfile
+from typing import Any, BinaryIO
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
-from numpy.lib.format import MAGIC_PREFIX
+from numpy.lib.format import (
+    MAGIC_PREFIX,
+    read_array,
+    read_array_header_1_0,
+    read_array_header_2_0,
+    read_magic,
+)
 from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
@@ -43,7 +49,18 @@ from rankdrop.motion.trajectory import (
     parse_trajectory,
     read_table,
 )
-from rankdrop.robot.files import DEEPEST, LARGEST_ARRAY, LARGEST_YAML, MOST_ROWS, RANGE, allowed_range, read_text
+from rankdrop.robot.files import (
+    DEEPEST,
+    LARGEST_ARRAY,
+    LARGEST_YAML,
+    LONGEST_HEAD,
+    MOST_MEMBERS,
+    MOST_ROWS,
+    MOST_STEPS,
+    RANGE,
+    allowed_range,
+    read_text,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.text.paths import MILLIMETRES
@@ -61,6 +78,9 @@ _DAMAGED = (ValueError, TypeError, EOFError, BadZipFile, NotImplementedError, Me
             RecursionError, RuntimeError, TokenError, zlib.error)  # fmt: skip
 """What NumPy raises over a file that is none: its headers are parsed as Python's literals."""
 _MOST = f"at most {LARGEST_ARRAY // 2**20} MB"
+_HEADER = 10_240  # bytes: NumPy itself accepts headers of 10,000
+_ZIP_END = 22  # bytes of the record at the end of an archive
+_ENTRY = 1024  # bytes of a member in the list of an archive
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsecs")
 _ENTRIES = {"q": "positions", "qd": "velocities", "qdd": "accelerations"}
@@ -194,62 +214,141 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     where = str(path)
     loaded = _load(path)
     if isinstance(loaded, np.ndarray):
-        q = _as_numbers(loaded, where)
+        q = _doubles(loaded)
         timed = q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and increasing(q[:, 0])
         return arranged(where, robot, {"q": q[:, 1:], "t": q[:, 0]} if timed else {"q": q}, deg=deg)
-    members = {kind[0]: next((loaded[name] for name in kind if name in loaded), None) for kind in ARRAYS}
-    if members["q"] is None:
-        raise TrajectoryError("the archive has no positions", where=where, got=", ".join(loaded) or "nothing",
-                              allowed=" or ".join(ARRAYS[0]))  # fmt: skip
-    names = members.pop("joint_names")
-    listed = None if names is None else [str(name) for name in np.asarray(names).reshape(-1)]
-    parts = {key: None if part is None else _as_numbers(part, f"{where}, {key}") for key, part in members.items()}
+    names = loaded.pop("joint_names", None)
+    listed = None if names is None else _texts(names)
+    parts = {key: _doubles(part) for key, part in loaded.items()}
     return arranged(where, robot, parts, listed, deg=deg)
 
 
-def _load(path: Path) -> Array | Mapping[str, Any]:
-    """The array, or those of the archive that are read."""
+def _doubles(numbers: NDArray[Any]) -> Array:
+    with np.errstate(over="ignore"):  # longer floats beyond the doubles become infinite, which is refused with its row
+        return numbers.astype(np.float64)
+
+
+def _texts(names: NDArray[Any]) -> list[str]:
+    """Names as Python's texts; an array of bytes is UTF-8."""
+    listed = names.reshape(-1).tolist()
+    return [name.decode("utf-8", "replace") if isinstance(name, bytes) else name for name in listed]
+
+
+def _load(path: Path) -> Array | dict[str, Array]:
+    """The array, or those of the archive that are read. Headers are judged before any array is unpacked."""
     try:
+        if is_endless(path):
+            raise TrajectoryError("this is not a file", where=str(path), got="a pipe or a device")
         if path.stat().st_size > LARGEST_ARRAY:
             raise TrajectoryError("the file is too large", where=str(path), allowed=_MOST)
-        with path.open("rb") as file:
-            begin = file.read(len(MAGIC_PREFIX))
-        if begin == MAGIC_PREFIX:  # an array may hold the bytes of an archive, too
-            with warnings.catch_warnings():  # a header of Python 2 is read as any other
-                warnings.simplefilter("ignore", UserWarning)
-                return np.asarray(np.load(path, allow_pickle=False))
-        if not is_zipfile(path):
-            raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=repr(begin))
-        wanted = {name for kind in ARRAYS for name in kind}
-        _check_members(path, wanted)
-        with np.load(path, allow_pickle=False) as loaded:
-            return {name: loaded[name] if name in wanted else None for name in loaded}
+        with path.open("rb") as file, warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # a header of Python 2 is read as any other
+            begin = file.read(_HEADER)
+            if begin.startswith(MAGIC_PREFIX):  # an array may hold the bytes of an archive, too
+                _judge(begin, "q", str(path))
+                file.seek(0)
+                return np.asarray(read_array(file, allow_pickle=False))
+            if not is_zipfile(file):
+                raise TrajectoryError("this is not a file of NumPy's", where=str(path),
+                                      got=repr(begin[: len(MAGIC_PREFIX)]))  # fmt: skip
+            _check_directory(file, str(path))
+            with ZipFile(file) as archive:
+                return _members(archive, str(path))
     except OSError as error:
         raise TrajectoryError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from None
     except _DAMAGED as error:
         raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=str(error)[:80]) from None
 
 
-def _check_members(path: Path, wanted: set[str]) -> None:
-    """Refuse an archive with two arrays of a name, or too large ones: it tells the size of each before it is read."""
-    with ZipFile(path) as archive:
-        members = [(one.filename.removesuffix(".npy"), one.file_size) for one in archive.infolist()]
-    for name in [name for name, count in Counter(name for name, _ in members).items() if count > 1][:1]:
-        raise TrajectoryError("two arrays of the archive have the same name", where=f"{path}, {name}",
-                              mend="name each array once")  # fmt: skip
-    read = [(size, name) for name, size in members if name in wanted]
-    if sum(size for size, _ in read) > LARGEST_ARRAY:
-        raise TrajectoryError("the array is too large", where=f"{path}, {max(read)[1]}", allowed=_MOST)
+def _check_directory(file: BinaryIO, where: str) -> None:
+    """Refuse an archive whose list of members is long, before `ZipFile` reads that list.
+
+    The list's size is in the record at the end of the archive (APPNOTE 4.3.16), which is found as `zipfile` finds it.
+    An archive within the limits of size needs no record of 64 bits (4.3.15), so that such an archive is refused.
+
+    Raises:
+        TrajectoryError: the list is longer than `MOST_MEMBERS` allow.
+    """
+    file.seek(0, io.SEEK_END)
+    file.seek(max(0, file.tell() - _ZIP_END - 2**16))
+    tail = file.read()
+    last = len(tail) - _ZIP_END
+    bare = tail.startswith(b"PK\5\6", last) and tail.endswith(b"\0\0")
+    end = last if bare else tail.rfind(b"PK\5\6")
+    size = int.from_bytes(tail[end + 12 : end + 16], "little")
+    wide = tail[max(0, end - 20) : end].startswith(b"PK\6\7")
+    if wide or size > MOST_MEMBERS * _ENTRY:
+        raise TrajectoryError("the archive has too many arrays", where=where, allowed=f"at most {MOST_MEMBERS:,}")
 
 
-def _as_numbers(value: Any, where: str) -> Array:
-    if np.size(value) * 8 > LARGEST_ARRAY:  # a byte of the file becomes eight
-        raise TrajectoryError("the array is too large", where=where, got=f"{np.size(value)} numbers", allowed=_MOST)
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        kind = np.asarray(value).dtype
-        raise TrajectoryError("these are no numbers", where=where, got=f"an array of {kind}") from None
+def _members(archive: ZipFile, where: str) -> dict[str, Array]:
+    """The arrays of an archive by the first name of their kind; all other members are None.
+
+    Raises:
+        TrajectoryError: too many members, two of a name, a header that is refused, or too many numbers.
+    """
+    listed = archive.infolist()
+    if len(listed) > MOST_MEMBERS:
+        raise TrajectoryError("the archive has too many arrays", where=where, got=len(listed),
+                              allowed=f"at most {MOST_MEMBERS:,}")  # fmt: skip
+    infos = {one.filename.removesuffix(".npy"): one for one in listed}
+    if len(infos) < len(listed):
+        counts = Counter(one.filename.removesuffix(".npy") for one in listed)
+        raise TrajectoryError("two arrays of the archive have the same name",
+                              where=f"{where}, {counts.most_common(1)[0][0]}", mend="name each array once")  # fmt: skip
+    chosen = {kind[0]: next((name for name in kind if name in infos), None) for kind in ARRAYS}
+    wanted = {key: name for key, name in chosen.items() if name is not None}
+    if "q" not in wanted:
+        raise TrajectoryError("the archive has no positions", where=where, got=", ".join(infos) or "nothing",
+                              allowed=" or ".join(ARRAYS[0]))  # fmt: skip
+    total = 0
+    for key, name in wanted.items():
+        place = f"{where}, {name}"
+        if infos[name].compress_type not in (ZIP_STORED, ZIP_DEFLATED):  # others may ask for gigabytes to start
+            raise TrajectoryError("the array is packed in another way than NumPy packs", where=place,
+                                  mend="write it by numpy.savez or numpy.savez_compressed")  # fmt: skip
+        with archive.open(infos[name]) as stream:
+            total += _judge(stream.read(_HEADER), key, place)
+        if total > LARGEST_ARRAY:
+            raise TrajectoryError("the arrays are too large", where=where, allowed=f"{_MOST} together")
+    found: dict[str, Array] = {}
+    for key, name in wanted.items():
+        with archive.open(infos[name]) as stream:
+            found[key] = np.asarray(read_array(stream, allow_pickle=False))
+    return found
+
+
+def _judge(begin: bytes, key: str, where: str) -> int:
+    """Bytes that the array takes as it is read and as doubles, by its header: shape and type.
+
+    Args:
+        begin: of the file or member; a longer header than `_HEADER` is damage.
+        key: which array it is, of `ARRAYS`.
+        where: for errors.
+
+    Raises:
+        TrajectoryError: the type is none of numbers (of texts, for names), or the array is too large.
+        ValueError: it is no header.
+    """
+    stream = io.BytesIO(begin)
+    read_header = read_array_header_1_0 if read_magic(stream) == (1, 0) else read_array_header_2_0
+    shape, _, dtype = read_header(stream)
+    texts = key == "joint_names"
+    if dtype.kind not in ("US" if texts else "fiu"):
+        raise TrajectoryError("these are no names" if texts else "these are no numbers", where=where,
+                              got=f"an array of {dtype}")  # fmt: skip
+    if min(shape, default=1) < 0:
+        raise TrajectoryError("the array has a negative size", where=where, got=f"shape {shape}")
+    if texts and not (len(shape) <= 1 and prod(shape) <= MOST_STEPS and 0 < dtype.itemsize <= 4 * LONGEST_HEAD):
+        raise TrajectoryError("the names of the joints are too many or too long", where=where,
+                              got=f"shape {shape} of {dtype}",
+                              allowed=f"at most {MOST_STEPS:,} of {LONGEST_HEAD} characters")  # fmt: skip
+    size = prod(shape) * max(8, dtype.itemsize)  # a byte of the file becomes eight
+    if size > LARGEST_ARRAY:
+        raise TrajectoryError("the array is too large", where=where, got=f"{prod(shape)} numbers", allowed=_MOST)
+    if shape and shape[0] > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=where, got=shape[0], allowed=f"at most {MOST_ROWS}")
+    return size
 
 
 def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool = False) -> Trajectory:

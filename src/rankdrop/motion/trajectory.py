@@ -6,6 +6,7 @@ import csv
 import io
 import re
 import warnings
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, radians
@@ -203,8 +204,9 @@ def arranged(
 def _order_of_joints(where: str, robot: Robot, names: list[str]) -> list[int]:
     """Columns of the arm's joints."""
     wanted = [joint.name for joint in robot.variables]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    missing = [name for name in wanted if name not in names]
+    counts = Counter(names)
+    twice = sorted(name for name, count in counts.items() if count > 1)
+    missing = [name for name in wanted if name not in counts]
     if twice or missing:
         raise TrajectoryError(
             "a joint is named twice" if twice else "joints are missing", where=where, got=", ".join(names),

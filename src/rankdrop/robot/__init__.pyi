@@ -4,6 +4,7 @@ from .files import LARGEST_FILE as LARGEST_FILE
 from .ideal import intended_tolerance as intended_tolerance
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance
+from .mesh_file import LARGEST_MESH as LARGEST_MESH
 from .model import Array as Array
 from .model import Joint as Joint
 from .model import JointKind as JointKind
@@ -28,7 +29,6 @@ from .quantities import count as count
 from .quantities import degrees_text as degrees_text
 from .quantities import quantity as quantity
 from .quantities import read_lengths as read_lengths
-from .shapes import LARGEST_MESH as LARGEST_MESH
 from .shapes import Mesh as Mesh
 from .shapes import Visual as Visual
 from .shapes import meshes_of as meshes_of

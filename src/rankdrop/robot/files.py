@@ -39,6 +39,8 @@ LARGEST_YAML = 2 * 2**20
 """Bytes of a trajectory in YAML, which is read a hundred times more slowly than JSON."""
 LARGEST_ARRAY = 500 * 2**20
 """Bytes of an array in NumPy's files; a million rows of twenty joints have a third of it."""
+MOST_MEMBERS = 1_000
+"""Arrays of an archive of NumPy's; at most five of them are read."""
 LONGEST_HEAD = 200
 """Characters of the name of a column."""
 LONGEST_NAME = 200

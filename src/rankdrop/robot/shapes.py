@@ -1,12 +1,10 @@
 """The shapes that a URDF draws its links with: which mesh or solid, where on which link, and their triangles.
 
-Triangles are read by trimesh: one file at a time, and nothing that a file points to.
+Files of triangles are read by `robot.mesh_file`.
 """
 
 from __future__ import annotations
 
-import io
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +16,7 @@ from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, RankdropError, RobotError
 from rankdrop.robot.files import Element, read_text, read_xml
+from rankdrop.robot.mesh_file import GREY, MOST_FACES, MOST_VERTICES, Part, check_count, read_meshes
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import from_xyz_rpy, inverse, times
@@ -26,12 +25,9 @@ from rankdrop.robot.urdf import joint_origin, number, three
 from rankdrop.robot.xacro import EXPANDED, PLACES, expand_file, find_package
 
 MESHES = (".stl", ".dae", ".obj", ".ply")
-GREY = (0.72, 0.74, 0.77)
+MOST_VISUALS = 2_000
+"""Shapes of an arm; a humanoid has a hundred."""
 _NOT_READ = frozenset({"collision", "inertial", "transmission", "gazebo", "sensor"})
-LARGEST_MESH = 100 * 2**20
-"""Bytes of one file."""
-MOST_FACES = 3_000_000
-"""Triangles of an arm: more would not move smoothly in a browser."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,17 +81,18 @@ def visuals_of(
     known = dict(packages)
     shapes: list[Visual] = []
     notes: list[str] = []
-    for element in root.children:
-        if element.tag != "link":
-            continue
+    links = [element for element in root.children if element.tag == "link"]
+    every = [(link, visual) for link in links for visual in link.children if visual.tag == "visual"]
+    if len(every) > MOST_VISUALS:
+        error = RobotError("the file has too many shapes; the first ones are used", where=str(file), got=len(every),
+                           allowed=f"at most {MOST_VISUALS:,}")  # fmt: skip
+        notes.append(str(error))
+    for element, visual in every[:MOST_VISUALS]:
         link, pose = carriers[element.attributes["name"]]
-        for visual in element.children:
-            if visual.tag != "visual":
-                continue
-            try:
-                shapes.append(_visual(visual, link, pose, file, known, colours))
-            except RobotError as error:
-                notes.append(str(error))
+        try:
+            shapes.append(_visual(visual, link, pose, file, known, colours))
+        except RobotError as error:
+            notes.append(str(error))
     return tuple(shapes), tuple(notes)
 
 
@@ -236,43 +233,36 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
         import trimesh
     except ImportError:
         raise MissingExtraError("trimesh", "viewer", "drawing meshes") from None
+    parts = read_meshes([visual.file for visual in visuals if visual.file is not None])
     found: list[Mesh] = []
     notes: list[str] = []
-    faces = 0
+    faces = vertices = 0
     for visual in visuals:
         try:
-            for mesh in _read(trimesh, visual):
-                faces += len(mesh.faces)
-                if faces > MOST_FACES:
-                    raise RobotError("the meshes have too many triangles", where=str(visual.file),
-                                     allowed=f"{MOST_FACES}")  # fmt: skip
-                found.append(mesh)
+            used = _parts(trimesh, visual, parts)
+            more_faces, more_vertices = sum(len(part.faces) for part in used), sum(len(part.vertices) for part in used)
+            check_count(more_faces, more_vertices, str(visual.file), MOST_FACES - faces, MOST_VERTICES - vertices)
+            found += [_placed(part, visual) for part in used]
         except RankdropError as error:
             notes.append(str(error))
-        except Exception as error:  # a mesh that is damaged: whatever its reader raises
-            notes.append(f"{visual.file}: the mesh cannot be read: {type(error).__name__}: {str(error)[:200]}")
-    return tuple(found), tuple(notes)
+        else:
+            faces, vertices = faces + more_faces, vertices + more_vertices
+    return tuple(found), tuple(dict.fromkeys(notes))
 
 
-def _read(trimesh: Any, visual: Visual) -> list[Mesh]:
+def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[Part] | RankdropError]) -> list[Part]:
+    """The triangles of a visual before scale and place.
+
+    Raises:
+        RankdropError: its mesh could not be read.
+    """
     if visual.file is None:
-        return [_placed(_solid(trimesh, visual), visual, np.ones(3), visual.colour or GREY)]
-    data = _bytes(visual.file)
-    kind = visual.file.suffix.lower().removeprefix(".")
-    if kind == "dae":  # refuses document types and entities
-        read_xml(data.decode("utf-8", "replace"), str(visual.file))
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind)  # without a resolver no other file is opened
-    scale = np.array(visual.size) * _unit(scene)
-    parts = [part for part in scene.dump() if len(getattr(part, "faces", ())) > 0]
-    return [_placed(part, visual, scale, visual.colour or _own_colour(part)) for part in parts]
-
-
-def _bytes(file: Path) -> bytes:
-    with file.open("rb") as stream:
-        data = stream.read(LARGEST_MESH + 1)
-    if len(data) > LARGEST_MESH:
-        raise RobotError("the mesh is too large", where=str(file), allowed=f"at most {LARGEST_MESH // 2**20} MB")
-    return data
+        solid = _solid(trimesh, visual)
+        return [Part(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.uint32), GREY)]
+    found = read[visual.file]
+    if isinstance(found, RankdropError):
+        raise found
+    return found
 
 
 def _solid(trimesh: Any, visual: Visual) -> Any:
@@ -284,32 +274,12 @@ def _solid(trimesh: Any, visual: Visual) -> Any:
     return trimesh.creation.icosphere(radius=size[0], subdivisions=3)
 
 
-def _placed(mesh: Any, visual: Visual, scale: Array, colour: tuple[float, ...]) -> Mesh:
-    vertices = np.asarray(mesh.vertices, dtype=np.float64) * scale
-    faces = np.asarray(mesh.faces, dtype=np.uint32)
-    if np.prod(scale) < 0:
-        faces = faces[:, ::-1]  # a mirror turns triangles inside out
-    placed = vertices @ visual.pose[:3, :3].T + visual.pose[:3, 3]
+def _placed(part: Part, visual: Visual) -> Mesh:
+    scale = np.ones(3) if visual.file is None else np.array(visual.size)
+    faces = part.faces[:, ::-1] if np.prod(scale) < 0 else part.faces  # a mirror turns triangles inside out
+    with np.errstate(all="ignore"):
+        placed = (part.vertices * scale) @ visual.pose[:3, :3].T + visual.pose[:3, 3]
     if not np.isfinite(placed).all():
         raise RobotError("the mesh has vertices that are not finite", where=str(visual.file))
-    r, g, b = (round(255 * value) for value in colour[:3])
+    r, g, b = (round(255 * value) for value in (visual.colour or part.colour)[:3])
     return Mesh(visual.link, placed, faces, (r, g, b))
-
-
-def _unit(scene: Any) -> float:
-    """Metres per unit of a COLLADA file; the other formats have no unit, and URDF takes them as metres."""
-    for geometry in scene.geometry.values():
-        match = re.match(r"([\d.eE+-]+) \* meters", str(geometry.metadata.get("units", "")))
-        if match:
-            return float(match[1])
-    return 1.0
-
-
-def _own_colour(part: Any) -> tuple[float, ...]:
-    visual = getattr(part, "visual", None)
-    if visual is None or not visual.defined:
-        return GREY
-    colour = getattr(getattr(visual, "material", None), "main_color", None)
-    if colour is None:
-        colour = getattr(visual, "main_color", None)
-    return GREY if colour is None else tuple(float(value) / 255.0 for value in colour[:3])

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, pi, sin, sqrt
-from typing import TypeVar
+from numbers import Integral, Real
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,9 @@ from rankdrop.errors import RankdropError, RobotError
 
 Array = NDArray[np.float64]
 _Values = TypeVar("_Values")
+_NUMBERS = "real numbers"
+_DEEPEST = 64  # axes that an array of NumPy's may have
+_LARGEST_INTEGER = 2**64  # NumPy has integers below it
 _EXACT = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
@@ -25,6 +29,56 @@ def unmasked(values: _Values, what: str, error: type[RankdropError] = RobotError
     if np.ma.is_masked(values):
         raise error(f"{what} has masked values", mend="fill them in: q.filled(…)")
     return values
+
+
+def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) -> Array:
+    """What a caller hands in as a fresh or shared array of doubles: the conversion of every public function.
+
+    Numbers of Python and NumPy, fractions, decimals and whatever has a float are taken, in lists of equal lengths.
+    NumPy would also read texts, dates, the real part of complex numbers and what lies under a mask.
+
+    Args:
+        values: from the caller.
+        what: its name, for errors.
+        error: type of the errors.
+
+    Raises:
+        RankdropError: of that type: something else, lists of unequal lengths, or an integer beyond the doubles.
+    """
+    if type(values) is np.ndarray and values.dtype == np.float64:
+        return values
+    if _masked(values):
+        raise error(f"{what} has masked values", mend="fill them in: q.filled(…)")
+    try:
+        array = np.asarray(values)
+    except (ValueError, TypeError, OverflowError):
+        raise error(f"{what} is no array of numbers", got=f"a {type(values).__name__}", allowed=_NUMBERS) from None
+    if array.dtype.kind == "O":
+        wrong = [type(one).__name__ for one in array.flat if not _is_real(one)]
+        if wrong:
+            raise error(f"{what} is no array of numbers", got=f"a {wrong[0]}", allowed=_NUMBERS)
+        if any(isinstance(one, Integral) and abs(int(one)) >= _LARGEST_INTEGER for one in array.flat):
+            raise error(f"{what} has an integer of more than 64 bits", allowed=_NUMBERS)
+        try:
+            return array.astype(np.float64)
+        except (ValueError, TypeError, OverflowError):
+            raise error(f"{what} has a number beyond the doubles", allowed=_NUMBERS) from None
+    if array.dtype.kind not in "fiub":
+        raise error(f"{what} is no array of numbers", got=f"an array of {array.dtype}", allowed=_NUMBERS)
+    with np.errstate(over="ignore"):  # longer floats beyond the doubles become infinite
+        return np.asarray(array, dtype=np.float64)
+
+
+def _is_real(one: object) -> bool:
+    return isinstance(one, Real) or (hasattr(one, "__float__") and not isinstance(one, np.generic | np.ndarray))
+
+
+def _masked(values: Any, deep: int = 0) -> bool:
+    """Whether a value is masked, in lists of arrays too, as deep as NumPy reads them."""
+    if isinstance(values, list | tuple):
+        inside = (one for one in values if isinstance(one, list | tuple | np.ma.MaskedArray))
+        return deep < _DEEPEST and any(_masked(one, deep + 1) for one in inside)
+    return bool(np.ma.is_masked(values))
 
 
 def times(first: Array, *others: Array) -> Array:

@@ -19,6 +19,7 @@ import functools
 import gzip
 import hmac
 import io
+import logging
 import secrets
 import socket
 import threading
@@ -30,7 +31,7 @@ from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs, urlsplit
 
-from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.errors import MissingExtraError, OptionError, visible
 from rankdrop.robot import LARGEST_FILE
 
 if TYPE_CHECKING:
@@ -191,7 +192,8 @@ def _guarding(sockets: Any, gate: Gate, arrived: Callable[[str], None] | None) -
     @functools.wraps(plain)
     def serve(handler: Any, *args: Any, **options: Any) -> Any:
         inner = options.get("process_request")
-        bounds = {"max_size": LARGEST_MESSAGE, "max_queue": 4, "process_request": _asking(gate, inner, arrived)}
+        bounds = {"max_size": LARGEST_MESSAGE, "max_queue": 4, "process_request": _asking(gate, inner, arrived),
+                  "logger": _page_logger()}  # fmt: skip
         return plain(_few(handler), *args, **{**options, **bounds})
 
     sockets.serve = serve
@@ -199,6 +201,22 @@ def _guarding(sockets: Any, gate: Gate, arrived: Callable[[str], None] | None) -
         yield
     finally:
         sockets.serve = plain
+
+
+def _page_logger() -> logging.Logger:
+    """A log of connections in which an error is one line: who sends junk does not fill the terminal with tracebacks."""
+    log = logging.getLogger("rankdrop.viewer.pages")
+    log.addFilter(_one_line)  # twice is once
+    return log
+
+
+def _one_line(record: logging.LogRecord) -> bool:
+    error = record.exc_info[1] if record.exc_info else None
+    if error is not None:
+        reason = visible(" ".join(f"{type(error).__name__}: {error}".split()))[:200]
+        record.msg, record.args = f"a connection is closed, it sent what cannot be read: {reason}", ()
+        record.exc_info = record.exc_text = None
+    return True
 
 
 def _few(handler: Any) -> Any:

@@ -226,10 +226,10 @@ ELSEWHERE = {
     "length": "of a path in joint space, or in the arm", "lower": "of a joint, or of what is varied",
     "matrix": "a Jacobian, or cofactors of the scaled one", "median": "of distances, or of σ",
     "most": "of distances, or of σ", "off": "the tool's place, or place and turn together",
-    "points": "on an arm, or of a path", "ranges": "of joints, or of what is varied",
+    "place": "a row of a file, or a pose of a path", "points": "on an arm, or of a path", "ranges": "of joints, or of what is varied",
     "rate": "of σ, of a joint, or as a share of its limit", "residual": "of a configuration, or of a Jacobian",
     "rows": "of a path, or of a table", "step": "of one joint, of all, or a share of a step",
-    "upper": "of a joint, of what is varied, or of a share",
+    "to": "a place of the tool, or joints after a turn", "upper": "of a joint, of what is varied, or of a share",
     "value": "of a joint, of a condition, or of what is named beside it", "values": "of joints, or of what is varied",
 }  # fmt: skip
 

@@ -206,7 +206,7 @@ def test_bad_input_is_one_line(argv: list[str], said: str, capsys: pytest.Captur
 
 def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "viser", None)
-    with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
+    with pytest.raises(MissingExtraError, match=r"s source: pip install \"\.\[viewer\]\"$"):
         viewer_of("planar2r")
 
 

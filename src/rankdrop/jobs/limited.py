@@ -67,7 +67,8 @@ def run_limited(
             environment |= dict.fromkeys(_TEMPORARY, folder)
         try:
             child = subprocess.run(
-                [sys.executable, "-P", "-m", "rankdrop.jobs.limited"], input=json.dumps(request).encode(),
+                # -B: under the limit on files a compiled module would be cut off, and read so by the next one
+                [sys.executable, "-P", "-B", "-m", "rankdrop.jobs.limited"], input=json.dumps(request).encode(),
                 timeout=PATIENCE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment,
             )  # fmt: skip
         except subprocess.TimeoutExpired:

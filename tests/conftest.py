@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import signal
@@ -34,6 +35,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         dear = call is not None and named & {call.id, *call.id.split("-"), *map(str, call.params.values())}
         if dear or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
             item.add_marker(pytest.mark.slow)
+
+
+def pytest_collection_finish() -> None:
+    """Ten thousand tests stay until the end: the garbage collector need not look through them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 REQUIRED = bool(os.environ.get("RANKDROP_REQUIRE_ALL"))

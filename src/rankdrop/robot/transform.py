@@ -43,7 +43,7 @@ def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) 
         error: type of the errors.
 
     Raises:
-        RankdropError: of that type: something else, lists of unequal lengths, or an integer beyond the doubles.
+        rankdrop.errors.RankdropError: of that type: something else, unequal lists, or an integer beyond the doubles.
     """
     if type(values) is np.ndarray and values.dtype == np.float64:
         return values

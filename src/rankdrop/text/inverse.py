@@ -19,7 +19,12 @@ _AXIS = 1e-3  # components below it are not shown
 
 
 def tool_place(robot: Robot, pose: Array) -> str:
-    """Where the tool is, in base axes: "(300.0, 200.0, 400.0) mm, roll 0.0°, pitch 68.8°, yaw 22.9°"."""
+    """Where the tool is, in base axes: "(300.0, 200.0, 400.0) mm, roll 0.0°, pitch 68.8°, yaw 22.9°".
+
+    Args:
+        robot: the arm.
+        pose: (4, 4) of the tool in the base frame.
+    """
     place = pose[:3, 3] * 1e3 / counted_length(robot)
     angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
     x, y, z = (_fixed(value) for value in place)
@@ -28,8 +33,11 @@ def tool_place(robot: Robot, pose: Array) -> str:
 
 
 def tool_sentence(robot: Robot, pose: Array) -> str:
-    """Where the tool is, as a sentence."""
-    return f"Tool at {tool_place(robot, pose)}, in base axes."
+    """Where the tool is, as a sentence that fits a line: base axes, mm, roll, pitch and yaw in degrees."""
+    place = pose[:3, 3] * 1e3 / counted_length(robot)
+    angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
+    at, turned = (", ".join(_fixed(value) for value in values) for values in (place, angles))
+    return f"Tool at ({at}) mm, rpy ({turned})°, base axes."
 
 
 def _fixed(value: float, digits: int = 1) -> str:

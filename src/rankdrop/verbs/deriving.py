@@ -265,7 +265,12 @@ def _not_singular(
 
 
 def _vanishes(problem: Problem, q: Array) -> bool:
-    """Whether a configuration of the corank asked about is next to q, which satisfies its conditions to rounding."""
+    """Whether a configuration of the corank asked about is next to q, which satisfies its conditions to rounding.
+
+    Where σ vanishes at q itself the arm is singular there; a descent from such a point may end elsewhere on the set.
+    """
+    if problem.sigma(q)[problem.rank] <= _ROUNDED:
+        return True
     return any(
         sigma <= _ROUNDED and problem.length(end - q) <= _NEXT
         for end, sigma in descents(problem, q)

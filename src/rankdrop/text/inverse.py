@@ -25,19 +25,25 @@ def tool_place(robot: Robot, pose: Array) -> str:
         robot: the arm.
         pose: (4, 4) of the tool in the base frame.
     """
-    place = pose[:3, 3] * 1e3 / counted_length(robot)
-    angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
-    x, y, z = (_fixed(value) for value in place)
+    place, angles = _place_and_angles(robot, pose)
+    at = ", ".join(_fixed(value) for value in place)
     roll, pitch, yaw = (_fixed(value, 2) for value in angles)
-    return f"({x}, {y}, {z}) mm, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+    return f"({at}) mm, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
 
 
 def tool_sentence(robot: Robot, pose: Array) -> str:
     """Where the tool is, as a sentence that fits a line: base axes, mm, roll, pitch and yaw in degrees."""
+    place, angles = _place_and_angles(robot, pose)
+    at = ", ".join(_fixed(value) for value in place)
+    turned = ", ".join(_fixed(value) for value in angles)
+    return f"Tool at ({at}) mm, rpy ({turned})°, base axes."
+
+
+def _place_and_angles(robot: Robot, pose: Array) -> tuple[Array, Array]:
+    """(3,) place of the tool in the base [mm]; (3,) roll, pitch, yaw of its axes [°]."""
     place = pose[:3, 3] * 1e3 / counted_length(robot)
     angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
-    at, turned = (", ".join(_fixed(value) for value in values) for values in (place, angles))
-    return f"Tool at ({at}) mm, rpy ({turned})°, base axes."
+    return place, angles
 
 
 def _fixed(value: float, digits: int = 1) -> str:

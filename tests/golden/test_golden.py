@@ -124,6 +124,7 @@ def _corank_one(text: str) -> str:
     return text[text.index("\nCorank 1") : text.index("\n2 lost") + 1]
 
 
+@pytest.mark.shipped  # as it is installed
 @pytest.mark.slow_at("3")
 @pytest.mark.parametrize("place", README_BLOCKS)
 def test_the_readme_shows_what_is_printed(

@@ -119,8 +119,8 @@ def _why(found: Any) -> str:
     apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
     if why.kind == "joints":
         count = robot.n
-        return (f"The arm has {count} joints and reaches the position, but not with this orientation: off by {apart}")
-    return f"The position is in reach, but not with this orientation: off by {apart}"
+        return f"The arm has {count} joints and reaches this position with other orientations only: off by {apart}"
+    return f"This position is in reach with other orientations only: off by {apart}"
 
 
 def _length(value: float, robot: Robot) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -59,15 +61,41 @@ EXPANSIONS = {
 }
 
 
+MEASURE = """
+import os, resource, subprocess, sys
+code = subprocess.run(sys.argv[2:]).returncode
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+with open(sys.argv[1], "a") as file:
+    print(used.ru_utime + used.ru_stime, used.ru_maxrss, file=file)
+if code < 0:
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    os.kill(os.getpid(), -code)
+sys.exit(code)
+"""
+
+
 @pytest.fixture(autouse=True)
-def _cost(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Shortens the limit of processor time, and holds what the child took."""
+def _cost(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Shortens the limit of processor time, and holds what each child took.
+
+    A small process begins the child: to the system, the peak of a child is at least that of the one that began it.
+    """
+    told = tmp_path_factory.mktemp("cost") / "told"
+    told.touch()
+    run = subprocess.run
+
+    def measured(words: list[str], **more: Any) -> Any:
+        return run([sys.executable, "-c", MEASURE, str(told), *words], **more)
+
     monkeypatch.setattr(limited, "CPU", 2)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    monkeypatch.setattr(limited.subprocess, "run", measured)
     yield
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 4
-    assert after.ru_maxrss < 1.2 * 2**20  # [kB]
+    lines = told.read_text().splitlines()
+    assert lines
+    for line in lines:
+        seconds, peak = map(float, line.split())
+        assert seconds < 4
+        assert peak < 1.2 * 2**20  # [kB]
 
 
 def refused(path: Path) -> str:

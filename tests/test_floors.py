@@ -25,6 +25,7 @@ FLOORS = {
     "local": 3, "problem": 3, "configuration": 3, "solve": 2,
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,
+    "aspects": 6,
     "text": 7, "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
     "designs": 9,

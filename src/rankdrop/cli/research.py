@@ -286,12 +286,13 @@ def aspects(
     output: MotionOutput = MotionOutput(),
     report: PROGRESS,
 ) -> Done:
-    """Find changes of posture without a singularity.
+    """Count the aspects of an arm, and find changes of posture without a singularity.
 
-    An aspect is a connected set of regular configurations. The inverse of a pose
-    is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one,
-    shown by a path between them that is proven free. Not cuspidal: proven from
-    the arm's structure, or because no three solutions meet anywhere.
+    An aspect is a connected set of regular configurations; their number is told
+    first, joint limits ignored. The inverse of a pose is solved, and its solutions
+    are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
+    that is proven free, or by the proven number of aspects. Not cuspidal: proven
+    from the arm's structure, or because no three solutions meet anywhere.
 
     For example:
         rankdrop aspects crx10ia

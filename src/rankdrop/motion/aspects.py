@@ -23,9 +23,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.aspects.count import AspectCount, Left, count_aspects
 from rankdrop.certify.setting import settings_for
 from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
+from rankdrop.exact.algebra.work import OutOfTime, Work, watched
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
 from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
@@ -87,12 +89,14 @@ class Solved:
 
     Attributes:
         q: (k, n) regular solutions [rad, m]; the first is the configuration whose pose it is.
-        aspect: (k,) numbers from 1; equal ones are joined by paths proven free. Solutions of different numbers are
-            proven to be in different aspects where the sign differs, or the arm is proven not to be cuspidal.
+        aspect: (k,) numbers from 1; equal ones are joined by paths proven free, or by the proven number of aspects.
+            Solutions of different numbers are proven to be in different aspects where a sign differs, or the arm is
+            proven not to be cuspidal.
         sign: (k,) of det J.
         names: (k,) the signs of the factors of det J where they tell all solutions apart ("elbow +, wrist −"), else
             the sign of det J.
         near_cusp: the pose was chosen next to a cusp, not at random.
+        flags: (k,) signs of the factors of det J at each solution; () where they are not known.
     """
 
     q: Array
@@ -100,6 +104,7 @@ class Solved:
     sign: tuple[int, ...]
     names: tuple[str, ...]
     near_cusp: bool
+    flags: tuple[tuple[int, ...], ...] = ()
 
     @property
     def per_aspect(self) -> tuple[int, ...]:
@@ -113,6 +118,7 @@ class Postures(Result):
 
     Attributes:
         robot, task, options: what was asked; with a configuration that is one pose.
+        count: how many aspects the arm has, joint limits ignored.
         decision: what is known without a search.
         solved: the poses.
         change: a path from one solution of a pose to another; None where none was found or none exists.
@@ -123,6 +129,7 @@ class Postures(Result):
     robot: Robot
     task: Task
     options: AspectsOptions
+    count: AspectCount
     decision: Decision
     solved: tuple[Solved, ...]
     change: Change | None
@@ -132,10 +139,19 @@ class Postures(Result):
 
     @property
     def verdict(self) -> str:
-        """`CUSPIDAL` (with a path), `NOT_CUSPIDAL` (proven), `NOT_FOUND`."""
-        if self.change is not None:
+        """`CUSPIDAL` (a path, or two solutions of one pose in one aspect), `NOT_CUSPIDAL` (proven), `NOT_FOUND`."""
+        if self.change is not None or self.shared is not None:
             return CUSPIDAL
         return NOT_CUSPIDAL if self.decision.impossible else NOT_FOUND
+
+    @property
+    def shared(self) -> Solved | None:
+        """A pose of which two solutions lie in one aspect because all factors have equal signs there, and the number of
+        aspects is proven.
+        """
+        if not self.count.signs_decide:
+            return None
+        return next((one for one in self.solved if len(set(one.flags)) < len(one.flags)), None)
 
     @property
     def sentence(self) -> str:
@@ -203,6 +219,7 @@ def aspects_of(
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = _decided(robot, resolved)
+    count, numeric = _counted(robot, resolved)
     how = replace(how, most=max(how.poses, how.most)) if start is None else replace(how, poses=1, most=1)
     random = sample(there, there_task, how.most, how.seed, limits=how.limits) if start is None else start[None]
     places = [(place, False) for place in random if regular(there, there_task, place)]
@@ -215,13 +232,13 @@ def aspects_of(
     try:
         roadmap = Roadmap(there, there_task, how.seed, how.limits)
         for one, best in _searched(roadmap, places, how, decision, progress):
-            solved.append(_name_solutions(robot, one, signs))
+            solved.append(_by_signs(_name_solutions(robot, one, signs), count, numeric))
             change = best
     except KeyboardInterrupt:
         complete = False
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    return Postures(robot, resolved, how, decision, tuple(solved), change, notes, complete)
+    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete)
 
 
 def _searched(
@@ -287,6 +304,34 @@ def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[st
     except (RobotError, TaskError, MissingExtraError) as error:
         return Decision(OPEN, f"not decided exactly: {error}"), None, ()
     return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
+
+
+COUNTING = 20.0
+"""Work that counting the aspects may take [s of an idle machine]."""
+
+
+def _counted(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
+    """How many aspects the arm has, with its factors in numbers."""
+    work = Work(COUNTING)
+    try:
+        with watched(work.check):
+            signs = signs_of(exact_chain(robot, task, lengths="numbers"))
+            return count_aspects(signs), signs
+    except OutOfTime:
+        return AspectCount(left=Left.WORK), None
+    except (RobotError, TaskError, MissingExtraError):
+        return AspectCount(left=Left.CONDITIONS), None
+
+
+def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None) -> Solved:
+    """With the aspects that the signs of the factors tell, where they are proven to tell them."""
+    if signs is None or not signs.factors:
+        return solved
+    flags = tuple(tuple(int(x) for x in np.sign(row)) for row in signs.values(solved.q))
+    if not count.signs_decide or any(0 in row for row in flags):
+        return replace(solved, flags=flags)
+    numbers = list(dict.fromkeys(flags))
+    return replace(solved, flags=flags, aspect=tuple(numbers.index(row) + 1 for row in flags))
 
 
 def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:

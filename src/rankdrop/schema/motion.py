@@ -44,10 +44,32 @@ ASPECTS_EXACT = table(
     cusps=many(row(num("rad"), 2)),
     nodes=many(row(num("rad"), 2)) | None,
 )
+ASPECTS_SIGNS = table(
+    "aspects_signs",
+    signs=(many(Literal[-1, 1]), "of the factors"),
+    at_least=(Count, "connected parts, proven", attrgetter("parts.at_least")),
+    at_most=(Count, "", attrgetter("parts.at_most")),
+    proven=(bool, "whether `at_most` is proven as well", attrgetter("parts.proven")),
+)
+ASPECTS_COUNT = table(
+    "aspects_count",
+    at_least=(Count, "aspects, proven"),
+    at_most=(Count | None, "null where they were not counted"),
+    proven=(bool, "whether `at_most` is proven as well"),
+    factors=(many(str), "of det J, in s_j = sin θ_j and c_j = cos θ_j"),
+    roles=(many(str), "part of the arm that each is of, or empty"),
+    by_signs=(many(ASPECTS_SIGNS), "", attrgetter("each")),
+    peeled=(many(Positive), "joints that were peeled off"),
+    cells=(many(Positive), "joints in which cells were counted"),
+    why=(Literal["sign", "joints", "slide", "factors", "work", "conditions"] | None,
+        "it was not counted: a factor changes its sign over a turn, more than three joints or a slide are left, many "
+        "factors, the limit on work, no exact conditions; null where it was",
+        lambda count: count.left and count.left.value),
+)
 SOLUTIONS = table(
     "solutions",
     q=some(num("joint")),
-    aspect=(Positive, "equal numbers: joined by paths proven free"),
+    aspect=(Positive, "equal numbers: in one aspect, by a path proven free or by the proven number of aspects"),
     sign=(Literal[-1, 1], "of det J"),
     name=str,
 )
@@ -76,6 +98,7 @@ ASPECTS_FILE = file(
     verdict=(Literal["cuspidal", "not cuspidal", "none found"],
         "cuspidal: with a path that is proven free; not cuspidal: proven; none found: no proof of absence"),
     sentence=str,
+    count=(ASPECTS_COUNT, "of aspects, joint limits ignored"),
     exact=(ASPECTS_EXACT, "", attrgetter("decision")),
     poses=(many(POSES), "", attrgetter("solved")),
     path=(PATH | None, "", attrgetter("change")),

@@ -17,7 +17,7 @@ from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
-from rankdrop.text.words import angle, fixed, minus, motion, plural, short
+from rankdrop.text.words import angle, fixed, listing, minus, motion, plural, short
 from rankdrop.units import counted_length
 
 DESCRIBED, LISTED = 2, 12
@@ -617,12 +617,52 @@ def decision_text(decision: Any) -> str:
     return POSTURES[decision.why].format(whose=whose, has=has, nodes=nodes)
 
 
+_NOT_COUNTED = {
+    "sign": "a factor of det J changes its sign over a full turn of a joint",
+    "joints": "more than three joints are left when all others are peeled off",
+    "slide": "a slide is left when all other joints are peeled off",
+    "factors": "det J has too many factors",
+    "work": "the limit on work was met",
+    "conditions": "exact conditions of this arm are not derived",
+}
+
+
+def aspects_number(found: Any) -> str:
+    """How many aspects the arm has, in one sentence."""
+    name, count = found.robot.name, found.count
+    if count.left is not None:
+        return f"The aspects of {name} were not counted: {_NOT_COUNTED[count.left.value]}."
+    least, most = count.at_least, count.at_most
+    if not count.exact:
+        seen = f"; cells show {most}, and parts smaller than a cell may be missed"
+        upper = f"; at most {most} (proven)" if count.proven else seen
+        return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
+    each = {one.parts.at_least for one in count.each}
+    whose = _signs_of_what(count)
+    how = f": one for each sign of {whose}" if each == {1} and whose else ""
+    return f"{name} has {least} {plural('aspect', least)} (proven){how}."
+
+
+def _signs_of_what(count: Any) -> str:
+    """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name."""
+    if all(count.roles) and len(set(count.roles)) == len(count.roles):
+        order = ["shoulder", "elbow", "wrist"]
+        return listing(sorted(count.roles, key=lambda role: order.index(role) if role in order else len(order)))
+    return "det J" if len(count.factors) == 1 else f"the {len(count.factors)} factors of det J"
+
+
 def aspects_sentence(found: Any) -> str:
     """The verdict on changes of posture, and what it rests on."""
     if found.change is not None:
         corners, spent = len(found.change.q), found.change.evaluations
         return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
                 f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
+    if found.shared is not None:
+        solutions, aspects = len(found.shared.q), found.count.at_least
+        return (
+            f"It can change its posture without a singularity (cuspidal): proven. One pose has {solutions} solutions, "
+            f"and two of them have the same signs of all factors: they lie in one of the {aspects} aspects."
+        )
     if found.decision.impossible:
         words = decision_text(found.decision)
         words = f"{words[:1].upper()}{words[1:]}"
@@ -633,9 +673,12 @@ def aspects_sentence(found: Any) -> str:
 
 
 def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
-    """Changes of posture: the verdict first and last."""
-    yield Section(found.sentence)
-    lines = [] if found.decision.impossible else [f"without a search: {decision_text(found.decision)}"]
+    """Changes of posture: the number of aspects and the verdict first."""
+    yield Section(f"{aspects_number(found)} {found.sentence}")
+    counting = _counting_line(found.count)
+    lines = [counting] if counting else []
+    if not found.decision.impossible:
+        lines.append(f"without a search: {decision_text(found.decision)}")
     lines.append(f"solutions of the inverse: Newton's method from {found.options.starts:,} starts for each pose, seed "
                  f"{found.options.seed}, {_WITHIN[found.options.limits]}; more may exist")  # fmt: skip
     yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
@@ -660,7 +703,23 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
         )  # fmt: skip
     if found.notes:
         yield Section("Notes", lines=found.notes)
-    yield Section(found.sentence)
+
+
+def _counting_line(count: Any) -> str:
+    """How the aspects were counted."""
+    if count.left is not None:
+        return ""
+    how = []
+    if count.peeled:
+        how.append(f"{_numbered(count.peeled)} peeled off")
+    if count.cells:
+        how.append(f"cells in {_numbered(count.cells)}")
+    factors = f"{len(count.factors)} {plural('factor', len(count.factors))} of det J"
+    return "; ".join((f"aspects: {factors}", *how, "joint limits ignored"))
+
+
+def _numbered(joints: Sequence[int]) -> str:
+    return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
 
 
 _WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
@@ -683,6 +742,8 @@ def _solutions(found: Any, *, deg: bool) -> Section:
 def _meaning_of_numbers(found: Any) -> str:
     if found.decision.impossible:
         return "every solution lies in an aspect of its own: proven"
+    if found.count.signs_decide:
+        return "solutions lie in one aspect where all factors of det J have equal signs: proven"
     joined = "solutions of one aspect are joined by paths proven free"
     if all(len(set(one.sign)) == len(set(one.aspect)) for one in found.solved):
         return f"{joined}; aspects of different signs of det J are parted by a singularity"

@@ -165,6 +165,13 @@ def joint_word(number: int, name: str) -> str:
     return name if "joint" in name.lower() else f"joint {name}"
 
 
+def listing(words: Iterable[str]) -> str:
+    """ "shoulder, elbow and wrist"."""
+    some = list(words)
+    head = ", ".join(some[:-1])
+    return f"{head} and {some[-1]}" if head else "".join(some)
+
+
 def plural(word: str, count: int) -> str:
     """ "motion" or "motions"."""
     return word if count == 1 else f"{word}s"

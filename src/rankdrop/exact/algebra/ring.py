@@ -284,15 +284,16 @@ class Ring:
             values[f"c{joint}"], values[f"s{joint}"] = cosine, sine
         return self.reduce(p.subs(values)) if values else self.reduce(p)
 
-    def to_trig(self, f: Polynomial) -> Polynomial | None:
+    def to_trig(self, f: Polynomial, degrees: Sequence[int] = ()) -> Polynomial | None:
         """The primitive trigonometric polynomial with the zeros of f; None where some t_j has odd degree.
 
-        t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2), which is trigonometric in θ when D is even.
+        t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2), which is trigonometric in θ when D is even. D is the
+        degree of f in t, or that in `degrees`.
 
         Raises:
             TooLong: f has more than `MANY` terms; this cannot be interrupted.
         """
-        degrees = f.degrees()
+        degrees = degrees or [int(degree) for degree in f.degrees()]
         n = self.angles
         if any(degrees[k] % 2 for k in range(n)):
             return None

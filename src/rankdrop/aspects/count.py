@@ -1,0 +1,343 @@
+"""How many aspects an arm has: connected regions of regular configurations, joints turning as far as they like.
+
+An arm without redundancy is singular where a factor f_i of its determinant is zero. Each sign vector s gives a set
+R_s = {s_i f_i > 0 for all i}, and the aspects are the connected parts of these sets.
+
+*Peeling.* A joint that stands in one factor only, there as A + B cos θ + C sin θ, leaves an open arc of θ (or the
+whole circle, or nothing) over each value of the other joints. Arcs are connected, so R_s has as many parts as its
+shadow
+
+    {s A + √(B² + C²) > 0}.
+
+Where A is zero throughout, that is everything but {B = C = 0}. If B and C have no common factor this set has
+codimension 2 and separates nothing: the condition is gone. A common factor g leaves {g ≠ 0}; that is gone as well where
+g is a part of another factor, which is not zero on R_s, or stands for one value of a joint that no other condition
+holds: a circle without a point is in one piece. A slide that stands in one factor only, as A + B q, leaves
+a half-line or everything: with a number B ≠ 0 the condition is gone as well.
+
+Conditions that share no joint are counted apart, and the numbers multiplied. What is left of at most three joints is
+counted on cells (`cells.py`).
+
+*Redundant arms.* The regular set of an arm with more joints than rows is what the families of corank 1 leave. A set
+of codimension 2 or more separates nothing: where every family has that, there is one region.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import product
+
+from rankdrop.aspects.cells import ONE, Condition, Parts, Positive, Shadow, count_parts
+from rankdrop.aspects.waves import Wave, wave_of
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order, used
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.aspects import SignedFactor, Signs
+
+MOST_JOINTS = 3
+"""That cells are made of."""
+MOST_FACTORS = 8
+"""2 to that power sign vectors are counted."""
+
+
+class Left(Enum):
+    """Why the aspects were not counted."""
+
+    SIGN = "sign"
+    JOINTS = "joints"
+    SLIDE = "slide"
+    FACTORS = "factors"
+    WORK = "work"
+    CONDITIONS = "conditions"
+
+
+@dataclass(frozen=True)
+class SignCount:
+    """The aspects with given signs of the factors.
+
+    Attributes:
+        signs: of each factor, +1 or −1.
+        parts: how many; 0 where no configuration has these signs.
+    """
+
+    signs: tuple[int, ...]
+    parts: Parts
+
+
+@dataclass(frozen=True)
+class AspectCount:
+    """How many aspects an arm has, joint limits ignored.
+
+    Attributes:
+        factors: of the determinant, as text in s_j = sin θ_j and c_j = cos θ_j.
+        roles: part of the arm that each factor is of ("shoulder", "elbow", "wrist"); "" where it has no name.
+        each: for every sign vector.
+        peeled: joints (from 1) that were peeled off.
+        cells: joints (from 1) in which cells were counted.
+        left: why it was not counted; None where it was.
+    """
+
+    factors: tuple[str, ...] = ()
+    roles: tuple[str, ...] = ()
+    each: tuple[SignCount, ...] = ()
+    peeled: tuple[int, ...] = ()
+    cells: tuple[int, ...] = ()
+    left: Left | None = None
+
+    @property
+    def at_least(self) -> int:
+        """Proven lower bound."""
+        return sum(one.parts.at_least for one in self.each)
+
+    @property
+    def at_most(self) -> int | None:
+        """Upper bound, proven where `proven` says so; None where nothing was counted."""
+        return None if self.left is not None else sum(one.parts.at_most for one in self.each)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the upper bound is proven too."""
+        return self.left is None and all(one.parts.proven for one in self.each)
+
+    @property
+    def exact(self) -> bool:
+        """Whether the number is proven."""
+        return self.proven and self.at_least == self.at_most
+
+    @property
+    def signs_decide(self) -> bool:
+        """Whether two configurations lie in one aspect if and only if all factors have equal signs: proven."""
+        return self.exact and all(one.parts.at_most <= 1 for one in self.each)
+
+
+def count_aspects(signs: Signs) -> AspectCount:
+    """Count the aspects of an arm with as many joints as rows.
+
+    Args:
+        signs: from `signs_of` of a chain with `lengths="numbers"`: the numbers decide.
+
+    Example:
+        >>> from rankdrop.exact.arm.chain import exact_chain
+        >>> from rankdrop.exact.aspects import signs_of
+        >>> from rankdrop.robot.open import open_robot
+        >>> counted = count_aspects(signs_of(exact_chain(open_robot("planar2r"), lengths="numbers")))
+        >>> counted.exact, counted.at_least, counted.factors
+        (True, 2, ('s2',))
+    """
+    signed, chain = signs.factors, signs.chain
+    head = AspectCount(tuple(factor.text for factor in signed), tuple(_role(name) for name in signs.names))
+    if not all(factor.periodic for factor in signed):
+        return replace(head, left=Left.SIGN)
+    if len(signed) > MOST_FACTORS:
+        return replace(head, left=Left.FACTORS)
+    peeling = Peeling(chain.ring, chain.numbers, signed)
+    if peeling.left is not None:
+        return replace(head, peeled=tuple(peeling.peeled), left=peeling.left)
+    known: dict[tuple[int, tuple[int, ...]], Parts] = {}
+    each = []
+    for vector in product((1, -1), repeat=len(signed)):
+        parts = ONE
+        for number, group in enumerate(peeling.groups):
+            own = tuple(vector[i] for i in group)
+            key = number, own
+            if key not in known:
+                known[key] = count_parts([peeling.condition(i, vector[i]) for i in group])
+            parts = parts * known[key]
+        each.append(SignCount(vector, parts))
+    cells = sorted({joint for group in peeling.groups for i in group for joint in peeling.condition(i, 1).joints})
+    return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
+
+
+def _role(name: str) -> str:
+    """The part of the arm that a family is named after."""
+    part, colon, _ = name.partition(":")
+    return part if colon else ""
+
+
+def _polynomial(factor: SignedFactor) -> Polynomial:
+    """The trigonometric polynomial of a factor with a sign, up to a positive number and up to its sign."""
+    ring = factor.ring
+    f = ring.half.constant(1)
+    degrees = [0] * ring.angles
+    for atom in factor.atoms:
+        if atom.pinned:
+            place = ring.index[f"t{atom.joint}"]
+            degrees[place] += 1
+            f = f if atom.value == "pi" else f * ring.half_of(atom)
+        else:
+            own = atom.f.degrees()
+            degrees = [degree + int(own[k]) for k, degree in enumerate(degrees)]
+            f = ring.product(f, atom.f)
+    found = ring.to_trig(f, degrees)
+    assert found is not None  # all degrees are even
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Linear:
+    """A + B cos θ + C sin θ, after θ was peeled off."""
+
+    a: Polynomial
+    b: Polynomial
+    c: Polynomial
+
+
+class Peeling:
+    """The factors with joints peeled off, the same for all signs.
+
+    Args:
+        ring: of the factors.
+        numbers: values of the roots that are in coefficients.
+        factors: each with a sign of its own.
+
+    Attributes:
+        peeled: joints that were peeled off, in order.
+        groups: indices of the factors that still are conditions, those that share joints together.
+    """
+
+    def __init__(self, ring: Ring, numbers: Mapping[str, float], factors: Sequence[SignedFactor]) -> None:
+        self.ring, self.numbers = ring, numbers
+        self.atoms = [factor.atoms for factor in factors]
+        self.whole: list[Polynomial | None] = [_polynomial(factor) for factor in factors]  # None once peeled
+        self.linear: dict[int, _Linear] = {}  # those that one joint was peeled off
+        self.peeled: list[int] = []
+        self._cut: set[int] = set()  # joints whose circle lacks a point
+        self._waves: dict[int, tuple[Wave, ...]] = {}
+        while self._peel_one():
+            pass
+        self.groups = self._grouped()
+
+    @property
+    def left(self) -> Left | None:
+        """Why what is left cannot be counted on cells; None where it can."""
+        for group in self.groups:
+            joints = {joint for i in group for joint in self._joints(i)}
+            if joints & set(self.ring.prismatic):
+                return Left.SLIDE
+            if len(joints) > MOST_JOINTS:
+                return Left.JOINTS
+        return None
+
+    def condition(self, i: int, sign: int) -> Condition:
+        """What a factor with this sign asks of the joints that are left."""
+        if i not in self._waves:
+            some = self._parts(i)
+            sizes = [max(abs(value) for value in p.coeffs()) for p in some if p != 0]
+            unit = max(sizes)
+            self._waves[i] = tuple(wave_of(self.ring, p, self.numbers, unit) for p in some)
+        waves = self._waves[i]
+        if len(waves) == 1:
+            return Positive(waves[0], sign)
+        a, b, c = waves
+        return Shadow(a, b, c, sign)
+
+    def _parts(self, i: int) -> tuple[Polynomial, ...]:
+        whole = self.whole[i]
+        if whole is not None:
+            return (whole,)
+        linear = self.linear[i]
+        return linear.a, linear.b, linear.c
+
+    def _alive(self) -> Iterator[int]:
+        return (i for i in range(len(self.whole)) if self.whole[i] is not None or i in self.linear)
+
+    def _joints(self, i: int) -> set[int]:
+        return {joint for p in self._parts(i) if p != 0 for joint in joints_of(self.ring, p)}
+
+    def _peel_one(self) -> bool:
+        """Peel one joint off, if there is one that can be; first those that leave no condition."""
+        everywhere = {i: self._joints(i) for i in self._alive()}
+        for leaving, joint in product((False, True), (*self.ring.revolute, *self.ring.prismatic)):
+            holders = [i for i, joints in everywhere.items() if joint in joints]
+            if len(holders) == 1 and self._peel(holders[0], joint, leaving=leaving):
+                self.peeled.append(joint)
+                return True
+        return False
+
+    def _peel(self, i: int, joint: int, *, leaving: bool) -> bool:
+        """Peel a joint off the factor that holds it; False where that cannot be done.
+
+        Args:
+            i: of the factor.
+            joint: that stands in no other one.
+            leaving: whether a condition on the other joints may be left.
+        """
+        whole = self.whole[i]
+        if whole is None:
+            return False
+        if joint in self.ring.prismatic:
+            if slide_part(self.ring, whole, joint) is None:
+                return False
+            self.whole[i] = None  # A + B q with a number B: a half-line over everything
+            return True
+        parts = linear_parts(self.ring, whole, joint)
+        if parts is None:
+            return False
+        gone = parts.a == 0 and self._separate_nothing(i, shared_atoms(self.ring, parts))
+        if not gone:
+            if not leaving:
+                return False
+            self.linear[i] = parts
+        self.whole[i] = None
+        return True
+
+    def _separate_nothing(self, i: int, shared: Sequence[Atom]) -> bool:
+        """Whether the zeros of the common factors that factor i has left part no region."""
+        others = [k for k in self._alive() if k != i]
+        new = [atom for atom in shared if not any(self.whole[k] is not None and atom in self.atoms[k] for k in others)]
+        cut = [atom.joint for atom in new]
+        held = {joint for k in others for joint in self._joints(k)} | self._cut
+        if not all(atom.pinned for atom in new) or len(set(cut)) < len(cut) or held & set(cut):
+            return False
+        self._cut |= set(cut)
+        return True
+
+    def _grouped(self) -> list[tuple[int, ...]]:
+        groups: list[tuple[set[int], list[int]]] = []
+        for i in self._alive():
+            joints, members = self._joints(i), [i]
+            apart = []
+            for others, some in groups:
+                if others & joints:
+                    joints, members = joints | others, some + members
+                else:
+                    apart.append((others, some))
+            groups = [*apart, (joints, members)]
+        return [tuple(sorted(members)) for _, members in groups]
+
+
+def joints_of(ring: Ring, p: Polynomial) -> set[int]:
+    """Joints (from 1) that a polynomial of `ring.trig` depends on."""
+    names = p.context().names()
+    return {int(names[place][1:]) for place in used(p) if place < 2 * ring.angles + len(ring.prismatic)}
+
+
+def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Linear | None:
+    """A, B, C of p = A + B cos θ + C sin θ; None where θ stands in it in a higher degree."""
+    names = p.context().names()
+    sine, cosine = names.index(f"s{joint}"), names.index(f"c{joint}")
+    a, b, c = dict[tuple[int, ...], object](), dict[tuple[int, ...], object](), dict[tuple[int, ...], object]()
+    for powers, value in p.to_dict().items():
+        degree = int(powers[sine]), int(powers[cosine])
+        if sum(degree) > 1:
+            return None
+        part = {(0, 0): a, (0, 1): b, (1, 0): c}[degree]
+        part[tuple(0 if k in (sine, cosine) else int(e) for k, e in enumerate(powers))] = value
+    made = p.context()
+    return _Linear(*(made.from_dict(part) for part in (a, b, c)))
+
+
+def slide_part(ring: Ring, p: Polynomial, joint: int) -> Polynomial | None:
+    """B of p = A + B q with a number B; None where q stands in it otherwise."""
+    place = p.context().names().index(f"q{joint}")
+    if int(p.degrees()[place]) != 1:
+        return None
+    b = p.derivative(place)
+    return None if joints_of(ring, b) else b
+
+
+def shared_atoms(ring: Ring, parts: _Linear) -> list[Atom]:
+    """What B and C are both zero on in codimension 1; they are not both zero throughout."""
+    each = [{atom for atom, _ in ring.factor(p).atoms} for p in (parts.b, parts.c) if p != 0]
+    return sorted(set.intersection(*each), key=order)

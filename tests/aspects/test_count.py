@@ -1,0 +1,222 @@
+"""The number of aspects: against an independent flood fill, the literature, and planted cases."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from rankdrop.aspects.cells import Parts, Positive, count_parts, joined
+from rankdrop.aspects.count import AspectCount, Left, Peeling, count_aspects
+from rankdrop.aspects.waves import wave_of
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.aspects import signed_factors, signs_of
+from rankdrop.kinematics import task_jacobian
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.task import resolve_task
+
+H = np.pi / 2
+
+
+def counted(robot: Robot) -> AspectCount:
+    return count_aspects(signs_of(exact_chain(robot, lengths="numbers")))
+
+
+def arm(rows: list[tuple[float, float, float]], task: str) -> Robot:
+    table = [{"d": d, "a": a, "alpha": alpha} for d, a, alpha in rows]
+    return from_dh(table, convention="standard", task=task, name="arm")
+
+
+def flooded(robot: Robot, joints: list[int], size: int) -> int:
+    """Connected sets of grid points with one sign of det J; sets of fewer points than a line of the grid do not count.
+
+    Neighbours are joined where the sign is the same and the second differences along the line leave no dip between.
+
+    Args:
+        joints: from 0: those the determinant depends on.
+        size: points along each.
+    """
+    angles = (np.arange(size) + 0.37) * 2 * np.pi / size
+    grid = np.array(list(product(angles, repeat=len(joints))))
+    q = np.full((len(grid), robot.n), 0.3)
+    q[:, joints] = grid
+    shape = (size,) * len(joints)
+    values = np.linalg.det(task_jacobian(robot, q, resolve_task(None, robot))).reshape(shape)
+    number = np.arange(values.size).reshape(shape)
+    edges = []
+    for axis in range(len(joints)):
+        after, before = np.roll(values, -1, axis), np.roll(values, 1, axis)
+        bend = np.abs(after - 2 * values + before)
+        dip = np.maximum(bend, np.roll(bend, -1, axis)) / 4
+        near = (values * after > 0) & (np.minimum(np.abs(values), np.abs(after)) > dip)
+        edges.append(np.stack([number[near], np.roll(number, -1, axis)[near]]))
+    _, counts = np.unique(joined(values.size, np.concatenate(edges, axis=1)), return_counts=True)
+    return int((counts >= size).sum())
+
+
+def lengths(seed: int) -> list[float]:
+    return [round(float(x), 2) for x in np.random.default_rng(seed).uniform(0.2, 1.0, 12)]
+
+
+def three_joints(seed: int) -> Robot:
+    """A 3R arm whose axes are at right angles, all offsets there."""
+    x = lengths(seed)
+    return arm([(0, x[0], -H), (x[1], x[2], H), (x[3], x[4], 0)], "position")
+
+
+def wristed(seed: int) -> Robot:
+    """A 6R arm with a spherical wrist, with and without offsets of the shoulder."""
+    x = lengths(seed)
+    offset = x[0] * (seed % 2)
+    return arm([(0.3, offset, -H), (0, x[1], 0), (0, x[2], -H), (x[3], 0, H), (0, 0, -H), (0.1, 0, 0)], "pose")
+
+
+def three_parallel(seed: int) -> Robot:
+    x = lengths(seed)
+    return arm([(x[0], 0, H), (0, x[1], 0), (0, x[2], 0), (x[3], 0, H), (x[4], 0, -H), (0.1, 0, 0)], "pose")
+
+
+def offset_wrist(seed: int) -> Robot:
+    """A CRX in other sizes: axes 4 and 6 do not meet."""
+    x = lengths(seed)
+    return arm([(0.2, 0, -H), (0, x[0], 0), (0, 0, -H), (x[1], 0, H), (0.3 * x[2], 0, -H), (0.1, 0, 0)], "pose")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_three_joints_have_as_many_aspects_as_a_flood_fill_finds(seed: int) -> None:
+    robot = three_joints(seed)
+    found = counted(robot)
+    assert found.exact
+    assert flooded(robot, [1, 2], 60) == flooded(robot, [1, 2], 180) == found.at_least
+
+
+@pytest.mark.parametrize(
+    ("make", "seed"),
+    [
+        (wristed, 0),
+        *(pytest.param(make, 1, marks=pytest.mark.slow) for make in (wristed, three_parallel, offset_wrist)),
+    ],
+)
+def test_six_joints_have_as_many_aspects_as_a_flood_fill_finds(make, seed: int) -> None:  # type: ignore[no-untyped-def]
+    robot = make(seed)
+    found = counted(robot)
+    joints, sizes = ([1, 2, 4], (30, 36)) if make is wristed else ([1, 2, 3, 4], (20, 26))
+    assert found.exact
+    assert {flooded(robot, joints, size) for size in sizes} == {found.at_least}
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("make", [three_joints, wristed, three_parallel, offset_wrist])
+def test_twenty_arms_of_each_kind(make) -> None:  # type: ignore[no-untyped-def]
+    for seed in range(10, 30):
+        robot = make(seed)
+        found = counted(robot)
+        joints = {three_joints: [1, 2], wristed: [1, 2, 4]}.get(make, [1, 2, 3, 4])
+        sizes = {2: (180, 260), 3: (48, 64), 4: (24, 30)}[len(joints)]
+        assert found.exact, seed
+        assert {flooded(robot, joints, size) for size in sizes} == {found.at_least}, seed
+
+
+@pytest.mark.parametrize("name", ["ur3", "ur5", "ur10", "ur5e", "ur10e", "ur16e", "puma560", "e0509"])
+def test_eight_aspects_one_for_each_posture(name: str) -> None:
+    """As in the literature: shoulder, elbow and wrist."""
+    found = counted(open_robot(name))
+    assert found.exact
+    assert (found.at_least, len(found.factors)) == (8, 3)
+    assert found.signs_decide
+
+
+@pytest.mark.parametrize("name", ["crx10ial", "crx10ia", "j2n6s300", "gen3_6dof"])
+def test_arms_with_offset_wrists_have_two(name: str) -> None:
+    found = counted(open_robot(name))
+    assert found.exact
+    assert found.at_least == 2
+    assert found.signs_decide
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("name", [name for name in robot_names() if open_robot(name).n == 6])
+def test_the_catalogue(name: str) -> None:
+    found = counted(open_robot(name))
+    assert found.left is None
+    assert found.at_least in (2, 8)
+    assert found.at_most == found.at_least
+
+
+RING = Ring([1, 2])
+C1, S1, C2, S2 = RING.c[1], RING.s[1], RING.c[2], RING.s[2]
+
+
+def positive(p: Polynomial, sign: int = 1) -> Positive:
+    return Positive(wave_of(RING, p, {}, unit=1), sign)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "number"),
+    [
+        ([positive(C1)], 1),
+        ([positive(2 * C1**2 - 1)], 2),
+        ([positive(C1 + C2 + RING.constant(1))], 1),
+        ([positive(C1), positive(2 * S2 * C2)], 2),
+        ([positive(C1), positive(10 * C1 + RING.constant(1), -1)], 0),
+        ([positive(RING.constant(1))], 1),
+        ([positive(2 * C1**2 - 1), positive(2 * C2**2 - 1)], 4),
+    ],
+)
+def test_sets_with_a_known_number_of_parts(conditions: list[Positive], number: int) -> None:
+    assert count_parts(conditions) == Parts(number, number, proven=True)
+
+
+def test_a_part_smaller_than_a_coarse_cell_is_not_missed() -> None:
+    """A disc of radius 0.045 rad: no cell of the first grid is inside it."""
+    small = positive(1000 * C1 + 1000 * C2 - RING.constant(1999))
+    assert count_parts([small]) == Parts(1, 1, proven=True)
+
+
+def test_two_parts_that_touch_are_not_told_apart_and_that_is_said() -> None:
+    found = count_parts([positive(C1 * C2)])
+    assert found.at_least == 1
+    assert found.at_most == 2
+    assert not found.exact
+
+
+def test_an_enclosure_holds_at_random_points(rng: np.random.Generator) -> None:
+    p = 3 * S1 * C2 - 2 * C1**2 * S2 + C2 - RING.constant(2)
+    wave = wave_of(RING, p, {}, unit=1)
+    middle, radius = rng.uniform(-3, 3, (50, 2)), 0.2
+    at = {1: middle[:, 0], 2: middle[:, 1]}
+    values, slopes = wave.over(at, radius), wave.slopes_over(at, radius)
+    for _ in range(20):
+        a, b = (middle + rng.uniform(-radius, radius, middle.shape)).T
+        here = 3 * np.sin(a) * np.cos(b) - 2 * np.cos(a) ** 2 * np.sin(b) + np.cos(b) - 2
+        slope = 3 * np.cos(a) * np.cos(b) + 4 * np.cos(a) * np.sin(a) * np.sin(b)
+        assert (values.low <= here).all()
+        assert (here <= values.high).all()
+        assert (slopes[1].low <= slope).all()
+        assert (slope <= slopes[1].high).all()
+    assert (values.high - values.low).max() < 6
+
+
+def peeled(p: Polynomial) -> Peeling:
+    """Of one factor, not taken apart."""
+    atoms = [atom for atom, _ in RING.factor(p).atoms]
+    whole = signed_factors(RING, atoms)
+    assert len(whole) == 1
+    return Peeling(RING, {}, whole)
+
+
+def test_a_common_factor_that_cuts_a_circle_once_separates_nothing() -> None:
+    """(1 − c1) c2 + s1 s2 = 2 sin(θ1/2) sin(θ1/2 + …): one atom sin(θ1/2) is left, and joint 1 stands nowhere else."""
+    found = peeled((1 - C1) * S2 + S1 * C2)
+    assert found.peeled == [2]
+    assert not found.groups
+
+
+def test_redundant_arms_and_arms_that_are_not_counted_say_why() -> None:
+    assert AspectCount(left=Left.WORK).at_most is None
+    assert not AspectCount(left=Left.WORK).exact

@@ -106,7 +106,10 @@ def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generato
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
     good = np.ones(REAL_STARTS, dtype=np.bool_)
     if equations:
-        q, good = system.solve(q, along=moving, iterations=60)
+        starts = q
+        q, good = system.solve(starts, along=moving, iterations=60)
+        if not good.any():
+            q, good = system.solve_flat(starts, along=moving, iterations=200)
     sigma = singular_values(chain.own, q, chain.own_task)
     full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(REAL_STARTS)
     strays = q[good & (full > RANK_HIGHER)]

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import degrees, floor, isclose
+from math import degrees, floor, isclose, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -475,11 +475,14 @@ def overview(
         yield Section("", lines=(legend(robot, families),))
 
 
-def near_misses_text(corank: int, many: int, sigma: float, digits: int) -> str:
-    """Configurations with a small σ that many digits show not to be singular."""
+def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
+    """Configurations with a small σ that many digits show not to be singular; `sigma` is inf where no minimum was met.
+    """
+    which = "" if followed == many else f"{followed} of them, spread over all their σ, "
+    least = f" (smallest σ {sigma:.2g})" if isfinite(sigma) else ""
     return (
-        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: followed with {digits} "
-        f"digits, the rank does not drop there (smallest σ {sigma:.2g})"
+        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: {which}followed with "
+        f"{digits} digits, the rank does not drop there{least}"
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from rankdrop.errors import RankdropError
 from rankdrop.exact.family import ExactFamily
+from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.searching import search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families, posed
@@ -254,7 +255,9 @@ def _tables(
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     return tuple(
         f"corank {one.summary.corank}: {one.mistaken:,} points of the searches with "
-        f"σ ≤ {DEFAULT.singular:g} are not singular: followed with 50 digits, σ does not vanish next to them"
+        f"σ ≤ {DEFAULT.singular:g} are not singular: followed with {DIGITS} digits"
+        + (f" ({FOLLOWED} of them, spread over all their σ)" if one.mistaken > FOLLOWED else "")
+        + ", σ does not vanish next to them"
         + (f", it has a minimum of {one.lowest:.2g}" if isfinite(one.lowest) else "")
         for one in tables if one.mistaken
     )  # fmt: skip

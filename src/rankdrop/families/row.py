@@ -514,8 +514,8 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
 def _has_further_roots(problem: Problem, row: Row, pinned: Row) -> bool:
     """Whether singular configurations satisfy the conditions of a row away from the values that joints were found at.
 
-    Next to a special structure a root may lie where conditions are all but flat, which `Row.sample` leaves out, or where
-    their gradients are all but dependent (`System.solve_flat`).
+    Next to a special structure a root may lie where conditions are all but flat, which `Row.sample` leaves out, or
+    where their gradients are all but dependent (`System.solve_flat`).
     """
     rng = np.random.default_rng(1)
     values = row.combinations

@@ -429,7 +429,7 @@ class System:
         return end, worst <= SOLVED
 
     def solve_flat(self, q: Array, *, along: Array, iterations: int) -> tuple[Array, Mask]:
-        """`solve`; starts that come to rest where gradients are all but dependent go on with no singular value left out.
+        """`solve`; starts that rest where gradients are all but dependent go on with no singular value left out.
 
         Next to a special structure a root of several equations may lie where two of them have nearly one gradient.
         """

@@ -207,7 +207,7 @@ def test_limits_come_in_radians() -> None:
 
 
 def test_mycobot280_has_its_makers_table() -> None:
-    """The maker's ROS file, whose lengths differ by up to 20 mm, was taken before; joints as on the maker's page [mm]."""
+    """Joints as on the maker's page [mm, °]; the lengths of its ROS file differ by up to 20 mm."""
     table = [(131.22, 0, 90, 0), (0, -110.4, 0, -90), (0, -96, 0, 0), (63.4, 0, 90, -90), (75.05, 0, -90, 90),
              (45.6, 0, 0, 0)]  # fmt: skip
     q = np.array([0.3, -0.7, 1.1, 0.4, -0.9, 0.2])

@@ -190,3 +190,39 @@ def test_an_arm_of_the_catalogue_is_what_it_is() -> None:
 
 def scaled(joint: Joint, factor: float) -> np.ndarray:
     return np.concatenate([factor * joint.screw[:3], joint.screw[3:]])
+
+
+NEAR = Path(__file__).parents[1] / "data" / "near"
+EXACTLY = ("conditions", "--coranks", "1", "--points", "0", "--method", "tree", "--quiet")
+BY_ITSELF = "Ideal arm within 0.021mm (--ideal off: the arm as written): srs_2e-05_ideal has "
+
+
+@pytest.mark.parametrize("command", [EXACTLY, pytest.param(("analyze", *FEW), marks=pytest.mark.slow)])
+def test_both_verbs_take_the_ideal_arm_by_themselves_and_say_so_first(run, command: tuple[str, ...]) -> None:
+    verb, *options = command
+    assert one_line(run(verb, str(NEAR / "srs_2e-05.toml"), *options).out).startswith(BY_ITSELF)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [EXACTLY, ("analyze", *FEW)])
+def test_both_verbs_take_the_arm_as_written_where_that_is_asked_for_and_say_so_first(
+    run, command: tuple[str, ...]
+) -> None:
+    verb, *options = command
+    out = one_line(run(verb, str(NEAR / "srs_2e-05.toml"), *options, "--ideal", "off").out)
+    assert out.startswith("Arm as written (--ideal 0.021mm: the ideal arm near it): ")
+    assert "_ideal has" not in out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("given", [(), ("--ideal", "0.44mm")])
+def test_an_arm_that_misses_structure_by_half_a_millimetre_is_verified_as_it_is_and_as_the_ideal_one(
+    run, given: tuple[str, ...]
+) -> None:
+    """Configurations with a small σ are followed with 50 digits, and every root of a set belongs to its row."""
+    ended = run("conditions", str(NEAR / "elbow_0mm44.toml"), "--quiet", *given)
+    text = one_line(ended.out)
+    assert ended.code == exits.FINE
+    assert "Contradicted" not in text
+    assert "smallest σ inf" not in text
+    assert text.startswith("Ideal arm within 0.44mm" if given else "Arm as written (--ideal 0.44mm")

@@ -11,6 +11,9 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.notation import C, Python
 from rankdrop.exact.writing import RADIANS, AnglePin
+from rankdrop.robot.open import open_robot
+from rankdrop.text.families import exact_conditions
+from rankdrop.verbs.analyze import analyze
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
 
@@ -52,3 +55,14 @@ def test_other_angles_are_refused():
         AnglePin(1, ("pi/3",)).text()
     with pytest.raises(OptionError, match="none"):
         AnglePin(1, ()).equation({}, 2)
+
+
+def test_a_pinned_slide_is_said_once_as_a_pinned_turn_is() -> None:
+    """Stanford arm, wrist centre on axis 2: the table says 0 m, and "exactly q3 = 0" below said it again."""
+    found = analyze(open_robot("stanford"), starts=30)
+    assert found.exact is not None
+    rows = found.of_corank(1)
+    assert [[pin.number for pin in row.pinned] for row in rows] == [[3], [2], [5]]
+    assert [exact_conditions(row, found.exact) for row in rows] == ["", "", ""]
+    assert [one.conditions for one in found.exact.families[:2]] == [("q3 = 0",), ("θ2 = 0 or π",)]
+    assert [[pin.values for pin in one.pinned] for one in found.exact.families[:1]] == [[(0.0,)]]

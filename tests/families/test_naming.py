@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError
+from rankdrop.exact.families import _one_of_each_first
 from rankdrop.families.searching import search
 from rankdrop.family.naming import LONGEST, name_family, shortened
 from rankdrop.results.known import shipped
@@ -244,3 +245,9 @@ def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
 def test_an_angle_that_is_nearly_a_right_one_is_not_written_as_one() -> None:
     jaka = [one.name for one in shipped("jaka_zu3").families]
     assert "elbow: axes 2, 3, 4 coplanar (θ3 = −0.003° or 179.997°)" in jaka
+
+
+def test_a_name_is_read_off_points_of_every_set_of_a_family() -> None:
+    parts = [np.full((20, 2), 0.0), np.full((3, 2), 1.0), np.full((5, 2), 2.0)]
+    assert _one_of_each_first(parts)[:9, 0].tolist() == [0.0, 1.0, 2.0] * 3
+    assert len(_one_of_each_first(parts)) == 28

@@ -204,3 +204,16 @@ def test_limits_come_in_radians() -> None:
     robot = open_robot("iiwa14")
     assert robot.upper == pytest.approx(np.radians([170, 120, 170, 120, 170, 120, 175]))
     assert robot.joints[0].velocity == pytest.approx(85 * pi / 180)
+
+
+def test_mycobot280_has_its_makers_table() -> None:
+    """Joints as on the maker's page [mm, °]; the lengths of its ROS file differ by up to 20 mm."""
+    table = [(131.22, 0, 90, 0), (0, -110.4, 0, -90), (0, -96, 0, 0), (63.4, 0, 90, -90), (75.05, 0, -90, 90),
+             (45.6, 0, 0, 0)]  # fmt: skip
+    q = np.array([0.3, -0.7, 1.1, 0.4, -0.9, 0.2])
+    tip = np.eye(4)
+    for (d, a, alpha, offset), angle in zip(table, q, strict=True):
+        (c, s), (ca, sa) = ((np.cos(x), np.sin(x)) for x in (angle + np.radians(offset), np.radians(alpha)))
+        tip = tip @ [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]]
+    tip[:3, 3] *= 1e-3
+    assert np.abs(pose(open_robot("mycobot280"), q) - tip).max() < 1e-12

@@ -33,6 +33,7 @@ from rankdrop.cli.command import (
     of_ideal,
     open_ideal,
     starts_line,
+    subject,
 )
 from rankdrop.cli.terminal import BAD, answer_lines, screen
 from rankdrop.options import option
@@ -115,7 +116,7 @@ def _blocks(
     own: results.Analysis | None, *, seconds: float, every: bool,
 ) -> Iterator[Block]:  # fmt: skip
     console, settings, (moved, there) = screen(), analysis.settings, about_ideal
-    answer = answer_lines(analysis.answer, of_ideal(analysis.verdict, made))
+    answer = answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made))
     starts = starts_line(f"{settings.starts:,} per corank", settings.seed, limits=settings.limits)
     yield answer
     yield arm_section(analysis.robot, task, analysis.generic_rank, starts | near_line(analysis.robot, made))

@@ -581,6 +581,16 @@ def open_ideal(
     return made.ideal, task, made
 
 
+def subject(robot: arms.Robot, made: verbs.Idealised | None) -> str:
+    """The first words of an output: whether it is about the ideal arm or the arm as written; "" where no ideal arm is
+    near.
+    """
+    if made is not None and made.changes:
+        return f"Ideal arm within {made.tolerance.text} (--ideal {OFF}: the arm as written): "
+    near = arms.near_ideal(robot) if made is None else None
+    return "" if near is None else f"Arm as written (--ideal {near.tolerance.text}: the ideal arm near it): "
+
+
 def near_line(robot: arms.Robot, made: verbs.Idealised | None) -> dict[str, str]:
     """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
     near = arms.near_ideal(robot) if made is None else None

@@ -26,6 +26,7 @@ from rankdrop.cli.command import (
     of_ideal,
     open_ideal,
     parse_configuration,
+    subject,
 )
 from rankdrop.cli.terminal import answer_lines
 from rankdrop.errors import OptionError, RankdropError
@@ -142,7 +143,7 @@ def conditions(
     """
     from rankdrop import conditions as run
 
-    model, task, made = open_ideal(robot, arm)
+    model, task, made = open_ideal(robot, arm, intended=True)
     if output:
         output.check(model, exact.exact_chain(model, task, lengths=arms.read_lengths(options.lengths)))
     steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if output else None)
@@ -158,7 +159,7 @@ def conditions(
         return {**found.to_dict(), **answered, **nearby}
 
     def blocks() -> Iterator[Block]:
-        answer = answer_lines(found.answer, verdict)
+        answer = answer_lines(found.answer, verdict, subject(model, made))
         yield answer
         yield arm_section(model, task, found.generic_rank, text.arm_lines(found) | near_line(model, made))
         yield from (*moved, *found.sections()[1:], *after, *answers)

@@ -91,12 +91,14 @@ TONES = {"": "bold", "good": "bold green", "warning": "bold yellow", "bad": "bol
 """Style of a heading or a verdict; Rich leaves the colour out where NO_COLOR is set, and all of it off a terminal."""
 
 
-def answer_lines(answer: str, verdict: Verdict) -> list[Text]:
-    """What stands first: the answer and how sure it is, or the other way round."""
+def answer_lines(answer: str, verdict: Verdict, subject: str = "") -> list[Text]:
+    """The answer and how sure it is, or the other way round; before both the arm that is spoken of, where that is said.
+    """
     from rich.text import Text
 
     tone = TONES["good" if verdict.holds else "bad"]
-    return [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.beside(answer)]
+    lines = [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.beside(answer)]
+    return [Text.assemble((subject, "bold"), lines[0]), *lines[1:]] if subject else lines
 
 
 def _console(*, stderr: bool) -> Console:

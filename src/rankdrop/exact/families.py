@@ -106,7 +106,10 @@ def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generato
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
     good = np.ones(REAL_STARTS, dtype=np.bool_)
     if equations:
-        q, good = system.solve(q, along=moving, iterations=60)
+        starts = q
+        q, good = system.solve(starts, along=moving, iterations=60)
+        if not good.any():
+            q, good = system.solve_flat(starts, along=moving, iterations=200)
     sigma = singular_values(chain.own, q, chain.own_task)
     full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(REAL_STARTS)
     strays = q[good & (full > RANK_HIGHER)]
@@ -403,9 +406,9 @@ def families(
         for row in rows:
             work.show("families described", len(result) + len(here), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
-            points = np.concatenate([one.points for one in realities])
+            parts = [one.points for one in realities]
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
-            told = _described(chain, generic_rank, corank, points, row.pins, bound)
+            told = _described(chain, generic_rank, corank, parts, row.pins, bound)
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
@@ -456,7 +459,7 @@ def _family(
 
 
 def _described(
-    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Pins, coupled: Sequence[int]
+    chain: Chain, generic_rank: int, corank: int, parts: Sequence[Array], pins: Pins, coupled: Sequence[int]
 ) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
     """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
 
@@ -464,15 +467,23 @@ def _described(
         chain: the arm.
         generic_rank: of the task Jacobian.
         corank: of the family.
-        points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
+        parts: (k, n) real configurations of `Chain.own` on each of its sets, of exactly this corank; k ≥ 1.
         pins: its pinned joints.
         coupled: joints that its other conditions bind.
     """
-    robot, task = chain.own, chain.own_task
+    robot, task, points = chain.own, chain.own_task, np.concatenate(parts)
     at = _witness(chain, generic_rank - corank, points, pins)
-    name = name_family(robot, task, points, sorted(pins), coupled=coupled)
+    name = name_family(robot, task, _one_of_each_first(parts), sorted(pins), coupled=coupled)
     _, sentences = lost_motions(Problem(robot, task, corank), at, points)
     return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
+
+
+def _one_of_each_first(parts: Sequence[Array]) -> Array:
+    """All points of several sets, first one of each set, then a second one of each: a name is read off the first few,
+    and has to be true of every set.
+    """
+    turn = np.concatenate([np.arange(len(part)) for part in parts])
+    return np.asarray(np.concatenate(parts)[np.argsort(turn, kind="stable")])
 
 
 def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:

@@ -90,6 +90,17 @@ class ExactFamily:
             for pin in self.pins
         )  # fmt: skip
 
+    @cached_property
+    def slides(self) -> tuple[int, ...]:
+        """Numbers of the sliding joints that a condition of its own, q = 0, holds: the first of `conditions`."""
+        alone = (one.joints[0] for one in self.conditions if len(one.polynomial) == 1 and len(one.joints) == 1)
+        return tuple(joint for joint in alone if joint in self.conditions[0].ring.prismatic)
+
+    def held(self, robot: Robot) -> tuple[Pin, ...]:
+        """`pinned`, then the slides that are held: in the order of `stated`."""
+        slides = (Pin(robot.variables[joint - 1].name, joint, (self.witness[joint - 1],)) for joint in self.slides)
+        return (*self.pinned(robot), *slides)
+
     def as_family(self, robot: Robot) -> Family:
         """The family as `analyze` lists it, before any test: `robot` is the arm whose units it is in."""
         return Family(

@@ -223,7 +223,8 @@ POLISHED = 1e-15  # σ of a polished point [1]
 ROUNDING = 1e-15  # σ below this is zero to the precision of the arm's own numbers
 DIGITS = 50
 FURTHER = 1e-2  # a singular configuration farther away says nothing about a point [rad]
-_DECIDED = 48  # points that are followed with so many digits
+FOLLOWED = 48
+"""Points on no family, of one corank, that are followed with `DIGITS` digits: 0.05 s each."""
 _STEPS = 60
 _LONGEST = 0.05  # of a step [rad; slides divided by the length scale]
 _RESTING = 1e-9  # a shorter step that makes σ no smaller ends on a minimum
@@ -256,14 +257,14 @@ def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask])
 
     Returns:
         (N,) the points next to which there is no singular configuration, or only one on a family. All of them, where
-        none of `_DECIDED` is singular; else those alone that were followed. The smallest minimum of σ that is not zero;
+        none of `FOLLOWED` is singular; else those alone that were followed. The smallest minimum of σ that is not zero;
         inf without one.
     """
     wrong = np.zeros(len(q), dtype=np.bool_)
     if not len(q):
         return wrong, np.inf
     order = np.argsort(problem.sigma(q)[:, problem.rank], kind="stable")
-    chosen = order[np.unique(np.linspace(0, len(q) - 1, _DECIDED).round().astype(int))]
+    chosen = order[np.unique(np.linspace(0, len(q) - 1, FOLLOWED).round().astype(int))]
     ends = [descents(problem, one) for one in q[chosen]]
     at = np.array([[end for end, _ in both] for both in ends])  # (chosen, descents, n)
     sigma = np.array([[one for _, one in both] for both in ends])

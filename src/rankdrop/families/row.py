@@ -514,13 +514,14 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
 def _has_further_roots(problem: Problem, row: Row, pinned: Row) -> bool:
     """Whether singular configurations satisfy the conditions of a row away from the values that joints were found at.
 
-    Next to a special structure a root may lie where conditions are all but flat, which `Row.sample` leaves out.
+    Next to a special structure a root may lie where conditions are all but flat, which `Row.sample` leaves out, or
+    where their gradients are all but dependent (`System.solve_flat`).
     """
     rng = np.random.default_rng(1)
     values = row.combinations
     targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), STARTS // len(values) + 1, axis=0)
     starts = row.linear.place(problem.random(len(targets), rng), targets, rng)
-    q, solved = row.system.solve(starts, along=row.linear.along, iterations=200)
+    q, solved = row.system.solve_flat(starts, along=row.linear.along, iterations=200)
     q = q[solved & problem.singular(q)]
     _, far = pinned.nearest_values(q)
     return bool((far > NEAR).any())

@@ -345,6 +345,7 @@ CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
 REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
 
+_DEPENDENT = 1e-14  # share of the largest singular value below which gradients are dependent by rounding alone
 _NOTHING = 1e-15  # |f| that no step can better
 _NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
 _ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
@@ -399,8 +400,9 @@ class System:
         return np.asarray((np.abs(f) <= _NEAR * np.linalg.norm(slope, axis=-1) + rounding).all(axis=-1))
 
     def solve(
-        self, q: Array, *, along: Array | None = None, iterations: int = 40, step: float = 0.5, still: float = 1e-14
-    ) -> tuple[Array, Mask]:
+        self, q: Array, *, along: Array | None = None, iterations: int = 40, step: float = 0.5, still: float = 1e-14,
+        cut: float = CUT,
+    ) -> tuple[Array, Mask]:  # fmt: skip
         """Gauss–Newton with the shortest step −A⁺f, capped, from every start.
 
         Args:
@@ -409,6 +411,7 @@ class System:
             iterations: at most.
             step: longest step [rad].
             still: a start whose step gets shorter has arrived [rad].
+            cut: singular values of A below this share of the largest are not inverted.
 
         Returns:
             (N, n) end points and (N,) whether |f| ≤ 1e-12 there.
@@ -420,10 +423,20 @@ class System:
             return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
         directions = [] if along is None else along.ravel().tolist()
         settings = _core.ZeroSettings(
-            iterations=iterations, step=step, still=still, enough=_NOTHING, cut=CUT, along=directions
+            iterations=iterations, step=step, still=still, enough=_NOTHING, cut=cut, along=directions
         )
         end, worst = _core.zeros(self.compiled, np.ascontiguousarray(q, dtype=np.float64), settings)
         return end, worst <= SOLVED
+
+    def solve_flat(self, q: Array, *, along: Array, iterations: int) -> tuple[Array, Mask]:
+        """`solve`; starts that rest where gradients are all but dependent go on with no singular value left out.
+
+        Next to a special structure a root of several equations may lie where two of them have nearly one gradient.
+        """
+        q, solved = self.solve(q, along=along, iterations=iterations)
+        resting = ~solved
+        q[resting], solved[resting] = self.solve(q[resting], along=along, iterations=iterations, cut=_DEPENDENT)
+        return q, solved
 
     def nearest(self, q: Array, within: float = 1e-3) -> tuple[Array, Array]:
         """Way from points to the zero set.

@@ -49,7 +49,7 @@ from rankdrop.motion.record import (
     Violation,
 )
 from rankdrop.motion.survey import Survey, crossings
-from rankdrop.motion.tool_line import poses_at
+from rankdrop.motion.tool_line import half_turns, poses_at
 from rankdrop.motion.trajectory import Trajectory, checked, checked_times, rows_of, unit_hint
 from rankdrop.options import takes
 from rankdrop.questions import PathOptions
@@ -294,6 +294,7 @@ def check_poses(
     tool = replace(
         branch, poses=len(wanted), solutions=solutions, more=robot.n > resolved.m, off=away, turned=turned,
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
+        half_turns=half_turns(wanted) if any(row > 2 for row in resolved.rows) else (),
     )  # fmt: skip
     path = _timed(robot, resolved, wanted, times, branch)
     check = check_curve(robot, path, resolved, how, analysis, tolerances, progress)

@@ -85,6 +85,8 @@ class Followed:
         passed: singularities at which the branch goes on.
         folds: it ends because it folds back at a singularity: what is near was followed, and is behind.
         turn: the internal turn after which the path goes on, where that is why it ended.
+        half_turns: numbers of the poses, from 1, from which the tool turns by half a turn to the next one: of the two
+            ways round one was taken.
     """
 
     q: Array
@@ -104,6 +106,7 @@ class Followed:
     passed: tuple[Passed, ...] = ()
     folds: bool = False
     turn: Turn | None = None
+    half_turns: tuple[int, ...] = ()
 
     @property
     def start(self) -> list[float]:

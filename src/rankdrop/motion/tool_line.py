@@ -23,6 +23,16 @@ def between(start: Array, end: Array, share: Array) -> Array:
     return made
 
 
+_HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]: printed poses are no sharper
+
+
+def half_turns(poses: Array) -> tuple[int, ...]:
+    """Numbers of the poses (P, 4, 4), from 1, that are half a turn from the next one: `between` takes one of two ways.
+    """
+    turns = rotation_vector(poses[1:, :3, :3] @ np.swapaxes(poses[:-1, :3, :3], -1, -2))
+    return tuple((np.flatnonzero(np.linalg.norm(turns, axis=-1) >= np.pi - _HALF_TURN) + 1).tolist())
+
+
 def poses_at(poses: Array, place: Array) -> Array:
     """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
     k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)

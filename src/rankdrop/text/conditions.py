@@ -373,7 +373,9 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         exactly = (f"{on.agree:,} of {on.tested:,} configurations found lie on exact families" if exact
                    else "the exact conditions are not complete")  # fmt: skip
     else:
-        exactly = f"exact conditions were not {'asked for' if analysis.exact is None else 'derived'}"
+        exactly = "exact conditions were not asked for"
+        if analysis.exact is not None:
+            exactly = f"exact conditions were not derived, {analysis.exact.reason.rstrip('.')}"
     return Verdict(VERIFIED, claims, f"Verified, {' and '.join(claims)}: {_sampled(analysis)}; {exactly}.")
 
 

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import degrees, floor, isclose
+from math import degrees, floor, isclose, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,7 @@ from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
+from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
@@ -352,8 +353,9 @@ def conditions_of(
     for one in derived:
         if (one.id, one.name, one.corank) == (row.id, row.name, row.corank):
             held = {pin.number for pin in row.pinned}
-            pins = [text for (joint, _), text in zip(one.pins, one.texts, strict=False) if joint not in held]
-            return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(one.pins) :])]
+            fixed = [*(joint for joint, _ in one.pins), *one.slides]
+            pins = [text for joint, text in zip(fixed, one.texts, strict=False) if joint not in held]
+            return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(fixed) :])]
     exactly = exact_conditions(row, derivation)
     return [(EXACTLY, exactly)] if exactly else [(COUPLED, text) for text in coupled_conditions(row)]
 
@@ -475,11 +477,24 @@ def overview(
         yield Section("", lines=(legend(robot, families),))
 
 
-def near_misses_text(corank: int, many: int, sigma: float, digits: int) -> str:
-    """Configurations with a small σ that many digits show not to be singular."""
+def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
+    """Configurations with a small σ that many digits show not to be singular; `sigma` is inf where no minimum was met.
+    """
+    which = "" if followed == many else f"{followed} of them, spread over all their σ, "
+    least = f" (smallest σ {sigma:.2g})" if isfinite(sigma) else ""
     return (
-        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: followed with {digits} "
-        f"digits, the rank does not drop there (smallest σ {sigma:.2g})"
+        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: {which}followed with "
+        f"{digits} digits, the rank does not drop there{least}"
+    )
+
+
+def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
+    """Points of the searches that many digits show not to be singular; `sigma` is inf where no minimum was met."""
+    which = "" if followed == many else f" ({followed} of them, spread over all their σ)"
+    least = f", it has a minimum of {sigma:.2g}" if isfinite(sigma) else ""
+    return (
+        f"corank {corank}: {many:,} points of the searches with σ ≤ {DEFAULT.singular:g} are not singular: followed "
+        f"with {digits} digits{which}, σ does not vanish next to them{least}"
     )
 
 

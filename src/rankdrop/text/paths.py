@@ -275,6 +275,16 @@ def free_words(check: Any) -> str:
     return "more than 99.9999 %" if words == "100" and not all_of_it else f"{words} %"
 
 
+def half_turn_words(poses: Sequence[int]) -> str:
+    """Poses from which the tool turns by exactly half a turn: which way it turns is a choice."""
+    named = ", ".join(str(pose) for pose in poses[:_NAMED]) + (", …" if len(poses) > _NAMED else "")
+    many = len(poses) > 1
+    return (
+        f"half a turn: from pose{'s' if many else ''} {named} the next one is 180° away, and the tool may turn either "
+        "way round; one of the two was checked. A pose between them decides which one the controller takes"
+    )
+
+
 def notes(check: Any) -> tuple[str, ...]:
     """Remarks; of a tool path its branch and the poses of its crossings."""
     lines = [_REMARKS[kind].format(values) for kind, values in check.remarks]
@@ -282,6 +292,7 @@ def notes(check: Any) -> tuple[str, ...]:
         places = [one.closest.place for one in check.crossings][:_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
         lines.append(f"branch: {branch_chosen(check.tool)}")
+        lines += [half_turn_words(check.tool.half_turns)] if check.tool.half_turns else []
         lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
 

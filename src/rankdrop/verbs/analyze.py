@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import isfinite
 from typing import Any
 
 from rankdrop.errors import RankdropError
 from rankdrop.exact.family import ExactFamily
+from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.searching import search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families, posed
@@ -34,6 +34,7 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
+from rankdrop.text.families import mistaken_text
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
@@ -127,7 +128,7 @@ def _row(family: ExactFamily, robot: Robot) -> ExactRow:
         name=family.name,
         corank=family.corank,
         dimension=family.dimension,
-        pinned=family.pinned(robot),
+        pinned=family.held(robot),
         conditions=family.texts,
         latex=family.latex,
         reality=family.reality,
@@ -253,9 +254,7 @@ def _tables(
 
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     return tuple(
-        f"corank {one.summary.corank}: {one.mistaken:,} points of the searches with "
-        f"σ ≤ {DEFAULT.singular:g} are not singular: followed with 50 digits, σ does not vanish next to them"
-        + (f", it has a minimum of {one.lowest:.2g}" if isfinite(one.lowest) else "")
+        mistaken_text(one.summary.corank, one.mistaken, min(one.mistaken, FOLLOWED), one.lowest, DIGITS)
         for one in tables if one.mistaken
     )  # fmt: skip
 

@@ -34,7 +34,7 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.notation import Step
 from rankdrop.exact.tree import Drop, Tree, rank_tree
-from rankdrop.families.inspection import DIGITS, descents, near_misses
+from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.table import posed
 from rankdrop.family.record import Check
@@ -369,7 +369,7 @@ def _cloud(
         tested, agree = tested + singular, agree + check.agree
         remaining = np.setdiff1d(remaining, wrong)
         if len(wrong):
-            misses.append(near_misses_text(corank, len(wrong), sigma, DIGITS))
+            misses.append(near_misses_text(corank, len(wrong), min(len(wrong), FOLLOWED), sigma, DIGITS))
         if len(remaining):
             one = out_of_units(chain.robot, met.q[remaining[0]])
             over.append(on_no_family_text(corank, len(remaining), singular, one))

@@ -28,6 +28,7 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation, System
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
 from rankdrop.local.block import sampling_box, singular_values
@@ -428,7 +429,7 @@ def _family(
     corank: int,
     row: Row,
     condition: str,
-    told: tuple[str, tuple[str, ...], tuple[float, ...]],
+    told: tuple[str, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
     """One row of sets as a family, its number and final name still to come."""
@@ -447,7 +448,7 @@ def _family(
         coupled=coupled,
         reality=condition,
         witness=told[2],
-        lost_words=told[1],
+        lost_freedoms=told[1],
         rank_check=check,
         numbers=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
@@ -457,8 +458,8 @@ def _family(
 
 def _described(
     chain: Chain, generic_rank: int, corank: int, points: Array, pins: Pins, coupled: Sequence[int]
-) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
-    """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
+) -> tuple[str, tuple[LostFreedom, ...], tuple[float, ...]]:
+    """(name, freedoms lost, witness) of a family, seen at real points of it.
 
     Args:
         chain: the arm.
@@ -471,8 +472,8 @@ def _described(
     robot, task = chain.own, chain.own_task
     at = _witness(chain, generic_rank - corank, points, pins)
     name = name_family(robot, task, points, sorted(pins), coupled=coupled)
-    _, sentences = lost_motions(Problem(robot, task, corank), at, points)
-    return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
+    _, lost = lost_motions(Problem(robot, task, corank), at, points)
+    return name, lost, tuple(float(x) for x in out_of_units(chain.robot, at))
 
 
 def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:

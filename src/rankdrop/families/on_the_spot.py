@@ -274,7 +274,7 @@ class _Spot:
             equations=equations,
             witness=tuple(out_of_metres(self.robot, self.q).tolist()),
             lost_directions=np.zeros((0, 6)),  # whoever asks for the family of a configuration has them already
-            lost_words=(),
+            lost_freedoms=(),
             evidence=how,
             words=words,
         )

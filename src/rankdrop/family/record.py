@@ -1,8 +1,8 @@
 """What a family is, whoever found it: one family (a row of the table), one corank's summary, and their parts.
 
 Between an arm's own unit of length and the one it was given in angles stay as they are; values of slides change, and so
-do the coefficients of equations in which slides stand. Lost directions are told in `counted` lengths and stay, and
-sentences speak of the given unit from the start.
+do the coefficients of equations in which slides stand. Lost directions are in `counted` lengths and stay, and those of
+`lost_freedoms` have the given unit from the start.
 
 The conditions of a family are `Pin`s and `Equation`s; its evidence says how it was found: from a sample of the whole
 joint space, or from the neighbourhood of one configuration. `Derivation` is the exact derivation that an analysis rests
@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation, System
+from rankdrop.family.lost import LostFreedom
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
 from rankdrop.task import Task
+from rankdrop.text.lost import lost_sentences
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
 
@@ -91,7 +93,7 @@ class Family:
             Empty where not all of them are known.
         witness: a configuration on the family, of exactly this corank.
         lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood.
-        lost_words: one sentence per lost direction.
+        lost_freedoms: what the tool cannot do, one for each freedom lost; none from a neighbourhood.
         evidence: how the conditions were obtained: from a sample of the whole joint space, exactly, or from the
             neighbourhood of one configuration.
         soundness: the equations solved from random starts, and how many solutions have the corank or more; none were
@@ -114,7 +116,7 @@ class Family:
     equations: tuple[Equation, ...]
     witness: tuple[float, ...]
     lost_directions: Array  # (k, 6)
-    lost_words: tuple[str, ...]
+    lost_freedoms: tuple[LostFreedom, ...]
     evidence: str
     soundness: Check = Check(0, 0)
     explained: Check = Check(0, 0)
@@ -150,7 +152,7 @@ def _section(family: Family) -> Section:
     stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
     bound = set(family.coupled)
     told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
-    told += [f"lost: {words}" for words in family.lost_words]
+    told += [f"lost: {words}" for words in lost_sentences(family.lost_freedoms)]
     at = ", ".join(f"{value:.6g}" for value in family.witness)
     tested = (
         f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
@@ -273,21 +275,8 @@ def family_in_metres(family: Family, robot: Robot) -> Family:
 
 def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
     """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
-    words = tuple(_retold(one, power) for one in family.lost_words)
-    return replace(_with_slides(family, robot, power), lost_words=words)
-
-
-_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
-
-
-def _retold(sentence: str, power: int) -> str:
-    """A sentence on a lost motion with its rates in the other unit."""
-
-    def moved(match: re.Match[str]) -> str:
-        value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
-        return f"{value:.3g} {match[2]}·".replace("-", "−")
-
-    return _RATE.sub(moved, sentence)
+    lost = tuple(one.rescaled(power) for one in family.lost_freedoms)
+    return replace(_with_slides(family, robot, power), lost_freedoms=lost)
 
 
 def _with_slides(family: Family, robot: Robot, power: int) -> Family:

@@ -24,6 +24,7 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.local.block import singular_values
+from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
@@ -190,13 +191,15 @@ class Analysis(Result):
     def _from_dict(cls, record: Record) -> Analysis:
         settings: Settings = restored(Settings, record["settings"])
         families = enumerate(record["families"])
+        robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
+        task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
         return cls(
-            robot=at("$.robot", lambda: robot_from_dict(record["robot"])),
-            task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
+            robot=robot,
+            task=task,
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
             coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
-            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
+            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one, robot, task)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
@@ -282,8 +285,12 @@ def corank_from_dict(record: Record) -> CorankSummary:
     return summary
 
 
-def family_from_dict(record: Record) -> Family:
+def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     """The family of a record made by `FAMILY`.
+
+    Args:
+        record: of any version.
+        robot, task: the arm, for what versions up to 0.2 wrote as sentences.
 
     Raises:
         ResultFileError: an equation whose text and terms say different things.
@@ -291,6 +298,10 @@ def family_from_dict(record: Record) -> Family:
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
     kinds, own = get_type_hints(Family), record.keys() - {"equations"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
+    if "lost_freedoms" not in own:
+        given["lost_freedoms"] = freedoms_of_sentences(
+            record["lost_words"], robot, task, record["corank"], record["witness"]
+        )
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

@@ -13,11 +13,12 @@ import numpy as np
 
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Derivation, ExactRow, Family, Pin
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.files import RANGE, allowed_range
-from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.robot.transform import rigid
 from rankdrop.task import Task, link_index, resolve_task
@@ -232,9 +233,12 @@ def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
         (found.sigma <= tolerances.singular < found.kept, "the witness has another corank", f"{where}.witness",
          f"σ that vanish up to {found.sigma:.3g}, σ that stay from {found.kept:.3g}",
          f"corank {family.corank}, cut at {tolerances.singular:g}"),
-        (lost.shape == (family.corank, 6) and len(family.lost_words) == family.corank,
+        (lost.shape == (family.corank, 6) and len(family.lost_freedoms) == family.corank,
          "one direction and one sentence for each lost freedom", place, len(lost), family.corank),
     )  # fmt: skip
+    for i, freedom in enumerate(family.lost_freedoms):
+        held = _is_lost(analysis.robot, np.array(family.witness), freedom)
+        require((held, "the motion is not lost at the witness", f"{where}.lost_freedoms[{i}]", None, None))
     whole = jacobian(analysis.robot, np.array(family.witness), analysis.task.frame)[rows]
     slip = np.abs(lost[:, rows] @ whole).max()
     still = slip <= _LOST * max(1.0, float(np.abs(whole).max())) and not np.delete(lost, rows, axis=1).any()
@@ -243,6 +247,15 @@ def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
          None),
         (still, "the directions are not those lost at the witness", place, None, None),
     )  # fmt: skip
+
+
+def _is_lost(robot: Robot, q: Array, freedom: LostFreedom) -> bool:
+    """Whether no joint moves along the direction u: |u · J_i| = 0 for every column, J in the lengths of u."""
+    columns = jacobian(robot, q, freedom.frame)
+    columns[:3] /= freedom.length
+    u = np.array(freedom.direction)
+    size = max(1.0, float(np.abs(columns).max()))
+    return bool(abs(u @ u - 1.0) <= _LOST and np.abs(u @ columns).max() <= _LOST * size)
 
 
 def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: float) -> None:

@@ -24,9 +24,10 @@ from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
-from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
+from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
@@ -45,7 +46,7 @@ _MOST_TERMS = 30  # a longer condition is for programs
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
-    lost = lost_told(robot, [words for one in families for words in one.lost_words])
+    lost = lost_note(robot, [lost for one in families for lost in one.lost_freedoms])
     return f"{_LEGEND.format(length=f'{counted_length(robot):g}')} {lost}".rstrip()
 
 
@@ -113,7 +114,8 @@ def columns(robot: Robot, corank: int) -> tuple[Column, ...]:
         *(Column(name, name, partial(joint_cell, number=number, kind=kinds[number - 1]), JOINT)
           for number, name in enumerate(symbols(robot), start=1)),
         Column("dimension", "dim", lambda row: str(row.dimension)),
-        Column("lost", "lost direction" if corank == 1 else "lost directions", lambda row: row.lost_words, WORDS),
+        Column("lost", "lost direction" if corank == 1 else "lost directions",
+               lambda row: lost_sentences(row.lost_freedoms), WORDS),
         Column("sound", TESTED, lambda row: share_text(row.soundness.agree, row.soundness.tested),
                failed=lambda row: not row.soundness.holds, printed=False),
         Column("met", MET, lambda row: rounded_share(row.explained), printed=False),
@@ -288,7 +290,7 @@ def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
 
 def at_witness(row: Family) -> bool:
     """Whether what is lost is told for the witness, which has to be named then."""
-    return any("witness" in text for text in row.lost_words)
+    return not all(one.everywhere for one in row.lost_freedoms)
 
 
 def asked(robot: Robot, row: Family) -> str:
@@ -394,8 +396,8 @@ def footnotes(
         lost: with the directions lost, which the table has no room for.
     """
     notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, derivation)]
-    notes += [("lost", words) for words in row.lost_words] if lost else []
-    if at_witness(row) or any("witness" in words for _, words in notes):
+    notes += [("lost", words) for words in lost_sentences(row.lost_freedoms)] if lost else []
+    if at_witness(row) or not row.named:
         notes.append((AT, f"witness {witness_text(robot, row.witness)}"))
     return notes
 

@@ -277,6 +277,7 @@ class _Spot:
             lost_freedoms=(),
             evidence=how,
             words=words,
+            slides=tuple(i + 1 for i in slides_of(self.robot)),
         )
 
 

@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import degrees, inf
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,9 +25,8 @@ from rankdrop.family.lost import LostFreedom
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.sections import Section, html
+from rankdrop.sections import Section, html, words_of
 from rankdrop.task import Task
-from rankdrop.text.lost import lost_sentences
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
 
@@ -102,6 +101,7 @@ class Family:
             neighbourhood.
         words: of a neighbourhood: the conditions as sentences, and joints coupled by an equation that is not known. Of
             pinned joints only the values that are met there are known, while a row of a table holds all.
+        slides: of a neighbourhood: numbers of the joints that slide; elsewhere the equations show them.
         parts: of a neighbourhood: the families that meet at the configuration; empty where it lies on one only.
     """
 
@@ -121,6 +121,7 @@ class Family:
     soundness: Check = Check(0, 0)
     explained: Check = Check(0, 0)
     words: tuple[str, ...] = ()
+    slides: tuple[int, ...] = ()
     parts: tuple[Family, ...] = ()
 
     def __post_init__(self) -> None:
@@ -135,46 +136,13 @@ class Family:
 
     def _repr_html_(self) -> str:
         """For notebooks: what the family asks, what is lost, how it was tested."""
-        return html([_section(self)])
+        sections: tuple[Section, ...] = words_of(self).sections_of(self)
+        return html(sections)
 
 
 def short_name(name: str) -> str:
     """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
     return re.split(r":| \(|, (?:axes|with) ", name)[0]
-
-
-def _section(family: Family) -> Section:
-    slides = _slides(family)
-    stands = {one.number: (f"joint {one.number}, {one.joint}",
-                           " or ".join(_stands(value, one.number in slides) for value in one.values))
-              for one in family.pinned}  # fmt: skip
-    stands |= {number: (f"joint {number}", "any value") for number in family.free}
-    stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
-    bound = set(family.coupled)
-    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
-    told += [f"lost: {words}" for words in lost_sentences(family.lost_freedoms)]
-    at = ", ".join(f"{value:.6g}" for value in family.witness)
-    tested = (
-        f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
-        f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
-    )
-    return Section(
-        f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
-        columns=("joint", "stands at"), rows=tuple(row for _, row in sorted(stands.items())), texts=(0, 1),
-        after=(*told, f"witness, as functions take it [rad, m]: q = [{at}]"),
-        notes=(tested,) if family.soundness.tested else (),
-    )  # fmt: skip
-
-
-def _slides(family: Family) -> set[int]:
-    """Numbers of joints that slide, as far as its conditions show: they stand there as powers, or as q3 in words."""
-    powers = {number for one in family.equations for term in one.terms
-              for number, power in enumerate(term.powers, start=1) if power}  # fmt: skip
-    return powers | {int(found[1]) for words in family.words if (found := re.match(r"q(\d+) = ", words))}
-
-
-def _stands(value: float, slides: bool) -> str:
-    return (f"{value:.6g} m" if slides else f"{degrees(value):.5g}°").replace("-", "−")
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,8 @@ from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.old_files import freedoms_of_sentences
+from rankdrop.results.settings import Residual as Residual
+from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
@@ -33,49 +35,8 @@ from rankdrop.task import Task
 from rankdrop.text.conditions import Verdict, of_analysis, opening
 from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
-from rankdrop.tolerances import Tolerances
 
 SCHEMA = "rankdrop/analysis/1"
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """What the analysis was asked to do; together with the robot and the version it determines the result.
-
-    Attributes:
-        seed: every random choice comes from it.
-        starts: random starts for each corank.
-        limits: starts and fresh points within the joint limits only.
-        length_scale: translation rows were divided by it [m].
-        tolerances: every threshold used.
-        version: of rankdrop.
-    """
-
-    seed: int
-    starts: int
-    limits: bool
-    length_scale: float
-    tolerances: Tolerances
-    version: str
-
-
-@dataclass(frozen=True, slots=True)
-class Residual:
-    """A witness, or the worst of several, evaluated again.
-
-    Attributes:
-        equation: largest |equation| at the witness (0 where the family has none).
-        sigma: largest of the singular values that have to vanish.
-        kept: smallest of those that must not.
-    """
-
-    equation: float
-    sigma: float
-    kept: float
-
-    def holds(self, tolerances: Tolerances) -> bool:
-        """Whether the witness satisfies its equations and has exactly the corank of its family."""
-        return self.equation <= tolerances.explained and self.sigma <= tolerances.singular < self.kept
 
 
 @dataclass(frozen=True, eq=False)

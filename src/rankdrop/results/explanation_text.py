@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.results.explanation import Explanation, Summary
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
@@ -63,10 +64,6 @@ from rankdrop.text.words import (
     wrench_text,
 )
 from rankdrop.units import counted_length
-
-if TYPE_CHECKING:
-    from rankdrop.results.explanation import Explanation, Summary
-
 
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-
-import numpy as np
+from math import hypot
 
 from rankdrop.local.directions import ENTRY_SHARE, NEARLY_SHARE, FramedDirections, lost_in_sparsest_frame
 from rankdrop.robot.model import Array, Robot
@@ -57,14 +56,14 @@ class LostFreedom:
     def nearly(self) -> MotionKind:
         """As `kind`, where a part below `NEARLY_SHARE` of the whole counts as nothing."""
         slide, turn = self._sizes
-        if min(slide, turn) > NEARLY_SHARE * float(np.hypot(slide, turn)):
+        if min(slide, turn) > NEARLY_SHARE * hypot(slide, turn):
             return MotionKind.TIED
         return MotionKind.TRANSLATION if slide >= turn else MotionKind.ROTATION
 
     @property
     def _sizes(self) -> tuple[float, float]:
         """|v| and |ω|."""
-        return float(np.linalg.norm(self.direction[:3])), float(np.linalg.norm(self.direction[3:]))
+        return hypot(*self.direction[:3]), hypot(*self.direction[3:])
 
     def rescaled(self, power: int) -> LostFreedom:
         """The same of the arm with lengths 10 to a power as large in numbers: u is in `length`, and stays."""

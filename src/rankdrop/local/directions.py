@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import inf, isinf
+from math import hypot, inf, isinf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -143,6 +143,15 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
     return f"{text} = 0"
 
 
+def is_nearly_pure(direction: ArrayLike) -> bool:
+    """Whether a lost direction is nearly, but not quite, one of pure translation or pure rotation.
+
+    Args, Raises: as `constraint`.
+    """
+    _, _, slide, turn = _parts(direction)
+    return ENTRY_SHARE < min(slide, turn) / float(np.hypot(slide, turn)) <= NEARLY_SHARE
+
+
 def in_short(direction: ArrayLike) -> str:
     """What a lost direction comes to where it is, or nearly is, one of pure translation or pure rotation; else empty.
 
@@ -153,11 +162,10 @@ def in_short(direction: ArrayLike) -> str:
         ('no motion along (0, 0.6, 0.8)', 'nearly no turning about X', '')
     """
     v, w, slide, turn = _parts(direction)
-    share = min(slide, turn) / np.hypot(slide, turn)
-    if share > NEARLY_SHARE:
+    if min(slide, turn) > NEARLY_SHARE * np.hypot(slide, turn):
         return ""
     text = f"no motion along {axis_text(v)}" if slide >= turn else f"no turning about {axis_text(w)}"
-    return text if share <= ENTRY_SHARE else f"nearly {text}"
+    return f"nearly {text}" if is_nearly_pure(direction) else text
 
 
 def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
@@ -286,9 +294,11 @@ def main_axis(vector: ArrayLike) -> tuple[int, bool]:
         >>> main_axis([0.0, -2.0, 0.0]), main_axis([0.6, 0.0, 0.8])
         ((1, True), (2, False))
     """
-    size = np.abs(vector) / np.linalg.norm(vector)
-    largest = int(np.argmax(size >= size.max() - _AXIS))
-    return largest, bool(np.delete(size, largest).max() <= _AXIS)
+    parts = [abs(float(part)) for part in np.asarray(vector).tolist()]
+    whole = hypot(*parts)
+    shares = [part / whole for part in parts]
+    largest = next(axis for axis, share in enumerate(shares) if share >= max(shares) - _AXIS)
+    return largest, all(share <= _AXIS for axis, share in enumerate(shares) if axis != largest)
 
 
 def axis_text(vector: ArrayLike) -> str:

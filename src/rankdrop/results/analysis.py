@@ -8,7 +8,7 @@ from 1.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 
@@ -246,6 +246,12 @@ def corank_from_dict(record: Record) -> CorankSummary:
     return summary
 
 
+@cache
+def _family_types() -> dict[str, Any]:
+    """Field of a family -> its type: looked up once, which takes a millisecond."""
+    return get_type_hints(Family)
+
+
 def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     """The family of a record made by `FAMILY`.
 
@@ -257,7 +263,7 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         ResultFileError: an equation whose text and terms say different things.
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
-    kinds, own = get_type_hints(Family), record.keys() - {"equations"}
+    kinds, own = _family_types(), record.keys() - {"equations"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
     if "lost_freedoms" not in own:
         given["lost_freedoms"] = freedoms_of_sentences(

@@ -23,7 +23,7 @@ from rankdrop.configuration import Cause
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family, short_name
 from rankdrop.kinematics import pose
-from rankdrop.local.directions import FramedDirections, constraint, in_short
+from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
@@ -36,7 +36,6 @@ from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
-    LOST_TYPE,
     NO_JOG,
     NOT_SEARCHED,
     PROOF,
@@ -52,6 +51,7 @@ from rankdrop.text.words import (
     hunt_words,
     jog_step,
     joint_word,
+    lost_type,
     minus,
     motion,
     numbers,
@@ -127,20 +127,24 @@ def _measured(explanation: Explanation) -> dict[str, object]:
     }  # fmt: skip
 
 
-_NEAR, _FARTHER = "near a singularity: {name}{place}", "Get farther away: {jog}"
+_NEAR = "near a singularity: {name}{place}"
+_OUT, _FARTHER = "Get out: {jog}. Cartesian jogging fails", "Get farther away: {jog}"
+_NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
+"""What to do -> the same where no jog was found."""
+_SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
 _FAMILY, _PROVEN = "; family from {source}", "{proven}"
 _SUMMARY = {
     Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
-                 "Get out: {jog}. Cartesian jogging fails", _FAMILY),
+                 _OUT, _FAMILY),
     Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
                   "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
     Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
                       "Nearly lost: {lost}", _FARTHER, _PROVEN),
     Cause.DISTANCE: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
     Cause.SMALL: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
-    Cause.SLOW: (_NEAR, "Slow: at most {slowest}", _FARTHER, _PROVEN),
+    Cause.SLOW: (_NEAR, _SLOW, _FARTHER, _PROVEN),
     Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
-                 "Slowest straight motion: at most {slowest}", _FARTHER, _PROVEN),
+                 _SLOWEST, _FARTHER, _PROVEN),
 }  # fmt: skip
 """Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
 _SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
@@ -150,10 +154,10 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
     summary, rank = explanation.summary, explanation.rank
     what, lost, way, sure = _SUMMARY[summary.cause]
-    if "{slowest}" in lost and (summary.slowest is None or isinf(summary.slowest.speed)):
+    if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
         lost = "Lost: nothing"
-    if "{jog}" in way and not summary.way_out:
-        way = f"{way.partition(':')[0]}: {NO_JOG}"
+    if not summary.way_out:
+        way = _NO_JOG.get(way, way)
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
         following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
@@ -341,16 +345,15 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
     hardly = explanation.far.near_miss is not None and not explanation.rank.corank
     seen = [one for frame, one in lost.seen.items() if full or frame != "link"] or lost.seen.values()
     lines = [f"The tool {'can hardly move other than' if hardly else 'can only move'} so that"]
-    nearly = False
     for one in (lost_text(explanation.robot, framed) for framed in seen):
         lines.append(Formula(f"  in {one['axes']}: {', '.join(one['constraints'])}"))
         brief = "; ".join(filter(None, one["short"]))
         lines += [f"      {brief}"] * (full and bool(brief))
-        nearly = nearly or any(text.startswith("nearly") for text in one["short"])
     if full:
         lines += _screws(explanation, "with hardly any joint torque" if hardly else "without joint torque")
     title = "What is lost" if explanation.rank.corank else "What is nearly lost"
-    notes = (_TWIST, *[_COUNTED] * (full and nearly))
+    nearly = any(is_nearly_pure(direction) for framed in seen for direction in framed.directions)
+    notes = (_TWIST, _COUNTED) if full and nearly else (_TWIST,)
     yield Section(title, _focus(explanation), tuple(lines), notes=notes)
 
 
@@ -504,16 +507,14 @@ def _lost_types(out: Escape) -> Iterator[str]:
     slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
     for kind in dict.fromkeys(one.type for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
-        one = LOST_TYPE[kind]
-        if len(out.types) > 1:
-            one = one.replace("the lost direction", _lost_numbered(which, len(out.types)))
-        yield _sentence(f"{slowly}{one}")
+        words = lost_type(kind, _lost_numbered(which, len(out.types)))
+        yield _sentence(f"{slowly}{words}")
 
 
 def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
     out = explanation.escape
     said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
-    said |= {one.type: LOST_TYPE[one.type] for one in out.types}
+    said |= {one.type: lost_type(one.type) for one in out.types}
     said[out.boundary_reason] = boundary_words(out)
     lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
     if lines and explanation.rank.corank:
@@ -525,6 +526,8 @@ def _sentence(words: str) -> str:
 
 
 def _lost_numbered(which: list[int], count: int) -> str:
+    if count == 1:
+        return "the lost direction"
     if len(which) == count:
         return "each lost direction"
     return f"lost {plural('direction', len(which))} {numbers(which)}"

@@ -127,16 +127,12 @@ def _cell(column: Column, family: Family, number: int) -> str:
     values = [as_text(line) for line in lines_of(column, family)]
     if column.holds == WORDS:
         return rf"\raggedright {'; '.join(values)}"
-    if column.holds == JOINT and any("(" in value for value in values):  # degrees
-        values = [part for one in values for part in _before_degrees(one)]
-        stacked = r" \\ ".join(values)
+    parts = () if column.values is None else column.values(family)
+    if any(angle for _, angle in parts):
+        lines = [line for number, angle in parts for line in (number, f"({angle})" if angle else "") if line]
+        stacked = r" \\ ".join(map(as_text, lines))
         return rf"\begin{{tabular}}[t]{{@{{}}c@{{}}}}{stacked}\end{{tabular}}"
     return ", ".join(values)
-
-
-def _before_degrees(value: str) -> tuple[str, ...]:
-    number, bracket, angle = value.partition(" (")
-    return (number, f"({angle}") if bracket else (number,)
 
 
 def _symbol(name: str) -> str:

@@ -6,6 +6,7 @@ What is lost is a fact, `rankdrop.family.lost.LostFreedom`; nothing here is read
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 
@@ -17,6 +18,7 @@ _TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]
 _ON = 1e-9  # farther from an axis [m], or turned by more [rad], is not on it
 
 
+@lru_cache(maxsize=4096)
 def lost_sentence(freedom: LostFreedom) -> str:
     """What the tool cannot do, without a subject: "cannot rotate about X of the base".
 

@@ -9,12 +9,11 @@ in tables as well, heading and cell.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -783,7 +782,15 @@ LONGEST = 120
 _SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
 
 
-def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
+class _Condition(NamedTuple):
+    """A condition for people, the joints it is about, and the lengths that stand in it as letters."""
+
+    text: str
+    joints: frozenset[int]
+    letters: frozenset[str] = frozenset()
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
     """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
 
     Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
@@ -796,8 +803,21 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Recor
             bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
             if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
                 return None
-            return one["conditions"][len(one["pinned"]) :], record["letters"]
+            beyond, letters = len(one["pinned"]), record["letters"]
+            each = zip(one["conditions"][beyond:], one["terms"][beyond:], one["polynomials"], strict=True)
+            return [_Condition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
     return None
+
+
+def _joints(terms: list[Record]) -> frozenset[int]:
+    """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
+    both = [pair for one in terms for pair in enumerate(zip(one["harmonics"], one["powers"], strict=True), start=1)]
+    return frozenset(number for number, (harmonic, power) in both if harmonic or power)
+
+
+def _letters(polynomial: list[Any], letters: Record) -> frozenset[str]:
+    """Lengths that stand in a polynomial as letters, from its terms [[variable, power, …], coefficient]."""
+    return frozenset(name for variables, _ in polynomial for name in variables[::2] if name in letters)
 
 
 def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
@@ -814,33 +834,26 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     written = _written(robot, task, family)
     if written is None and not family.equations:
         return family.words or ("no condition found",)
-    texts, letters = _unpinned(family, written)
+    conditions, letters = _unpinned(family, written)
+    short = [one for one in conditions if len(one.text) <= LONGEST]
+    long = [one for one in conditions if len(one.text) > LONGEST]
     pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
     told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
-    told += (text for text in texts if len(text) <= LONGEST)
-    named = {name for text in told for name in re.findall(r"\b\w+\b", text)}
+    told += (one.text for one in short)
+    named = {name for one in short for name in one.letters}
     if there := [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]:
         told[-1] += f", {', '.join(there)}"
-    if long := [text for text in texts if len(text) > LONGEST]:
+    if long:
         where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
         count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
-        told.append(f"{count} on joints {numbers(_joints(long))} ({where})")
+        told.append(f"{count} on joints {numbers(sorted({number for one in long for number in one.joints}))} ({where})")
     return tuple(told)
 
 
-def _unpinned(family: Family, written: tuple[list[str], Record] | None) -> tuple[list[str], Record]:
+def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:
     """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
     fixed = {one.number for one in family.pinned}
     if written is None:
-        return [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed], {}
-    return [text for text in written[0] if not {*_joints([text])} <= fixed], written[1]
-
-
-def _joints(texts: Sequence[str]) -> list[int]:
-    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
-    found: set[int] = set()
-    for text in texts:
-        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
-        for digits in re.findall(r"\b[sc](\d+)\b", text):
-            found |= {int(digit) for digit in digits}
-    return sorted(found)
+        fitted = [_Condition(f"{one} = 0", frozenset(one.joints)) for one in family.equations]
+        return [one for one in fitted if not one.joints <= fixed], {}
+    return [one for one in written[0] if not one.joints <= fixed], written[1]

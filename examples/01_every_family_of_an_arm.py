@@ -5,6 +5,7 @@ tells the families with their conditions; each row is tested both ways.
 """
 
 import rankdrop
+from rankdrop.text import lost_sentences
 
 arm = rankdrop.open_robot("pa10")  # or a path to a URDF, xacro, DH or screw file
 found = rankdrop.analyze(arm, starts=1000, seed=0, exact="off")  # exact conditions: number 6
@@ -14,7 +15,7 @@ for summary in found.coranks:
     for family in found.of_corank(summary.corank):
         print(f"  {family.id}  {family.name}  (dimension {family.dimension})")
         print("         where", ",  ".join(f"{equation} = 0" for equation in family.equations))
-        for words in family.lost_words:
+        for words in lost_sentences(family.lost_freedoms):
             print("         there it", words)
 
 # Nothing found at a corank is not a proof. What is tested: the rows' conditions are solved from random starts, and the

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
 from sources import FILES, ROOT, SOURCE, nodes, parsed
 
 import rankdrop
@@ -158,23 +159,43 @@ def test_the_package_root_is_not_imported_from_inside() -> None:
     assert not from_the_root, "\n".join(from_the_root)
 
 
-def read_by_the_type_checker(module: str) -> set[str]:
-    """Modules of the same room that `module` names for the type checker alone: a record and the words about it."""
-    blocks = [
-        node for node in nodes(MODULES[module])
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-    ]  # fmt: skip
-    named = {one.module for block in blocks for one in block.body if isinstance(one, ast.ImportFrom) and one.module}
-    inner = {name.removeprefix("rankdrop.") for name in named}
-    return {name for name in inner if name.split(".")[0] == module.split(".")[0]}
+def circles(needed: dict[str, frozenset[str]]) -> list[str]:
+    """Modules on an import circle, and those that need one, sorted: what is left when every other is taken out.
 
-
-def test_no_cycles() -> None:
-    left = {module: own_imports(module) & MODULES.keys() - read_by_the_type_checker(module) for module in MODULES}
-    while ready := [module for module, needed in left.items() if not needed & set(left)]:
+    Args:
+        needed: module -> modules that it imports, anywhere in its file: at the top, in functions, for the type checker.
+    """
+    left = {module: others & needed.keys() for module, others in needed.items()}
+    while ready := [module for module, others in left.items() if not others & set(left)]:
         for module in ready:
             del left[module]
-    assert not left, f"these import each other: {sorted(left)}"
+    return sorted(left)
+
+
+def test_no_import_circles() -> None:
+    left = circles({module: own_imports(module) for module in MODULES})
+    assert not left, f"these import each other: {left}; a record reaches its words by `rankdrop.sections.words_of`"
+
+
+PLANTED = """
+from __future__ import annotations
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from rankdrop.results.explanation import Explanation
+"""
+
+
+@pytest.mark.parametrize("source", [PLANTED, "def f():\n    from rankdrop.results import explanation\n"])
+def test_a_planted_circle_is_found(source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Imports for the type checker and inside functions count: explanation imports configuration, below it."""
+    planted = tmp_path / "configuration.py"
+    planted.write_text(source, encoding="utf-8")
+    monkeypatch.setitem(MODULES, "planted", planted)
+    needed = {module: own_imports(module) for module in MODULES if module != "planted"}
+    found = own_imports.__wrapped__("planted")
+    assert found == {"results.explanation"}
+    assert circles(needed) == []
+    assert {"configuration", "results.explanation"} <= set(circles(needed | {"configuration": found}))
 
 
 def folder(module: str) -> str:

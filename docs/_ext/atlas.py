@@ -19,14 +19,14 @@ from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
 from rankdrop.families import posed
-from rankdrop.family import Family
+from rankdrop.family import Family, LostFreedom
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
 from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
-from rankdrop.robot import CatalogEntry, lost_told, near_ideal, reach, search_catalog
-from rankdrop.text import joint_cell, joint_symbol
+from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
+from rankdrop.text import joint_cell, joint_symbol, lost_note, lost_sentences
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
 _SIZE = 150  # of a picture [px]
@@ -101,7 +101,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
         "with degrees where they are not simple. What is lost at one configuration, in base and tool axes: `rankdrop "
         f"explain {entry.name} --deg --q …`.",
         table + more,
-        _cell(lost_told(robot, [text for family in found.families[:_MOST] for text in _kept(family)])),
+        _cell(lost_note(robot, [lost for family in found.families[:_MOST] for lost in _kept(family)])),
         near.line if near is not None else "",
         "Alike, with families of the same names: "
         + ", ".join(f"[{one.name}]({one.name}.md)" for one in alike[:12]) + "." if alike else "",
@@ -110,14 +110,14 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
     return _ORPHAN + "\n\n".join(filter(None, parts)) + "\n"
 
 
-def _kept(family: Family) -> list[str]:
+def _kept(family: Family) -> list[LostFreedom]:
     """The lost motions that are the same everywhere on a family."""
-    return [text for text in family.lost_words if "at the witness" not in text]
+    return [one for one in family.lost_freedoms if one.everywhere]
 
 
 def _lost(family: Family) -> str:
     """What is lost on a family; of what changes along it only how many directions."""
-    told, rest = _kept(family), len(family.lost_words) - len(_kept(family))
+    told, rest = list(lost_sentences(_kept(family))), len(family.lost_freedoms) - len(_kept(family))
     if rest:
         told.append(f"{rest} direction{'s' * (rest > 1)} that change{'s' * (rest == 1)} along the family")
     return "; ".join(told)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
+from importlib import import_module
+from types import ModuleType
 
 
 class Formula(str):
@@ -41,6 +43,24 @@ class Section:
     after: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     tone: str = ""
+
+
+_WORDED = {"Explanation": "rankdrop.results.explanation_text", "Family": "rankdrop.text.family"}
+"""Class of a record -> module that words it."""
+
+
+def words_of(record: object) -> ModuleType:
+    """The module that words a record, loaded when words are first asked for: no record imports its words.
+
+    Args:
+        record: of one of the classes in `_WORDED`.
+
+    Example:
+        >>> from rankdrop.results.known import shipped
+        >>> words_of(shipped("planar2r").families[0]).__name__
+        'rankdrop.text.family'
+    """
+    return import_module(_WORDED[type(record).__name__])
 
 
 def text(sections: Iterable[Section]) -> str:

@@ -15,10 +15,11 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.families.row import vanishing_on
 from rankdrop.family.equation import Equation, Term
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Check, CorankSummary, Family, Pin, Unseen
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Frame, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 
@@ -73,11 +74,13 @@ def found() -> Analysis:
 
 
 ZERO, HALF = (0.0, pi), (pi / 2, -pi / 2)
+SLIDE_X = LostFreedom((1, 0, 0, 0, 0, 0), Frame(), everywhere=True)
+TURN_X = LostFreedom((0, 0, 0, 1, 0, 0), Frame(), everywhere=True)
 
 
 def family(
     number: int, name: str, pins: dict[int, tuple[float, ...]], *, coupled: tuple[int, ...] = (),
-    equations: tuple[Equation, ...] = (), words: tuple[str, ...] = ("cannot translate along X of the base",),
+    equations: tuple[Equation, ...] = (), lost: tuple[LostFreedom, ...] = (SLIDE_X,),
     singular: int = 200, named: bool = True,
 ) -> Family:  # fmt: skip
     """A made-up row of a 7-joint arm."""
@@ -89,8 +92,8 @@ def family(
         pinned=tuple(Pin(f"joint{j}", j, values) for j, values in pins.items()),
         free=tuple(j for j in range(1, 8) if j not in pins and j not in coupled), coupled=coupled,
         equations=(*conditions, *equations) if named else (),
-        witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(words)],
-        lost_words=words, named=named,
+        witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(lost)],
+        lost_freedoms=lost, named=named,
         evidence="made up",
         soundness=Check(200, singular) if named else Check(0, 0),
         explained=Check(1000, 250),
@@ -117,11 +120,11 @@ def shapes() -> Analysis:
     """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
     zero = (0,) * 7
     arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))
-    sentence = "can only move so that vz + 0.451 m·ωy = 0 in axes of link 4"
+    tie = LostFreedom((0, 0, 0.91, 0, 0.41, 0), Frame(4), everywhere=True)
     return made_up(
         family(1, "shoulder: axes 1 and 3 aligned, upper arm at right angles", {2: ZERO, 3: HALF}),
-        family(2, "elbow", {4: ZERO}, words=(sentence,)),
+        family(2, "elbow", {4: ZERO}, lost=(tie,)),
         family(3, "shoulder in line with the wrist", {4: (0.7731, -0.7731)}, coupled=(2, 3), equations=(arm,)),
-        family(4, "unnamed", {}, coupled=(3, 5, 6), named=False, words=("cannot rotate about X of the base",) * 2),
+        family(4, "unnamed", {}, coupled=(3, 5, 6), named=False, lost=(TURN_X,) * 2),
         explained=990,
     )

@@ -26,6 +26,7 @@ from rankdrop.results.analysis import Analysis, family_from_dict
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import check_record, load_schema
+from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze
 
 JUNK = (None, True, -1, 0, 9, 2.5, 1e300, -1e-300, 10**400, "", "x", "\x1b[2J", [], {}, [0], [[]], {"a": 1}, [None] * 3)
@@ -297,7 +298,9 @@ def test_equations_that_leave_another_dimension_are_refused() -> None:
 
 def test_terms_and_texts_of_a_file_say_the_same() -> None:
     whole = json.loads(record("scara"))["families"][0]
-    assert family_from_dict(copy.deepcopy(whole)).name == whole["name"]
+    arm = open_robot("scara")
+    task = resolve_task(None, arm)
+    assert family_from_dict(copy.deepcopy(whole), arm, task).name == whole["name"]
     whole["terms"][0][0]["kind"] = "cos"
     with pytest.raises(ResultFileError, match="equations and terms of a family disagree"):
-        family_from_dict(whole)
+        family_from_dict(whole, arm, task)

@@ -13,6 +13,7 @@ from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Derivation, ExactRow
 from rankdrop.results.analysis import Analysis
 from rankdrop.text.families import conditions_of, coupled_conditions, joint_cell
+from rankdrop.text.lost import lost_sentences
 
 
 @pytest.fixture
@@ -36,7 +37,7 @@ def test_no_line_is_wider_than_the_window_and_nothing_is_cut(drawn, shapes: Anal
     assert "…" not in text
     words = set(re.findall(r"[^\s,;:]+", text))
     for row in shapes.families:
-        assert set(re.findall(r"[^\s,;:]+", " ".join((row.name, *row.lost_words)))) <= words
+        assert set(re.findall(r"[^\s,;:]+", " ".join((row.name, *lost_sentences(row.lost_freedoms))))) <= words
     for value in ("π", "±π/2", "±0.7731", "(±44.30°)"):
         assert value in words
 

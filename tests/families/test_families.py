@@ -179,7 +179,7 @@ def test_every_row_stands_up_to_an_independent_check(name, corank, rng):
         at = singular_values(robot, np.array(family.witness), task)
         assert at[found.summary.rank] <= 1e-9 < 1e-4 < at[found.summary.rank - 1]
         assert family.lost_directions.shape == (corank, 6)
-        assert len(family.lost_words) == corank
+        assert len(family.lost_freedoms) == corank
         numbers = sorted([*pins(family), *family.free, *family.coupled])
         assert numbers == list(range(1, robot.n + 1))
 

@@ -23,6 +23,7 @@ from rankdrop.robot.model import Joint, JointKind, Robot, geometry
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.lost import lost_sentences
 from rankdrop.units import in_units, out_of_units, scaled
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
@@ -67,7 +68,8 @@ def said(analysis: Analysis, power: int) -> dict[str, Any]:
     families = []
     for family in analysis.families:
         record = record_of("family", family)
-        record["lost_words"] = [in_metres(one, power) for one in family.lost_words]
+        record["lost_words"] = [in_metres(one, power) for one in record["lost_words"]]
+        record["lost_freedoms"] = [(one.kind, one.frame.axes, one.everywhere) for one in family.lost_freedoms]
         record["pinned"] = [
             [one.number, [f"{v * 10.0 ** (-power * slides[one.number - 1]):.12g}" for v in one.values]]
             for one in family.pinned
@@ -132,7 +134,8 @@ def check_exact(name: str, unit: str) -> None:
         assert (mine.name, mine.dimension, mine.rank_check) == (theirs.name, theirs.dimension, theirs.rank_check)
         assert mine.in_units(metres.robot).texts == theirs.in_units(other.robot).texts
         assert mine.witness == pytest.approx(out_of_units(metres.robot, theirs.in_units(other.robot).witness), abs=1e-9)
-        assert list(mine.lost_words) == [in_metres(one, power) for one in theirs.lost_words]
+        told, other_told = (lost_sentences(one.lost_freedoms) for one in (mine, theirs))
+        assert list(told) == [in_metres(one, power) for one in other_told]
         if metres.letters:
             assert mine.texts == theirs.texts
     assert metres.explained == other.explained

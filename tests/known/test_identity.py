@@ -87,7 +87,6 @@ def test_no_two_families_of_an_arm_and_corank_share_a_name_and_every_name_says_w
     for one in found.families:
         assert len(one.name) <= LONGEST
         assert "others" not in one.name
-        assert all("while" not in words for words in one.lost_words)
         for joint, values in re.findall(r"θ(\d) = ([^,()]*°[^,()]*)", one.name):  # one of them is met at the witness
             at = np.degrees(one.witness[int(joint) - 1])
             both = values.replace("±", "−") + f" or {values[1:]}" * values.startswith("±")

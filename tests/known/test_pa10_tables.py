@@ -73,7 +73,7 @@ def test_lost_directions_are_lost(analysis):
         columns = jacobian(analysis.robot, np.array(family.witness))
         assert np.abs(family.lost_directions @ columns).max() < 1e-12
         assert np.allclose(family.lost_directions @ family.lost_directions.T, np.eye(family.corank), atol=1e-12)
-        assert len(family.lost_words) == family.corank
+        assert len(family.lost_freedoms) == family.corank
 
 
 def test_figure_9_configurations_have_corank_three():

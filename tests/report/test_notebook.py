@@ -13,6 +13,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.report.page import arm_view
 from rankdrop.results.known import known_conditions, shipped
 from rankdrop.robot.quantities import degrees_text
+from rankdrop.text.lost import lost_sentences
 
 
 def data_of(shown: str) -> dict[str, object]:
@@ -54,7 +55,8 @@ def test_a_robot_shows_its_joints_in_degrees() -> None:
 def test_a_family_shows_its_conditions_and_tests() -> None:
     family = shipped("ur5").families[0]
     shown = family._repr_html_()
-    for part in (family.name, "coupled, see below", family.lost_words[0], f"of {family.soundness.tested:,} points"):
+    lost = lost_sentences(family.lost_freedoms)[0]
+    for part in (family.name, "coupled, see below", lost, f"of {family.soundness.tested:,} points"):
         assert part in shown
 
 
@@ -88,7 +90,7 @@ def test_a_loss_told_at_the_witness_has_the_witness_in_notebooks() -> None:
     exactly = known_conditions(found.robot, found.task)
     assert exactly is not None
     for one in (found, exactly):
-        told = [family for family in one.families if any("witness" in text for text in family.lost_words)]
+        told = [family for family in one.families if not all(lost.everywhere for lost in family.lost_freedoms)]
         view = one._repr_html_()
         assert told
         assert all(degrees_text(family.witness, found.robot.units) in view for family in told)

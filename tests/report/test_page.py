@@ -20,6 +20,7 @@ from rankdrop.report.content import Content, content, page_data, standing
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
+from rankdrop.text.lost import lost_sentences
 from rankdrop.verbs.analyze import analyze
 
 from .lost import arrows
@@ -53,7 +54,7 @@ def test_the_page_names_every_family_with_its_joints_and_losses(name: str) -> No
     for family in shown(name).analysis.families:
         assert f'data-go="{family.id}"' in text
         assert family.name in text
-        assert all(words in text for words in family.lost_words)
+        assert all(words in text for words in lost_sentences(family.lost_freedoms))
 
 
 def test_the_page_says_how_it_was_verified() -> None:
@@ -205,7 +206,8 @@ def test_pictures_say_what_is_to_be_seen() -> None:
         assert 'role="img"' in tag
         assert len(re.findall(r'aria-label="([^"]+)"', tag)[0]) >= len("The arm")
     for family in shown("ur5").analysis.families:
-        assert f'aria-label="The arm in {family.id}, {family.name}. Lost, an arrow each: {family.lost_words[0]}' in text
+        lost = lost_sentences(family.lost_freedoms)[0]
+        assert f'aria-label="The arm in {family.id}, {family.name}. Lost, an arrow each: {lost}' in text
 
 
 def test_an_analysis_shows_itself_in_a_notebook() -> None:

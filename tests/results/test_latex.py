@@ -16,6 +16,7 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.latex import as_text
+from rankdrop.text.lost import lost_sentences
 from rankdrop.verbs.analyze import analyze
 
 LATEX = shutil.which("pdflatex")
@@ -66,7 +67,7 @@ def test_a_table_for_each_corank_with_columns_dimension_and_loss() -> None:
     cells = [cell.strip() for cell in elbow.split(" & ")]
     assert cells[2:9] == [r"$\times$"] * 3 + [r"0, $\pi$"] + [r"$\times$"] * 3
     assert cells[9] == str(found.families[0].dimension)
-    assert as_text(found.families[0].lost_words[0]) in cells[10]
+    assert as_text(lost_sentences(found.families[0].lost_freedoms)[0]) in cells[10]
     assert text.isascii()
 
 
@@ -86,7 +87,7 @@ def test_conditions_are_written_as_mathematics_from_their_terms() -> None:
 
 def test_a_loss_told_at_the_witness_has_the_witness_below_the_table() -> None:
     found = shipped("pa10")
-    told = [one for one in found.families if any("witness" in text for text in one.lost_words)]
+    told = [one for one in found.families if not all(lost.everywhere for lost in one.lost_freedoms)]
     latex = found.latex()
     assert len(told) > 1
     assert latex.count("witness q = ") == len(told)

@@ -52,6 +52,14 @@ def test_of_another_arm_the_conditions_are_those_of_its_own_families() -> None:
     assert text.endswith(" = 0")
 
 
+def test_a_condition_in_which_an_angle_is_only_squared_is_told_with_its_joints() -> None:
+    """c4² is of joint 4: the joints of a condition come from its terms, not from its text."""
+    assert told("gen3_lite", "k2.f3")[2].startswith("d3² d4² + d5² (a2² c4² − a2² + d3² c4²) = 0, a2 = 0.28 m")
+    assert told("crb15000", "k1.f1") == (
+        "a long condition on joints 2, 3, 4, 5 (`rankdrop conditions` prints it)",
+    )
+
+
 @pytest.mark.parametrize("name", known_names()[::7])
 def test_no_line_is_longer_than_can_be_read(name: str) -> None:
     arm = open_robot(name)

@@ -14,11 +14,12 @@ from patience import until
 from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.view import _command
 from rankdrop.errors import RobotError
+from rankdrop.family.lost import LostFreedom
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Frame, resolve_task
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
@@ -218,13 +219,14 @@ def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:
 
 
 def test_a_stop_of_the_tour_is_one_sentence_without_numbers(viewer: Viewer) -> None:
-    told = [sentence_of(family.lost_words[0]) for family in viewer.session.live.families if family.corank == 1]
+    told = [sentence_of(family.lost_freedoms[0]) for family in viewer.session.live.families if family.corank == 1]
     assert told == [
         "The tool cannot move along the red arrow.",
         "The tool can hardly move along the red arrow.",
         "Moving along the red arrow and turning are tied together: one freedom of the tool is lost.",
     ]
-    assert sentence_of("cannot rotate about X of link 5") == "The tool cannot turn about the red arrow."
+    turning = LostFreedom((0, 0, 0, 1, 0, 0), Frame(5), everywhere=True)
+    assert sentence_of(turning) == "The tool cannot turn about the red arrow."
     viewer._tour.place = 0
     viewer._tour.go(1)
     assert told[1] in viewer._tour._told.content

@@ -28,6 +28,7 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation, System
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
 from rankdrop.local.block import sampling_box, singular_values
@@ -431,7 +432,7 @@ def _family(
     corank: int,
     row: Row,
     condition: str,
-    told: tuple[str, tuple[str, ...], tuple[float, ...]],
+    told: tuple[str, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
     """One row of sets as a family, its number and final name still to come."""
@@ -450,7 +451,7 @@ def _family(
         coupled=coupled,
         reality=condition,
         witness=told[2],
-        lost_words=told[1],
+        lost_freedoms=told[1],
         rank_check=check,
         numbers=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
@@ -460,8 +461,8 @@ def _family(
 
 def _described(
     chain: Chain, generic_rank: int, corank: int, parts: Sequence[Array], pins: Pins, coupled: Sequence[int]
-) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
-    """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
+) -> tuple[str, tuple[LostFreedom, ...], tuple[float, ...]]:
+    """(name, freedoms lost, witness) of a family, seen at real points of it.
 
     Args:
         chain: the arm.
@@ -474,8 +475,8 @@ def _described(
     robot, task, points = chain.own, chain.own_task, np.concatenate(parts)
     at = _witness(chain, generic_rank - corank, points, pins)
     name = name_family(robot, task, _one_of_each_first(parts), sorted(pins), coupled=coupled)
-    _, sentences = lost_motions(Problem(robot, task, corank), at, points)
-    return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
+    _, lost = lost_motions(Problem(robot, task, corank), at, points)
+    return name, lost, tuple(float(x) for x in out_of_units(chain.robot, at))
 
 
 def _one_of_each_first(parts: Sequence[Array]) -> Array:

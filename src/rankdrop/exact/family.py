@@ -25,6 +25,7 @@ from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Check, Family, Order, Pin, place_of
 from rankdrop.robot.model import Robot
 from rankdrop.units import exponent, into_units
@@ -44,7 +45,7 @@ class ExactFamily:
         free, coupled: numbers of the joints that do not matter, and of those in `conditions`.
         reality: "" where the family is real whatever the lengths are; else when it is, in words.
         witness: a real configuration on it, of exactly this corank [rad, m].
-        lost_words: the motions lost, one sentence each.
+        lost_freedoms: what the tool cannot do, one for each freedom lost.
         rank_check: exact rank modulo a prime at random points of the family: is it as claimed?
         numbers: values of the letters [m].
         shifts: θ = q + shift, per joint [rad].
@@ -62,7 +63,7 @@ class ExactFamily:
     coupled: tuple[int, ...]
     reality: str
     witness: tuple[float, ...]
-    lost_words: tuple[str, ...]
+    lost_freedoms: tuple[LostFreedom, ...]
     rank_check: Check
     numbers: dict[str, float]
     shifts: tuple[float, ...]
@@ -106,7 +107,7 @@ class ExactFamily:
         return Family(
             id=self.id, name=self.name, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
             free=self.free, coupled=self.coupled, equations=self.equations, witness=self.witness,
-            lost_directions=np.empty((0, 6)), lost_words=self.lost_words,
+            lost_directions=np.empty((0, 6)), lost_freedoms=self.lost_freedoms,
             evidence="exact condition",
         )  # fmt: skip
 

@@ -274,9 +274,10 @@ class _Spot:
             equations=equations,
             witness=tuple(out_of_metres(self.robot, self.q).tolist()),
             lost_directions=np.zeros((0, 6)),  # whoever asks for the family of a configuration has them already
-            lost_words=(),
+            lost_freedoms=(),
             evidence=how,
             words=words,
+            slides=tuple(i + 1 for i in slides_of(self.robot)),
         )
 
 

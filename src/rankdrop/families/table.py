@@ -260,7 +260,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
     sound, points, _ = tested
     points = points if len(points) or known is None else np.array([known.witness])
     at = points[0] if shown is None else shown
-    directions, sentences = lost_motions(problem, at, points)
+    directions, lost = lost_motions(problem, at, points)
     if known is None:
         name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
     return Family(
@@ -274,7 +274,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         equations=row.system.equations,
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
-        lost_words=sentences,
+        lost_freedoms=lost,
         evidence=row.evidence,
         soundness=sound,
         explained=explains,
@@ -399,7 +399,7 @@ def _unnamed(
     q, cloud = inspection.q[members], int((members < from_cloud).sum())
     gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
     at = q[int(np.argmax(gap))]
-    directions, sentences = lost_motions(problem, at, q)
+    directions, lost = lost_motions(problem, at, q)
     kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
     names = problem.robot.variables
     family = Family(
@@ -413,7 +413,7 @@ def _unnamed(
         equations=(),
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
-        lost_words=sentences,
+        lost_freedoms=lost,
         evidence=f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
         explained=Check(tested, len(members) - cloud),
         named=False,
@@ -440,7 +440,7 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
 
     The equations are solved from round configurations inside the limits; of the members found, each checked in the
     Jacobian itself (σ ≤ 1e-9, of exactly the corank), the one with the least `fault` becomes the witness. Lost
-    directions and their words are told there anew. Everything else stays, and so does the witness where no member is
+    directions are computed there anew. Everything else stays, and so does the witness where no member is
     clearly better, or where the family has no equations.
 
     Args:
@@ -472,9 +472,9 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(here, found)).argmin())
     if faults[best] > least:
         return family
-    directions, words = lost_motions(problem, found[best], found[:_POINTS])
+    directions, lost = lost_motions(problem, found[best], found[:_POINTS])
     witness = tuple(float(x) for x in out_of_metres(robot, found[best]))
-    return replace(family, witness=witness, lost_directions=directions, lost_words=words)
+    return replace(family, witness=witness, lost_directions=directions, lost_freedoms=lost)
 
 
 def _shared(systems: Sequence[System], q: Array) -> Array:

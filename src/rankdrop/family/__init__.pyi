@@ -1,3 +1,5 @@
+from .lost import LostFreedom as LostFreedom
+from .lost import MotionKind as MotionKind
 from .record import AGREES as AGREES
 from .record import NOT_DERIVED as NOT_DERIVED
 from .record import CorankSummary as CorankSummary

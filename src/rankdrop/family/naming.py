@@ -1,6 +1,6 @@
 """Names of singularity families, from the geometry of the axes at sample points; never from the arm's name.
 
-Beside the name, the motions that a family takes away: as directions and in words.
+And the motions that a family takes away, as directions.
 """
 
 from __future__ import annotations
@@ -16,22 +16,23 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, listed, structure_of
+from rankdrop.family.lost import LostFreedom, freedoms_at_witness, freedoms_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene, describe, line_meets_all, to_blame
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family, words
+from rankdrop.local.directions import lost_directions, lost_over_family
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.task import Task
-from rankdrop.units import as_given, counted_length
+from rankdrop.units import as_given
 
 
-def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
-    """Lost directions at a configuration in the task's frame, and one sentence each.
+def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[LostFreedom, ...]]:
+    """Lost directions at a configuration in the task's frame, and as the freedoms that the family takes away.
 
-    The words are for the whole family where some frame of the chain sees the same directions at all its points; else
-    they are for the configuration, in the frame where they are sparsest, and say so.
+    These are for the whole family where some frame of the chain sees the same directions at all its points; else they
+    are for the configuration, in the frame where they are sparsest.
 
     Args:
         problem: the arm, and the corank of the family.
@@ -40,12 +41,10 @@ def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tup
     """
     robot, task, corank = problem.robot, problem.task, problem.corank
     directions = lost_directions(robot, at, task, corank)
-    length = counted_length(robot)
     steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)
     if steady is not None:
-        return directions, tuple(words(direction, steady.name, length) for direction in steady.directions)
-    plain = lost_in_sparsest_frame(robot, at, task, corank)
-    return directions, tuple(f"{words(one, plain.name, length)} (at the witness)" for one in plain.directions)
+        return directions, freedoms_of(robot, steady, everywhere=True)
+    return directions, freedoms_at_witness(robot, at, task, corank)
 
 
 _POINTS = 12  # sample points looked at

@@ -1,8 +1,8 @@
 """What a family is, whoever found it: one family (a row of the table), one corank's summary, and their parts.
 
 Between an arm's own unit of length and the one it was given in angles stay as they are; values of slides change, and so
-do the coefficients of equations in which slides stand. Lost directions are told in `counted` lengths and stay, and
-sentences speak of the given unit from the start.
+do the coefficients of equations in which slides stand. Lost directions are in `counted` lengths and stay, and those of
+`lost_freedoms` have the given unit from the start.
 
 The conditions of a family are `Pin`s and `Equation`s; its evidence says how it was found: from a sample of the whole
 joint space, or from the neighbourhood of one configuration. `Derivation` is the exact derivation that an analysis rests
@@ -15,16 +15,17 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import degrees, inf
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation, System
+from rankdrop.family.lost import LostFreedom
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.sections import Section, html
+from rankdrop.sections import Section, html, words_of
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
@@ -91,7 +92,7 @@ class Family:
             Empty where not all of them are known.
         witness: a configuration on the family, of exactly this corank.
         lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood.
-        lost_words: one sentence per lost direction.
+        lost_freedoms: what the tool cannot do, one for each freedom lost; none from a neighbourhood.
         evidence: how the conditions were obtained: from a sample of the whole joint space, exactly, or from the
             neighbourhood of one configuration.
         soundness: the equations solved from random starts, and how many solutions have the corank or more; none were
@@ -100,6 +101,7 @@ class Family:
             neighbourhood.
         words: of a neighbourhood: the conditions as sentences, and joints coupled by an equation that is not known. Of
             pinned joints only the values that are met there are known, while a row of a table holds all.
+        slides: of a neighbourhood: numbers of the joints that slide; elsewhere the equations show them.
         parts: of a neighbourhood: the families that meet at the configuration; empty where it lies on one only.
     """
 
@@ -114,11 +116,12 @@ class Family:
     equations: tuple[Equation, ...]
     witness: tuple[float, ...]
     lost_directions: Array  # (k, 6)
-    lost_words: tuple[str, ...]
+    lost_freedoms: tuple[LostFreedom, ...]
     evidence: str
     soundness: Check = Check(0, 0)
     explained: Check = Check(0, 0)
     words: tuple[str, ...] = ()
+    slides: tuple[int, ...] = ()
     parts: tuple[Family, ...] = ()
 
     def __post_init__(self) -> None:
@@ -133,46 +136,13 @@ class Family:
 
     def _repr_html_(self) -> str:
         """For notebooks: what the family asks, what is lost, how it was tested."""
-        return html([_section(self)])
+        sections: tuple[Section, ...] = words_of(self).sections_of(self)
+        return html(sections)
 
 
 def short_name(name: str) -> str:
     """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
     return re.split(r":| \(|, (?:axes|with) ", name)[0]
-
-
-def _section(family: Family) -> Section:
-    slides = _slides(family)
-    stands = {one.number: (f"joint {one.number}, {one.joint}",
-                           " or ".join(_stands(value, one.number in slides) for value in one.values))
-              for one in family.pinned}  # fmt: skip
-    stands |= {number: (f"joint {number}", "any value") for number in family.free}
-    stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
-    bound = set(family.coupled)
-    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
-    told += [f"lost: {words}" for words in family.lost_words]
-    at = ", ".join(f"{value:.6g}" for value in family.witness)
-    tested = (
-        f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
-        f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
-    )
-    return Section(
-        f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
-        columns=("joint", "stands at"), rows=tuple(row for _, row in sorted(stands.items())), texts=(0, 1),
-        after=(*told, f"witness, as functions take it [rad, m]: q = [{at}]"),
-        notes=(tested,) if family.soundness.tested else (),
-    )  # fmt: skip
-
-
-def _slides(family: Family) -> set[int]:
-    """Numbers of joints that slide, as far as its conditions show: they stand there as powers, or as q3 in words."""
-    powers = {number for one in family.equations for term in one.terms
-              for number, power in enumerate(term.powers, start=1) if power}  # fmt: skip
-    return powers | {int(found[1]) for words in family.words if (found := re.match(r"q(\d+) = ", words))}
-
-
-def _stands(value: float, slides: bool) -> str:
-    return (f"{value:.6g} m" if slides else f"{degrees(value):.5g}°").replace("-", "−")
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,21 +243,8 @@ def family_in_metres(family: Family, robot: Robot) -> Family:
 
 def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
     """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
-    words = tuple(_retold(one, power) for one in family.lost_words)
-    return replace(_with_slides(family, robot, power), lost_words=words)
-
-
-_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
-
-
-def _retold(sentence: str, power: int) -> str:
-    """A sentence on a lost motion with its rates in the other unit."""
-
-    def moved(match: re.Match[str]) -> str:
-        value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
-        return f"{value:.3g} {match[2]}·".replace("-", "−")
-
-    return _RATE.sub(moved, sentence)
+    lost = tuple(one.rescaled(power) for one in family.lost_freedoms)
+    return replace(_with_slides(family, robot, power), lost_freedoms=lost)
 
 
 def _with_slides(family: Family, robot: Robot, power: int) -> Family:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import inf, isinf
+from math import hypot, inf, isinf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,11 +95,13 @@ def _three(vector: Array) -> tuple[float, float, float]:
     return float(vector[0]) + 0.0, float(vector[1]) + 0.0, float(vector[2]) + 0.0
 
 
-_ZERO = 1e-6  # a part below this share of the direction is not there
+ENTRY_SHARE = 1e-6
+"""A part of a direction below this share of the other part is not there."""
 _AXIS = 1e-6  # an axis is X, Y or Z when its other components are below this
 
 
-_NEARLY = 0.25  # a part below this share of the whole: what the other part alone says is true to 3 %
+NEARLY_SHARE = 0.25
+"""A part of a direction below this share of the whole: what the other part alone says is true to 3 %."""
 
 
 def constraint(direction: ArrayLike, length: float = 1.0) -> str:
@@ -125,7 +127,7 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
     larger, smaller, names, per = v / max(slide, turn), w / max(slide, turn), ("v", "m·ω"), length
     if turn > slide:
         larger, smaller, names, per = smaller, larger, ("ω", "rad/m·v"), 1.0 / length
-    if np.linalg.norm(smaller) <= _ZERO:
+    if np.linalg.norm(smaller) <= ENTRY_SHARE:
         smaller = np.zeros(3)
     values = np.concatenate([larger, smaller])
     values *= np.sign(larger[int(np.argmax(np.abs(larger) >= np.abs(larger).max() - _AXIS))])
@@ -134,8 +136,20 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
     for i in np.flatnonzero(np.abs(values) > _AXIS).tolist():
         value = float(values[i]) * (1.0 if i < 3 else per)
         number = "" if i < 3 and _number(abs(value)) == "1" else f"{_number(abs(value))} "
-        text += f" {'−' if value < 0 else '+'} {number}{labels[i]}"
-    return f"{'−' * text.startswith(' −')}{text[3:]} = 0"
+        if text:
+            text += f" {'−' if value < 0 else '+'} {number}{labels[i]}"
+        else:
+            text = f"{'−' if value < 0 else ''}{number}{labels[i]}"
+    return f"{text} = 0"
+
+
+def is_nearly_pure(direction: ArrayLike) -> bool:
+    """Whether a lost direction is nearly, but not quite, one of pure translation or pure rotation.
+
+    Args, Raises: as `constraint`.
+    """
+    _, _, slide, turn = _parts(direction)
+    return ENTRY_SHARE < min(slide, turn) / float(np.hypot(slide, turn)) <= NEARLY_SHARE
 
 
 def in_short(direction: ArrayLike) -> str:
@@ -148,11 +162,10 @@ def in_short(direction: ArrayLike) -> str:
         ('no motion along (0, 0.6, 0.8)', 'nearly no turning about X', '')
     """
     v, w, slide, turn = _parts(direction)
-    share = min(slide, turn) / np.hypot(slide, turn)
-    if share > _NEARLY:
+    if min(slide, turn) > NEARLY_SHARE * np.hypot(slide, turn):
         return ""
-    text = f"no motion along {_axis(v)}" if slide >= turn else f"no turning about {_axis(w)}"
-    return text if share <= _ZERO else f"nearly {text}"
+    text = f"no motion along {axis_text(v)}" if slide >= turn else f"no turning about {axis_text(w)}"
+    return f"nearly {text}" if is_nearly_pure(direction) else text
 
 
 def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
@@ -177,10 +190,10 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
         'can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion along Y'
     """
     v, w, slide, turn = _parts(direction)
-    if turn <= _ZERO * slide:
-        return f"cannot translate along {_axis(v)} of {frame_name}"
-    if slide <= _ZERO * turn:
-        return f"cannot rotate about {_axis(w)} of {frame_name}"
+    if turn <= ENTRY_SHARE * slide:
+        return f"cannot translate along {axis_text(v)} of {frame_name}"
+    if slide <= ENTRY_SHARE * turn:
+        return f"cannot rotate about {axis_text(w)} of {frame_name}"
     short = in_short(direction)
     return f"can only move so that {constraint(direction, length)} in axes of {frame_name}{f': {short}' * bool(short)}"
 
@@ -199,14 +212,14 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
         'the point (0.451, 0, 0) m from the reference point cannot move along Y of the base'
     """
     f, m, force, moment = _parts(direction)
-    if force <= _ZERO * moment:
-        return f"cannot rotate about {_axis(m)} of {frame_name}"
+    if force <= ENTRY_SHARE * moment:
+        return f"cannot rotate about {axis_text(m)} of {frame_name}"
     line = screw_of(np.concatenate([m, f]))
     point = np.array(line.point)
-    near = float(np.linalg.norm(point)) <= _ZERO
+    near = float(np.linalg.norm(point)) <= ENTRY_SHARE
     where = "the reference point" if near else f"the point {_triple(point, length)} m from the reference point"
-    along = _axis(f)
-    if abs(line.pitch) <= _ZERO:
+    along = axis_text(f)
+    if abs(line.pitch) <= ENTRY_SHARE:
         return f"{where} cannot move along {along} of {frame_name}"
     rate = _number(abs(line.pitch) * length)
     sign = "−" if line.pitch > 0.0 else ""
@@ -271,14 +284,32 @@ def _parts(direction: ArrayLike) -> tuple[Array, Array, float, float]:
     return values[:3], values[3:], float(np.linalg.norm(values[:3])), float(np.linalg.norm(values[3:]))
 
 
-def _axis(vector: Array) -> str:
-    """Name of the axis with its largest component positive."""
-    unit = vector / np.linalg.norm(vector)
-    size = np.abs(unit)
-    largest = int(np.argmax(size >= size.max() - _AXIS))
-    if np.delete(size, largest).max() <= _AXIS:
-        return "XYZ"[largest]
-    return _triple(unit * np.sign(unit[largest]))
+def main_axis(vector: ArrayLike) -> tuple[int, bool]:
+    """The axis (0 X, 1 Y, 2 Z) with the largest component of a vector, and whether the vector is along it.
+
+    Args:
+        vector: (3,) not zero.
+
+    Example:
+        >>> main_axis([0.0, -2.0, 0.0]), main_axis([0.6, 0.0, 0.8])
+        ((1, True), (2, False))
+    """
+    parts = [abs(float(part)) for part in np.asarray(vector).tolist()]
+    whole = hypot(*parts)
+    shares = [part / whole for part in parts]
+    largest = next(axis for axis, share in enumerate(shares) if share >= max(shares) - _AXIS)
+    return largest, all(share <= _AXIS for axis, share in enumerate(shares) if axis != largest)
+
+
+def axis_text(vector: ArrayLike) -> str:
+    """A direction for people, its largest component positive: "Y", or "(0.6, 0, 0.8)".
+
+    Args:
+        vector: (3,) not zero, of any length.
+    """
+    largest, along = main_axis(vector)
+    unit = np.asarray(vector, dtype=np.float64) / np.linalg.norm(vector)
+    return "XYZ"[largest] if along else _triple(unit * np.sign(unit[largest]))
 
 
 def _triple(vector: Array, length: float = 1.0) -> str:
@@ -449,7 +480,9 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
     return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, [frame]), [frame])
 
 
-def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
+def lost_over_family(
+    robot: Robot, points: ArrayLike, task: Task, corank: int, *, frames: Sequence[Frame] | None = None
+) -> FramedDirections | None:
     """Lost directions in a frame of the chain in which they are the same at every point of a family.
 
     An elbow loses translation along the line from shoulder to wrist: in the base it turns with joint 1, in the frame of
@@ -462,6 +495,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
         points: (P, n) configurations of corank k on the family [rad, m].
         task: rows and frame.
         corank: k.
+        frames: those that are tried; None: `every_frame`.
 
     Returns:
         The directions, or None where they stand still in no frame.
@@ -470,7 +504,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
         ConfigurationError: a point is not a configuration of this arm.
         OptionError: k is not in 1 … generic rank.
     """
-    frames = _every_frame(task.frame, len(robot.joints))
+    frames = every_frame(task.frame, len(robot.joints)) if frames is None else frames
     bases = []
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
@@ -482,10 +516,10 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     still = np.flatnonzero(np.abs(projectors - projectors[0]).max(axis=(0, 2, 3)) <= _STILL)
     if not len(still):
         return None
-    return _framed(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still])
+    return _framed(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still.tolist()])
 
 
-def _every_frame(own: Frame, joints: int) -> list[Frame]:
+def every_frame(own: Frame, joints: int) -> list[Frame]:
     """The task's frame, then all axes with the task's point, then all axes with the origin of every link."""
     links = [BASE, TIP, *range(joints, 0, -1)]
     frames = [own, *(replace(own, axes=axes) for axes in links), *(Frame(i, i) for i in links)]

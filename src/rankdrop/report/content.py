@@ -51,7 +51,7 @@ from rankdrop.local import (
 from rankdrop.problem import Problem
 from rankdrop.report.chart import pieces
 from rankdrop.results import Analysis, Conditions, known_conditions
-from rankdrop.robot import Array, Mesh, Robot, lost_told, reach
+from rankdrop.robot import Array, Mesh, Robot, reach
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text import (
@@ -61,6 +61,8 @@ from rankdrop.text import (
     conditions_of,
     inside_limits,
     joint_symbol,
+    lost_note,
+    lost_sentences,
     motion,
     of_analysis,
     one_line,
@@ -431,10 +433,10 @@ def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
     """A family in sentences: what is lost, in which axes, and who is to blame."""
     lost = "".join(
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
-        for index, one in enumerate(family.lost_words)
+        for index, one in enumerate(lost_sentences(family.lost_freedoms))
     )
     blame = f"<p><b>To blame:</b> {quoted('; '.join(words))}</p>" if words else ""
-    note = lost_told(robot, family.lost_words)
+    note = lost_note(robot, family.lost_freedoms)
     axes = f'<p class="small">{quoted(note)}</p>' if note else ""
     return f"<b>{quoted(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
 
@@ -474,9 +476,10 @@ def families_csv(content: Content) -> str:
         conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact, derived))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
-            family.id, family.name, family.corank, family.dimension, *cells, conditions, "; ".join(family.lost_words),
-            family.soundness.agree, family.soundness.tested, family.explained.agree, family.explained.tested,
-            standing(analysis, family), *(f"{value:.6g}" for value in at),
+            family.id, family.name, family.corank, family.dimension, *cells, conditions,
+            "; ".join(lost_sentences(family.lost_freedoms)), family.soundness.agree, family.soundness.tested,
+            family.explained.agree, family.explained.tested, standing(analysis, family),
+            *(f"{value:.6g}" for value in at),
         ])  # fmt: skip
     return buffer.getvalue()
 

@@ -35,6 +35,7 @@ from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, near_ideal
 from rankdrop.sections import html
 from rankdrop.task import Task, link_index, resolve_task
+from rankdrop.text import lost_sentences
 from rankdrop.tolerances import DEFAULT
 from rankdrop.version import VERSION
 
@@ -202,8 +203,9 @@ def _meshes_box(content: Content) -> str:
 def _tables(content: Content) -> str:
     cards = []
     for family, words in zip(content.analysis.families, content.blame_words, strict=True):
-        lost = "".join(f"<p>{escape(text)}</p>" for text in family.lost_words)
-        seen = f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(family.lost_words)}."
+        sentences = lost_sentences(family.lost_freedoms)
+        lost = "".join(f"<p>{escape(text)}</p>" for text in sentences)
+        seen = f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(sentences)}."
         blame = f'<p class="small">{escape("; ".join(words))}</p>' if words else ""
         cards.append(
             f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{escape(seen)}">'

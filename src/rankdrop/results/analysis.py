@@ -8,7 +8,7 @@ from 1.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 
@@ -24,6 +24,9 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
 from rankdrop.local.block import singular_values
+from rankdrop.results.old_files import freedoms_of_sentences
+from rankdrop.results.settings import Residual as Residual
+from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
@@ -32,49 +35,8 @@ from rankdrop.task import Task
 from rankdrop.text.conditions import Verdict, of_analysis, opening
 from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
-from rankdrop.tolerances import Tolerances
 
 SCHEMA = "rankdrop/analysis/1"
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """What the analysis was asked to do; together with the robot and the version it determines the result.
-
-    Attributes:
-        seed: every random choice comes from it.
-        starts: random starts for each corank.
-        limits: starts and fresh points within the joint limits only.
-        length_scale: translation rows were divided by it [m].
-        tolerances: every threshold used.
-        version: of rankdrop.
-    """
-
-    seed: int
-    starts: int
-    limits: bool
-    length_scale: float
-    tolerances: Tolerances
-    version: str
-
-
-@dataclass(frozen=True, slots=True)
-class Residual:
-    """A witness, or the worst of several, evaluated again.
-
-    Attributes:
-        equation: largest |equation| at the witness (0 where the family has none).
-        sigma: largest of the singular values that have to vanish.
-        kept: smallest of those that must not.
-    """
-
-    equation: float
-    sigma: float
-    kept: float
-
-    def holds(self, tolerances: Tolerances) -> bool:
-        """Whether the witness satisfies its equations and has exactly the corank of its family."""
-        return self.equation <= tolerances.explained and self.sigma <= tolerances.singular < self.kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,13 +152,15 @@ class Analysis(Result):
     def _from_dict(cls, record: Record) -> Analysis:
         settings: Settings = restored(Settings, record["settings"])
         families = enumerate(record["families"])
+        robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
+        task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
         return cls(
-            robot=at("$.robot", lambda: robot_from_dict(record["robot"])),
-            task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
+            robot=robot,
+            task=task,
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
             coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
-            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
+            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one, robot, task)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
@@ -282,15 +246,29 @@ def corank_from_dict(record: Record) -> CorankSummary:
     return summary
 
 
-def family_from_dict(record: Record) -> Family:
+@cache
+def _family_types() -> dict[str, Any]:
+    """Field of a family -> its type: looked up once, which takes a millisecond."""
+    return get_type_hints(Family)
+
+
+def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     """The family of a record made by `FAMILY`.
+
+    Args:
+        record: of any version.
+        robot, task: the arm, for what versions up to 0.2 wrote as sentences.
 
     Raises:
         ResultFileError: an equation whose text and terms say different things.
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
-    kinds, own = get_type_hints(Family), record.keys() - {"equations"}
+    kinds, own = _family_types(), record.keys() - {"equations"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
+    if "lost_freedoms" not in own:
+        given["lost_freedoms"] = freedoms_of_sentences(
+            record["lost_words"], robot, task, record["corank"], record["witness"]
+        )
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

@@ -57,11 +57,10 @@ from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation_text import reason_of, sections_of
 from rankdrop.results.known import known_analysis, shipped_conditions_record
 from rankdrop.robot.ideal import Near, ideal, near_ideal
 from rankdrop.robot.model import Array, Robot, geometry
-from rankdrop.sections import Section
+from rankdrop.sections import Section, words_of
 from rankdrop.task import BASE, TIP, Task, six_rows
 from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length
@@ -469,7 +468,8 @@ class Explanation(Result):
     @property
     def reason(self) -> str:
         """What decides the verdict, in a sentence."""
-        return reason_of(self)
+        reason: str = words_of(self).reason_of(self)
+        return reason
 
     @cached_property
     def slow_family(self) -> SlowFamily | None:
@@ -769,4 +769,5 @@ class Explanation(Result):
 
     def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
         """The explanation in words: see `rankdrop.results.explanation_text.sections_of`."""
-        return sections_of(self, full=full, parts=parts)
+        sections: tuple[Section, ...] = words_of(self).sections_of(self, full=full, parts=parts)
+        return sections

@@ -9,12 +9,11 @@ in tables as well, heading and cell.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,10 +22,11 @@ from rankdrop.configuration import Cause
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family, short_name
 from rankdrop.kinematics import pose
-from rankdrop.local.directions import FramedDirections, constraint, in_short
+from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.results.explanation import Explanation, Summary
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
@@ -35,7 +35,6 @@ from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
-    LOST_TYPE,
     NO_JOG,
     NOT_SEARCHED,
     PROOF,
@@ -51,6 +50,7 @@ from rankdrop.text.words import (
     hunt_words,
     jog_step,
     joint_word,
+    lost_type,
     minus,
     motion,
     numbers,
@@ -63,10 +63,6 @@ from rankdrop.text.words import (
     wrench_text,
 )
 from rankdrop.units import counted_length
-
-if TYPE_CHECKING:
-    from rankdrop.results.explanation import Explanation, Summary
-
 
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
@@ -130,20 +126,24 @@ def _measured(explanation: Explanation) -> dict[str, object]:
     }  # fmt: skip
 
 
-_NEAR, _FARTHER = "near a singularity: {name}{place}", "Get farther away: {jog}"
+_NEAR = "near a singularity: {name}{place}"
+_OUT, _FARTHER = "Get out: {jog}. Cartesian jogging fails", "Get farther away: {jog}"
+_NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
+"""What to do -> the same where no jog was found."""
+_SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
 _FAMILY, _PROVEN = "; family from {source}", "{proven}"
 _SUMMARY = {
     Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
-                 "Get out: {jog}. Cartesian jogging fails", _FAMILY),
+                 _OUT, _FAMILY),
     Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
                   "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
     Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
                       "Nearly lost: {lost}", _FARTHER, _PROVEN),
     Cause.DISTANCE: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
     Cause.SMALL: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
-    Cause.SLOW: (_NEAR, "Slow: at most {slowest}", _FARTHER, _PROVEN),
+    Cause.SLOW: (_NEAR, _SLOW, _FARTHER, _PROVEN),
     Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
-                 "Slowest straight motion: at most {slowest}", _FARTHER, _PROVEN),
+                 _SLOWEST, _FARTHER, _PROVEN),
 }  # fmt: skip
 """Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
 _SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
@@ -153,10 +153,10 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
     summary, rank = explanation.summary, explanation.rank
     what, lost, way, sure = _SUMMARY[summary.cause]
-    if "{slowest}" in lost and (summary.slowest is None or isinf(summary.slowest.speed)):
+    if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
         lost = "Lost: nothing"
-    if "{jog}" in way and not summary.way_out:
-        way = f"{way.partition(':')[0]}: {NO_JOG}"
+    if not summary.way_out:
+        way = _NO_JOG.get(way, way)
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
         following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
@@ -344,16 +344,15 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
     hardly = explanation.far.near_miss is not None and not explanation.rank.corank
     seen = [one for frame, one in lost.seen.items() if full or frame != "link"] or lost.seen.values()
     lines = [f"The tool {'can hardly move other than' if hardly else 'can only move'} so that"]
-    nearly = False
     for one in (lost_text(explanation.robot, framed) for framed in seen):
         lines.append(Formula(f"  in {one['axes']}: {', '.join(one['constraints'])}"))
         brief = "; ".join(filter(None, one["short"]))
         lines += [f"      {brief}"] * (full and bool(brief))
-        nearly = nearly or any(text.startswith("nearly") for text in one["short"])
     if full:
         lines += _screws(explanation, "with hardly any joint torque" if hardly else "without joint torque")
     title = "What is lost" if explanation.rank.corank else "What is nearly lost"
-    notes = (_TWIST, *[_COUNTED] * (full and nearly))
+    nearly = any(is_nearly_pure(direction) for framed in seen for direction in framed.directions)
+    notes = (_TWIST, _COUNTED) if full and nearly else (_TWIST,)
     yield Section(title, _focus(explanation), tuple(lines), notes=notes)
 
 
@@ -507,16 +506,14 @@ def _lost_types(out: Escape) -> Iterator[str]:
     slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
     for kind in dict.fromkeys(one.type for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
-        one = LOST_TYPE[kind]
-        if len(out.types) > 1:
-            one = one.replace("the lost direction", _lost_numbered(which, len(out.types)))
-        yield _sentence(f"{slowly}{one}")
+        words = lost_type(kind, _lost_numbered(which, len(out.types)))
+        yield _sentence(f"{slowly}{words}")
 
 
 def _proofs(explanation: Explanation, full: bool) -> Iterator[Section]:
     out = explanation.escape
     said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
-    said |= {one.type: LOST_TYPE[one.type] for one in out.types}
+    said |= {one.type: lost_type(one.type) for one in out.types}
     said[out.boundary_reason] = boundary_words(out)
     lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
     if lines and explanation.rank.corank:
@@ -528,6 +525,8 @@ def _sentence(words: str) -> str:
 
 
 def _lost_numbered(which: list[int], count: int) -> str:
+    if count == 1:
+        return "the lost direction"
     if len(which) == count:
         return "each lost direction"
     return f"lost {plural('direction', len(which))} {numbers(which)}"
@@ -783,7 +782,15 @@ LONGEST = 120
 _SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
 
 
-def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
+class _Condition(NamedTuple):
+    """A condition for people, the joints it is about, and the lengths that stand in it as letters."""
+
+    text: str
+    joints: frozenset[int]
+    letters: frozenset[str] = frozenset()
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
     """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
 
     Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
@@ -796,8 +803,21 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Recor
             bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
             if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
                 return None
-            return one["conditions"][len(one["pinned"]) :], record["letters"]
+            beyond, letters = len(one["pinned"]), record["letters"]
+            each = zip(one["conditions"][beyond:], one["terms"][beyond:], one["polynomials"], strict=True)
+            return [_Condition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
     return None
+
+
+def _joints(terms: list[Record]) -> frozenset[int]:
+    """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
+    both = [pair for one in terms for pair in enumerate(zip(one["harmonics"], one["powers"], strict=True), start=1)]
+    return frozenset(number for number, (harmonic, power) in both if harmonic or power)
+
+
+def _letters(polynomial: list[Any], letters: Record) -> frozenset[str]:
+    """Lengths that stand in a polynomial as letters, from its terms [[variable, power, …], coefficient]."""
+    return frozenset(name for variables, _ in polynomial for name in variables[::2] if name in letters)
 
 
 def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
@@ -814,33 +834,26 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     written = _written(robot, task, family)
     if written is None and not family.equations:
         return family.words or ("no condition found",)
-    texts, letters = _unpinned(family, written)
+    conditions, letters = _unpinned(family, written)
+    short = [one for one in conditions if len(one.text) <= LONGEST]
+    long = [one for one in conditions if len(one.text) > LONGEST]
     pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
     told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
-    told += (text for text in texts if len(text) <= LONGEST)
-    named = {name for text in told for name in re.findall(r"\b\w+\b", text)}
+    told += (one.text for one in short)
+    named = {name for one in short for name in one.letters}
     if there := [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]:
         told[-1] += f", {', '.join(there)}"
-    if long := [text for text in texts if len(text) > LONGEST]:
+    if long:
         where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
         count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
-        told.append(f"{count} on joints {numbers(_joints(long))} ({where})")
+        told.append(f"{count} on joints {numbers(sorted({number for one in long for number in one.joints}))} ({where})")
     return tuple(told)
 
 
-def _unpinned(family: Family, written: tuple[list[str], Record] | None) -> tuple[list[str], Record]:
+def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:
     """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
     fixed = {one.number for one in family.pinned}
     if written is None:
-        return [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed], {}
-    return [text for text in written[0] if not {*_joints([text])} <= fixed], written[1]
-
-
-def _joints(texts: Sequence[str]) -> list[int]:
-    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
-    found: set[int] = set()
-    for text in texts:
-        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
-        for digits in re.findall(r"\b[sc](\d+)\b", text):
-            found |= {int(digit) for digit in digits}
-    return sorted(found)
+        fitted = [_Condition(f"{one} = 0", frozenset(one.joints)) for one in family.equations]
+        return [one for one in fitted if not one.joints <= fixed], {}
+    return [one for one in written[0] if not one.joints <= fixed], written[1]

@@ -35,14 +35,16 @@ from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import Step
 from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
+from rankdrop.family.lost import LostFreedom, freedoms_at_witness
 from rankdrop.family.record import Check, Family, family_from_metres
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, words
+from rankdrop.local.directions import lost_directions
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import SCHEMA, Conditions
+from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
-from rankdrop.units import counted, in_metres, metre_exponent, shifted
+from rankdrop.units import in_metres, metre_exponent, shifted
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -177,10 +179,12 @@ def _named_after(analysis: Analysis, robot: Robot) -> Analysis:
 
 
 def _retold(family: Family, robot: Robot, task: Task) -> Family:
-    """The family with its lost motions in words for other link frames than those of the file."""
-    plain = lost_in_sparsest_frame(robot, family.witness, task, family.corank)
-    told = tuple(f"{words(one, plain.name, counted(robot))} (at the witness)" for one in plain.directions)
-    return replace(family, lost_words=told, lost_directions=lost_directions(robot, family.witness, task, family.corank))
+    """The family with its lost motions for other link frames than those of the file."""
+    at = np.array(family.witness)
+    return replace(
+        family, lost_freedoms=freedoms_at_witness(robot, at, task, family.corank),
+        lost_directions=lost_directions(robot, at, task, family.corank),
+    )  # fmt: skip
 
 
 @cache
@@ -195,9 +199,9 @@ def _file(folder: str, name: str) -> Any:
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
 
 
-_AGAIN = ("robot", "equations", "determinants")
-"""Entries of the record that are made again: from the robot asked about, and from `terms`; determinants belong to
-steps, which are not stored."""
+_AGAIN = ("robot", "equations", "lost_words", "determinants")
+"""Entries of the record that are made again: from the robot asked about, from `terms`, from `lost_freedoms`;
+determinants belong to steps, which are not stored."""
 
 
 def to_stored(conditions: Conditions) -> Record:
@@ -289,7 +293,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         method=record["method"],
         reason=record["reason"],
         steps=restored(tuple[Step, ...], record["steps"]),
-        families=tuple(_family(one, ring, record, root_values(roots)) for one in record["families"]),
+        families=tuple(_family(one, ring, record, root_values(roots), robot, task) for one in record["families"]),
         lowest=record["lowest"],
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(record["not_real"]),
@@ -304,7 +308,16 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
     )
 
 
-def _family(record: Record, ring: Callable[[], Ring], whole: Record, roots: Mapping[str, float]) -> ExactFamily:
+def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ...]:
+    if "lost_freedoms" in record:
+        freedoms: tuple[LostFreedom, ...] = restored(tuple[LostFreedom, ...], record["lost_freedoms"])
+        return freedoms
+    return freedoms_of_sentences(record["lost_words"], robot, task, record["corank"], record["witness"])
+
+
+def _family(
+    record: Record, ring: Callable[[], Ring], whole: Record, roots: Mapping[str, float], robot: Robot, task: Task
+) -> ExactFamily:
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
@@ -318,7 +331,7 @@ def _family(record: Record, ring: Callable[[], Ring], whole: Record, roots: Mapp
         coupled=tuple(record["coupled"]),
         reality=record["reality"],
         witness=tuple(record["witness"]),
-        lost_words=tuple(record["lost_words"]),
+        lost_freedoms=_freedoms(record, robot, task),
         rank_check=restored(Check, record["rank_check"]),
         numbers={**whole["letters"], **roots},
         shifts=tuple(whole["shifts"]),

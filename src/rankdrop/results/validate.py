@@ -7,23 +7,23 @@ directions at the witness. What cannot be computed again without searching (shar
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.family.record import Derivation, ExactRow, Family, Pin
+from rankdrop.families.share import Near
+from rankdrop.family.lost import LostFreedom
+from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family, Pin
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
+from rankdrop.results.settings import Residual, Settings
 from rankdrop.robot.files import RANGE, allowed_range
-from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.robot.transform import rigid
 from rankdrop.task import Task, link_index, resolve_task
-
-if TYPE_CHECKING:
-    from rankdrop.results.analysis import Analysis
 
 T = TypeVar("T")
 _LOOSEST = 0.1  # of any tolerance; of `singular` 1e-3, as for `explain`
@@ -31,6 +31,33 @@ _LOOSEST_SINGULAR = 1e-3
 _SAME = 1e-9  # lengths of axes, entries of rotations: what decimals of a file leave
 _HIGHEST = 64  # power or harmonic of a term; those found have at most 10
 _LOST = 1e-6  # |u · J| of a direction u that is lost, with J in metres of the reach
+
+
+class _Analysed(Protocol):
+    """The facts of an analysis that are held against its arm: `rankdrop.results.analysis.Analysis` has them."""
+
+    @property
+    def robot(self) -> Robot: ...
+    @property
+    def task(self) -> Task: ...
+    @property
+    def generic_rank(self) -> int: ...
+    @property
+    def settings(self) -> Settings: ...
+    @property
+    def coranks(self) -> tuple[CorankSummary, ...]: ...
+    @property
+    def families(self) -> tuple[Family, ...]: ...
+    @property
+    def complete(self) -> bool: ...
+    @property
+    def unfinished(self) -> int | None: ...
+    @property
+    def exact(self) -> Derivation | None: ...
+    @property
+    def near(self) -> Near | None: ...
+
+    def residual_of(self, family: Family) -> Residual: ...
 
 
 def damaged(what: str, where: str, got: object = None, allowed: object = None) -> ResultFileError:
@@ -66,7 +93,7 @@ def at(where: str, make: Callable[[], T]) -> T:
         raise damaged(f"{type(error).__name__}: {error}", where) from error
 
 
-def check_analysis(analysis: Analysis, record: dict[str, Any]) -> None:
+def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
     """Hold an analysis that was read against its own arm.
 
     Args:
@@ -153,7 +180,7 @@ def _check_task(task: Task, robot: Robot) -> None:
     require((not far, "the point is too far away", "$.robot.frame.point", None, allowed_range("length")))
 
 
-def _check_coranks(analysis: Analysis) -> None:
+def _check_coranks(analysis: _Analysed) -> None:
     for i, row in enumerate(analysis.coranks):
         where, share, unseen = f"$.coranks[{i}]", row.completeness, row.unseen
         number, least = (i + 1, analysis.generic_rank - i - 1), row.smallest_near_miss
@@ -177,7 +204,7 @@ def _check_coranks(analysis: Analysis) -> None:
     )  # fmt: skip
 
 
-def _check_family(analysis: Analysis, family: Family, where: str) -> None:
+def _check_family(analysis: _Analysed, family: Family, where: str) -> None:
     """The family against the arm: first that its numbers fit, then the rank, the equations and what is lost."""
     robot, n, witness = analysis.robot, analysis.robot.n, family.witness
     require(
@@ -223,7 +250,7 @@ def _check_equations(family: Family, n: int, where: str) -> None:
              family.dimension, f"{fewest} … {most}"))  # fmt: skip
 
 
-def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
+def _check_rank(analysis: _Analysed, family: Family, where: str) -> None:
     tolerances, found = analysis.settings.tolerances, analysis.residual_of(family)
     lost, place, rows = family.lost_directions, f"{where}.lost_directions", list(analysis.task.rows)
     require(
@@ -232,9 +259,12 @@ def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
         (found.sigma <= tolerances.singular < found.kept, "the witness has another corank", f"{where}.witness",
          f"σ that vanish up to {found.sigma:.3g}, σ that stay from {found.kept:.3g}",
          f"corank {family.corank}, cut at {tolerances.singular:g}"),
-        (lost.shape == (family.corank, 6) and len(family.lost_words) == family.corank,
+        (lost.shape == (family.corank, 6) and len(family.lost_freedoms) == family.corank,
          "one direction and one sentence for each lost freedom", place, len(lost), family.corank),
     )  # fmt: skip
+    for i, freedom in enumerate(family.lost_freedoms):
+        held = _is_lost(analysis.robot, np.array(family.witness), freedom)
+        require((held, "the motion is not lost at the witness", f"{where}.lost_freedoms[{i}]", None, None))
     whole = jacobian(analysis.robot, np.array(family.witness), analysis.task.frame)[rows]
     slip = np.abs(lost[:, rows] @ whole).max()
     still = slip <= _LOST * max(1.0, float(np.abs(whole).max())) and not np.delete(lost, rows, axis=1).any()
@@ -243,6 +273,15 @@ def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
          None),
         (still, "the directions are not those lost at the witness", place, None, None),
     )  # fmt: skip
+
+
+def _is_lost(robot: Robot, q: Array, freedom: LostFreedom) -> bool:
+    """Whether no joint moves along the direction u: |u · J_i| = 0 for every column, J in the lengths of u."""
+    columns = jacobian(robot, q, freedom.frame)
+    columns[:3] /= freedom.length
+    u = np.array(freedom.direction)
+    size = max(1.0, float(np.abs(columns).max()))
+    return bool(abs(u @ u - 1.0) <= _LOST and np.abs(u @ columns).max() <= _LOST * size)
 
 
 def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: float) -> None:
@@ -262,7 +301,7 @@ def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: fl
         require((satisfied, "the value does not satisfy the equations", f"{where}.values", value, None))
 
 
-def _check_exact(analysis: Analysis, exact: Derivation, ids: Sequence[str]) -> None:
+def _check_exact(analysis: _Analysed, exact: Derivation, ids: Sequence[str]) -> None:
     n, names = analysis.robot.n, [joint.name for joint in analysis.robot.variables]
     require((len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n))
     if exact.derived:

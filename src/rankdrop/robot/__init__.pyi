@@ -9,7 +9,6 @@ from .model import Array as Array
 from .model import Joint as Joint
 from .model import JointKind as JointKind
 from .model import Robot as Robot
-from .model import lost_told as lost_told
 from .model import with_tool as with_tool
 from .model import witness_text as witness_text
 from .models import from_mujoco as from_mujoco

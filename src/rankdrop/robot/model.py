@@ -9,8 +9,7 @@ and by the joint axes; and the arm with a tool at its tip.
 from __future__ import annotations
 
 import hashlib
-import re
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, wraps
@@ -407,68 +406,6 @@ def witness_text(robot: Robot, q: Sequence[float]) -> str:
     beyond = np.flatnonzero((at < robot.lower - _BEYOND) | (at > robot.upper + _BEYOND)) + 1
     which = f"joint{'s' * (len(beyond) > 1)} {', '.join(map(str, beyond))}"
     return f"q = {degrees_text(q, robot.units)}" + f", beyond the limits of {which}" * bool(len(beyond))
-
-
-_ALONG = re.compile(r"(?:along|about) ([XYZ]) of link (\d+)")
-_AXES = re.compile(r"(?:\)|axes) of link (\d+)")
-_ORIGIN = re.compile(r"link (\d+) at its origin|origin of link (\d+)")
-_TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]."
-
-
-def lost_told(robot: Robot, sentences: Iterable[str]) -> str:
-    """What letters and links in sentences on lost motions mean; links by the joint axes, which everybody knows.
-
-    Example:
-        >>> from rankdrop.robot.open import open_robot
-        >>> lost_told(open_robot("pa10"), ["cannot translate along Y of link 5 at its origin"])
-        'Link 5 moves with joint 5: Y along axis 5, origin where axes 5, 6 and 7 meet.'
-    """
-    text = "\n".join(sentences)
-    letters = {(int(number), "XYZ".index(letter)) for letter, number in _ALONG.findall(text)}
-    letters |= {(int(number), axis) for number in _AXES.findall(text) for axis in range(3)}
-    origins = {int(one or other) for one, other in _ORIGIN.findall(text)}
-    told = [_TWIST] * (" = 0 " in text)
-    for number in sorted({number for number, _ in letters} | origins):
-        joint = robot.joints[number - 1]
-        own = f", {joint.name}" if joint.name != f"joint{number}" else ""
-        where = [_along(robot, number, axis) for axis in range(3) if (number, axis) in letters]
-        where += [_through(robot, number)] * (number in origins)
-        said = ", ".join(filter(None, where))
-        called = f" ({joint.link})" if joint.link else ""
-        told.append(f"Link {number}{called} moves with joint {number}{own}{f': {said}' * bool(said)}.")
-    return " ".join(told)
-
-
-def _along(robot: Robot, number: int, axis: int) -> str:
-    """ "Y along axis 5", of the joints on both sides of a link, which stand still in it; empty where neither is."""
-    way = robot.joints[number - 1].frame[:3, axis]
-    for place, joint in enumerate(robot.joints[number - 1 : number + 1], number):
-        if np.abs(np.cross(way, joint.axis)).max() < _ON:
-            return f"{'XYZ'[axis]} along axis {place}"
-    return ""
-
-
-def _through(robot: Robot, number: int) -> str:
-    """ "origin where axes 5, 6 and 7 meet": turning axes through a link's origin at every configuration.
-
-    An axis farther off passes through it always if those between do, which then leave the origin where it is.
-    """
-    origin = robot.joints[number - 1].frame[:3, 3]
-    found = []
-    for places in (range(number, 0, -1), range(number + 1, len(robot.joints) + 1)):
-        for place in places:
-            joint = robot.joints[place - 1]
-            if joint.slides or np.abs(np.cross(joint.foot - origin, joint.axis)).max() > _ON:
-                break
-            found.append(place)
-            if abs(joint.pitch) > _ON:
-                break
-    found.sort()
-    listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1])))) if found else ""
-    return f"origin where axes {listed} meet" if len(found) > 1 else f"origin on axis {listed}" if found else ""
-
-
-_ON = 1e-9  # farther from an axis [m], or turned by more [rad], is not on it
 
 
 TOOL = "tool point"

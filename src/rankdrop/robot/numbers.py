@@ -306,7 +306,13 @@ class Change:
         """In words: "d4 from 0.3 mm to 0", "α2 from 90.06° to 90°", "tip turned by 0.0006°"."""
         if self.kind in ("base", "tip"):
             return f"{self.kind} turned by {degrees(self.by):.2g}°"
-        return f"{self.name} from {self._written(self.before)} to {self._written(self.after)}"
+        before, after = self.ends
+        return f"{self.name} from {before} to {after}"
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Its values before and after in words: ("0.3 mm", "0"), ("90.06°", "90°")."""
+        return self._written(self.before), self._written(self.after)
 
     def _written(self, value: float) -> str:
         """With one digit more than it was moved by."""

@@ -21,7 +21,7 @@ from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation import Summary
 from rankdrop.results.explanation_text import lost_text, sentence_of, summary_lines
 from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
-from rankdrop.text.words import LOST_TYPE, avoidable_words, boundary_words, hunt_words
+from rankdrop.text.words import avoidable_words, boundary_words, hunt_words, lost_type
 from rankdrop.version import VERSION
 
 ESCAPE_SETTINGS = table(
@@ -95,7 +95,7 @@ DIRECTION = table(
 )
 LOST_MOTION = table(
     "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")),
-    words=(str, "", lambda one: LOST_TYPE[one.type]),
+    words=(str, "", lambda one: lost_type(one.type)),
 )  # fmt: skip
 ESCAPE = table(
     "escape",

@@ -17,9 +17,11 @@ from rankdrop.exact.notation import C, Python, Step
 from rankdrop.families.searching import Outcome
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
+from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
 from rankdrop.results.findings import configurations, strata
-from rankdrop.schema.arm import ARM_OF, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.text.lost import lost_sentences
 from rankdrop.version import VERSION
 
 SETTINGS = table(
@@ -72,6 +74,16 @@ def _terms(family: Any) -> list[Any]:
     return [equation.to_dict()["terms"] for equation in family.equations]
 
 
+LOST_FREEDOM = table(
+    "lost_freedom",
+    of=LostFreedom,
+    direction=row(num("1"), 6),
+    frame=FRAME,
+    everywhere=bool,
+    length=num("m", gt=0),
+    kind=(Literal["translation", "rotation", "tied"], "tied: translation and rotation, by u · (v; ω) = 0",
+        lambda one: one.kind.value),
+)
 FAMILY = table(
     "family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
@@ -91,7 +103,8 @@ FAMILY = table(
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
     lost_directions=(many(row(num("1"), 6)),
         "orthonormal rows (v; ω) lost at the witness, in the frame of the task, metres and radians"),
-    lost_words=(many(str), "the same in words, one sentence each"),
+    lost_freedoms=(optional(many(LOST_FREEDOM)), "the same in the frame in which they are simplest; since 0.3"),
+    lost_words=(many(str), "these in words, one sentence each", lambda one: lost_sentences(one.lost_freedoms)),
     soundness=SOUNDNESS,
     explained=SHARE,
     evidence=(str, "how the conditions were obtained"),
@@ -231,6 +244,7 @@ CONDITIONS_FAMILY = table(
     terms=(some(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers"),
     reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it"),
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
+    lost_freedoms=(optional(many(LOST_FREEDOM)), "what the tool cannot do on the family; since 0.3"),
     lost_words=(many(str), "the same in words, one sentence each"),
     rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family"),
 )
@@ -260,6 +274,7 @@ def _exact_families(conditions: Any) -> list[dict[str, Any]]:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
     return [
         {**vars(family), "conditions": family.texts, "latex": family.latex, "equations": family.equations,
+         "lost_words": lost_sentences(family.lost_freedoms),
          "terms": _terms(family),
          "pinned": [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned(conditions.robot)]}
         for family in conditions.families

@@ -45,6 +45,9 @@ from .families import share_text as share_text
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
+from .lost import lost_note as lost_note
+from .lost import lost_sentence as lost_sentence
+from .lost import lost_sentences as lost_sentences
 from .paths import free_words as free_words
 from .paths import many_section as many_section
 from .words import angle as angle

@@ -22,10 +22,11 @@ from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import typeset
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.record import Family, short_name
-from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
 from rankdrop.text.families import share_text
+from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
@@ -86,15 +87,19 @@ def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Secti
 
 def conditions_html(conditions: Any) -> str:
     """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
-    rows = "".join(
-        f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
-        f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
-        f"<td>{'<br>'.join(map(escape, (*family.lost_words, *_witness(family, conditions.robot))))}</td></tr>"
-        for family in conditions.families
-    )
+    rows = "".join(_row_html(family, conditions.robot) for family in conditions.families)
     head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
     table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
     return html(conditions.sections()[:1]) + table + html(condition_sections(conditions, families=False))
+
+
+def _row_html(family: ExactFamily, robot: Robot) -> str:
+    lost = [*lost_sentences(family.lost_freedoms), *_witness(family, robot)]
+    return (
+        f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
+        f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
+        f"<td>{'<br>'.join(map(escape, lost))}</td></tr>"
+    )
 
 
 def _steps(conditions: Any) -> Iterator[Section]:
@@ -145,7 +150,7 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
     decimals = any(_ROUNDED.search(text) for text in texts)
     notes = (
         _LEGEND if texts else "",
-        lost_told(conditions.robot, [words for family in conditions.families for words in family.lost_words]),
+        lost_note(conditions.robot, [one for family in conditions.families for one in family.lost_freedoms]),
         "decimals are shown with six digits; --python, --c and --json have all of them" if decimals else "",
         f"nothing is said about coranks above {last}: they were not asked for" if last < r else "",
     )
@@ -168,10 +173,7 @@ def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
         lines.append(f"the joint's own value: {'; '.join(values)}")
     lines += [f"{family.reality}; here it is"] if family.reality else []
     lines.append(f"dimension {family.dimension}, codimension {family.codimension}")
-    lines += [
-        words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
-        for words in family.lost_words
-    ]
+    lines += map(lost_line, family.lost_freedoms)
     yield f"{family.id}  {family.name}"
     for line in (*lines, *_witness(family, robot)):
         yield Formula(f"{_INSET}{line}") if isinstance(line, Formula) else f"{_INSET}{line}"
@@ -179,8 +181,9 @@ def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
 
 def _witness(family: ExactFamily, robot: Robot) -> list[str]:
     """The witness, where what is lost there is reported."""
-    named = any("witness" in words for words in family.lost_words)
-    return [Formula(f"witness: {witness_text(robot, family.witness)}")] if named else []
+    if all(one.everywhere for one in family.lost_freedoms):
+        return []
+    return [Formula(f"witness: {witness_text(robot, family.witness)}")]
 
 
 def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:

@@ -24,9 +24,10 @@ from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
-from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
+from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length
 
@@ -46,7 +47,7 @@ _MOST_TERMS = 30  # a longer condition is for programs
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
-    lost = lost_told(robot, [words for one in families for words in one.lost_words])
+    lost = lost_note(robot, [lost for one in families for lost in one.lost_freedoms])
     return f"{_LEGEND.format(length=f'{counted_length(robot):g}')} {lost}".rstrip()
 
 
@@ -57,27 +58,41 @@ def joint_symbol(number: int, kind: str) -> str:
 
 def value_text(value: float, kind: str = "revolute") -> str:
     """One value: "π/2", "0.7731 (44.30°)" or, for a prismatic joint, "0.25 m"."""
+    return _joined(_value_parts(value, kind))
+
+
+def _value_parts(value: float, kind: str) -> tuple[str, str]:
+    """A value, and the same in degrees where that helps: ("π/2", ""), ("0.7731", "44.30°")."""
     if kind == "prismatic":
-        return f"{value:.6g} m"
+        return f"{value:.6g} m", ""
     exact = pretty_angle(value)
-    return exact if exact == "0" or "π" in exact else f"{value:.4f} ({degrees(value):.2f}°)".replace("-", "−")
+    if exact == "0" or "π" in exact:
+        return exact, ""
+    return f"{value:.4f}".replace("-", "−"), f"{degrees(value):.2f}°".replace("-", "−")
+
+
+def _joined(parts: tuple[str, str]) -> str:
+    number, angle = parts
+    return f"{number} ({angle})" if angle else number
 
 
 def values_text(values: Iterable[float], kind: str = "revolute") -> str:
     """A set of values, v and −v merged: "0, π", "±π/2", "±0.7731 (±44.30°)"."""
-    return ", ".join(_merged(values, kind))
+    return ", ".join(map(_joined, _merged(values, kind)))
 
 
-def _merged(values: Iterable[float], kind: str) -> Iterator[str]:
+def _merged(values: Iterable[float], kind: str) -> Iterator[tuple[str, str]]:
+    """`_value_parts` of a set of values, v and −v as one."""
     left = sorted(values, key=lambda value: (abs(value), value))
     while left:
         value = left.pop(0)
         opposite = next((other for other in left if value and isclose(other, -value, abs_tol=_ALIKE)), None)
         if opposite is None:
-            yield value_text(value, kind)
+            yield _value_parts(value, kind)
         else:
             left.remove(opposite)
-            yield "±" + value_text(abs(opposite), kind).replace("(", "(±")
+            number, angle = _value_parts(abs(opposite), kind)
+            yield f"±{number}", f"±{angle}" if angle else ""
 
 
 Cell = str | tuple[str, ...]
@@ -95,6 +110,7 @@ class Column(NamedTuple):
         holds: `WORDS`, `NUMBER` or `JOINT`.
         failed: whether a cell is marked as bad.
         printed: in LaTeX too.
+        values: of a joint's column: each value, and the same in degrees or "".
     """
 
     key: str
@@ -103,6 +119,7 @@ class Column(NamedTuple):
     holds: str = NUMBER
     failed: Callable[[Family], bool] = lambda _: False
     printed: bool = True
+    values: Callable[[Family], tuple[tuple[str, str], ...]] | None = None
 
 
 def columns(robot: Robot, corank: int) -> tuple[Column, ...]:
@@ -111,10 +128,12 @@ def columns(robot: Robot, corank: int) -> tuple[Column, ...]:
     return (
         Column("id", "", lambda row: row.id),
         Column("name", "family", lambda row: row.name, WORDS, lambda row: not row.named),
-        *(Column(name, name, partial(joint_cell, number=number, kind=kinds[number - 1]), JOINT)
+        *(Column(name, name, partial(joint_cell, number=number, kind=kinds[number - 1]), JOINT,
+                 values=partial(joint_values, number=number, kind=kinds[number - 1]))
           for number, name in enumerate(symbols(robot), start=1)),
         Column("dimension", "dim", lambda row: str(row.dimension)),
-        Column("lost", "lost direction" if corank == 1 else "lost directions", lambda row: row.lost_words, WORDS),
+        Column("lost", "lost direction" if corank == 1 else "lost directions",
+               lambda row: lost_sentences(row.lost_freedoms), WORDS),
         Column("sound", TESTED, lambda row: share_text(row.soundness.agree, row.soundness.tested),
                failed=lambda row: not row.soundness.holds, printed=False),
         Column("met", MET, lambda row: rounded_share(row.explained), printed=False),
@@ -128,12 +147,12 @@ def one_line(column: Column, row: Family) -> str:
 
 def broken(column: Column, row: Family) -> str:
     """The cell of a row with breaks for a narrow column: values with degrees, and these, on lines of their own."""
-    if column.holds != JOINT:
+    if column.values is None:
         return "\n".join(lines_of(column, row))
-    values = lines_of(column, row)
-    if not any(" (" in value for value in values):
-        return ", ".join(values)
-    return ",\n".join(value.replace(" (", "\n(") for value in values)
+    values = column.values(row)
+    if not any(angle for _, angle in values):
+        return ", ".join(number for number, _ in values)
+    return ",\n".join(f"{number}\n({angle})" if angle else number for number, angle in values)
 
 
 def lines_of(column: Column, row: Family) -> tuple[str, ...]:
@@ -144,10 +163,17 @@ def lines_of(column: Column, row: Family) -> tuple[str, ...]:
 
 def joint_cell(family: Family, number: int, kind: str) -> Cell:
     """What a family asks of one joint: its values, × for free, c for coupled."""
+    mark = FREE if number in family.free else COUPLED
+    pinned = any(one.number == number for one in family.pinned)
+    return tuple(map(_joined, joint_values(family, number, kind))) if pinned else mark
+
+
+def joint_values(family: Family, number: int, kind: str) -> tuple[tuple[str, str], ...]:
+    """What a family asks of one joint: each value, and the same in degrees or ""; × for free, c for coupled."""
     for pinned in family.pinned:
         if pinned.number == number:
             return tuple(_merged(pinned.values, kind))
-    return FREE if number in family.free else COUPLED
+    return ((FREE if number in family.free else COUPLED, ""),)
 
 
 def share_text(part: int, whole: int) -> str:
@@ -289,7 +315,7 @@ def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
 
 def at_witness(row: Family) -> bool:
     """Whether what is lost is told for the witness, which has to be named then."""
-    return any("witness" in text for text in row.lost_words)
+    return not all(one.everywhere for one in row.lost_freedoms)
 
 
 def asked(robot: Robot, row: Family) -> str:
@@ -396,8 +422,8 @@ def footnotes(
         lost: with the directions lost, which the table has no room for.
     """
     notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, derivation)]
-    notes += [("lost", words) for words in row.lost_words] if lost else []
-    if at_witness(row) or any("witness" in words for _, words in notes):
+    notes += [("lost", words) for words in lost_sentences(row.lost_freedoms)] if lost else []
+    if at_witness(row) or not row.named:
         notes.append((AT, f"witness {witness_text(robot, row.witness)}"))
     return notes
 

@@ -11,8 +11,9 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 
 from rankdrop.family.record import CorankSummary, Derivation, Family
-from rankdrop.robot.model import Robot, lost_told, witness_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
+from rankdrop.text.lost import lost_note
 
 _PLAIN = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -107,7 +108,7 @@ def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> li
         parts = [*_conditions(family, exact)]
         parts += [as_text(f"witness {witness_text(robot, family.witness)}")] if at_witness(family) else []
         notes += [f"\\noindent Row {number}: {'; '.join(parts)}.\\par"] if parts else []
-    links = lost_told(robot, [words for family in rows for words in family.lost_words])
+    links = lost_note(robot, [one for family in rows for one in family.lost_freedoms])
     notes += [f"\\noindent {as_text(links)}\\par"] if links else []
     lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
     return [*notes, *([f"\\noindent Lengths: {lengths}.\\par"] if lengths else [])]
@@ -126,16 +127,12 @@ def _cell(column: Column, family: Family, number: int) -> str:
     values = [as_text(line) for line in lines_of(column, family)]
     if column.holds == WORDS:
         return rf"\raggedright {'; '.join(values)}"
-    if column.holds == JOINT and any("(" in value for value in values):  # degrees
-        values = [part for one in values for part in _before_degrees(one)]
-        stacked = r" \\ ".join(values)
+    parts = () if column.values is None else column.values(family)
+    if any(angle for _, angle in parts):
+        lines = [line for number, angle in parts for line in (number, f"({angle})" if angle else "") if line]
+        stacked = r" \\ ".join(map(as_text, lines))
         return rf"\begin{{tabular}}[t]{{@{{}}c@{{}}}}{stacked}\end{{tabular}}"
     return ", ".join(values)
-
-
-def _before_degrees(value: str) -> tuple[str, ...]:
-    number, bracket, angle = value.partition(" (")
-    return (number, f"({angle}") if bracket else (number,)
 
 
 def _symbol(name: str) -> str:

@@ -201,11 +201,22 @@ _EDGE = {
 }
 SWEEP_NEXT = "Next: --all lists every variant, --html FILE draws maps of the measures."
 """Last line of what a sweep begins with."""
-LOST_TYPE = {
-    1: "the tool moves along the lost direction only like the square of the joint motion",
-    2: "the tool moves along the lost direction only after a motion of the joints that leaves it still",
+_LOST_TYPE = {
+    1: "the tool moves along {which} only like the square of the joint motion",
+    2: "the tool moves along {which} only after a motion of the joints that leaves it still",
 }
-"""What the type of a lost motion means."""
+
+
+def lost_type(kind: int, which: str = "the lost direction") -> str:
+    """What the type of a lost motion means.
+
+    Args:
+        kind: 1 or 2, see `rankdrop.local.ways_out.LostMotion`.
+        which: directions: "each lost direction", "lost directions 1 and 3".
+    """
+    return _LOST_TYPE[kind].format(which=which)
+
+
 PROOF: dict[str | int, str] = {
     "definite": "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end "
     "effector",

@@ -281,8 +281,7 @@ def there_section(nearby: Sequence[Nearby]) -> Section:
 def _moved(change: Change) -> tuple[str, str, str]:
     if change.kind in ("base", "tip"):
         return "", "", f"{np.degrees(change.by):.2g}°"
-    _, _, values = change.text.partition(" from ")
-    before, _, after = values.partition(" to ")
+    before, after = change.ends
     return before, after, f"{np.degrees(change.by):.3g}°" if change.turns else f"{change.by * 1e3:.3g} mm"
 
 

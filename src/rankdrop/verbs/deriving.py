@@ -158,7 +158,7 @@ def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> 
     sampled = [one.as_family(robot) for one in families]
     shown = [posed(robot, task, one, sampled) for one in sampled]
     return tuple(
-        replace(family, witness=one.witness, lost_words=one.lost_words)
+        replace(family, witness=one.witness, lost_freedoms=one.lost_freedoms)
         for family, one in zip(families, shown, strict=True)
     )
 

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families import Walk, family_distances, in_slice
-from rankdrop.family import Family, short_name
+from rankdrop.family import Family, LostFreedom, MotionKind, short_name
 from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
 from rankdrop.results import Explanation, condition_sentences
-from rankdrop.robot import Array, Robot, count, lost_told
+from rankdrop.robot import Array, Robot, count
 from rankdrop.task import Task
-from rankdrop.text import angle, motion, short
+from rankdrop.text import angle, lost_note, lost_sentence, lost_sentences, motion, short
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.scene import Now
@@ -91,8 +91,8 @@ class FamiliesTab:
         family, robot = self.family, self.controls.robot
         lines = [f"<b>{plain(family.name)}</b>", f"corank {family.corank}, dimension {family.dimension}",
                  *map(plain, condition_sentences(robot, self.controls.live.task, family)),
-                 *(f"lost: {plain(words)}" for words in family.lost_words),
-                 plain(lost_told(robot, family.lost_words))]  # fmt: skip
+                 *(f"lost: {plain(words)}" for words in lost_sentences(family.lost_freedoms)),
+                 plain(lost_note(robot, family.lost_freedoms))]  # fmt: skip
         self.ui.about.content = panel.lines_html(lines)
 
     def _nearest(self) -> None:
@@ -170,24 +170,15 @@ def stops_of(families: tuple[Family, ...]) -> tuple[Family, ...]:
     return tuple(ranked[:_STOPS])
 
 
-def sentence_of(lost: str) -> str:
-    """What is lost, by the arrow that shows it, to be read from the back of a room.
-
-    Args:
-        lost: of a family (`Family.lost_words`).
-    """
-    for part, sentence in _LOST.items():
-        if part in lost:
-            return sentence
+def sentence_of(lost: LostFreedom) -> str:
+    """What is lost, by the arrow that shows it, to be read from the back of a room."""
+    if lost.kind is MotionKind.ROTATION:
+        return "The tool cannot turn about the red arrow."
+    if lost.kind is MotionKind.TRANSLATION:
+        return "The tool cannot move along the red arrow."
+    if lost.nearly is MotionKind.TRANSLATION:
+        return "The tool can hardly move along the red arrow."
     return "Moving along the red arrow and turning are tied together: one freedom of the tool is lost."
-
-
-_LOST = {
-    "cannot rotate": "The tool cannot turn about the red arrow.",
-    "cannot translate": "The tool cannot move along the red arrow.",
-    "nearly no motion along": "The tool can hardly move along the red arrow.",
-}
-"""What a loss begins with -> a sentence for the back of a room."""
 
 
 class TourTab:
@@ -209,10 +200,10 @@ class TourTab:
         """To another stop, round and round."""
         self.place = (max(self.place, 0 if steps < 0 else -1) + steps) % len(self.stops)
         family = self.stops[self.place]
-        note = lost_told(self.controls.robot, family.lost_words)
+        note = lost_note(self.controls.robot, family.lost_freedoms)
         self._told.content = panel.large_html(
-            f"{self.place + 1} of {len(self.stops)} · {family.name}", sentence_of(family.lost_words[0])
-        ) + panel.message_html(f"The tool {family.lost_words[0]}.{note and f' {note}'}")
+            f"{self.place + 1} of {len(self.stops)} · {family.name}", sentence_of(family.lost_freedoms[0])
+        ) + panel.message_html(f"The tool {lost_sentence(family.lost_freedoms[0])}.{note and f' {note}'}")
         self.controls.session.go(np.array(family.witness))
 
 

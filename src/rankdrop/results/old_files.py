@@ -1,0 +1,65 @@
+"""Facts that files up to version 0.2 hold as sentences only: the one place where these are read.
+
+Up to 0.2 a family's lost motions were stored as sentences, `lost_words`; since then as facts, `lost_freedoms`, beside
+them. Of an old sentence the frame is read, and whether it holds for the whole family; the directions are computed again
+at the witness, to full precision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rankdrop.family.lost import LostFreedom, freedoms_of
+from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+
+_AT_WITNESS = " (at the witness)"
+_TIE = "can only move so that "
+
+
+def freedoms_of_sentences(
+    sentences: Sequence[str], robot: Robot, task: Task, corank: int, witness: Sequence[float]
+) -> tuple[LostFreedom, ...]:
+    """The freedoms that a family takes away, from the sentences of a file up to version 0.2.
+
+    Args:
+        sentences: one for each freedom, all in one frame.
+        robot, task: the arm.
+        corank, witness: of the family.
+
+    Raises:
+        ValueError: a sentence that no version has written.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("planar2r")
+        >>> told = ["cannot translate along X of the tool"]
+        >>> (one,) = freedoms_of_sentences(told, arm, resolve_task(None, arm), 1, [0.3, 0.0])
+        >>> one.direction, one.frame.axes, one.everywhere
+        ((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), -1, True)
+    """
+    if not sentences:
+        return ()
+    everywhere = not sentences[0].endswith(_AT_WITNESS)
+    name = _frame_told(sentences[0].removesuffix(_AT_WITNESS))
+    frames = {frame_name(one): one for one in every_frame(task.frame, len(robot.joints))}
+    if name not in frames:
+        raise ValueError(f"no frame of the arm is called {name!r}")
+    q = np.array(witness, dtype=np.float64)
+    if everywhere:
+        framed = lost_over_family(robot, q[None], task, corank, frames=[frames[name]])
+        assert framed is not None  # one point: it stands still in every frame
+    else:
+        framed = lost_in_frame(robot, q, task, corank, frames[name])
+    return freedoms_of(robot, framed, everywhere=everywhere)
+
+
+def _frame_told(sentence: str) -> str:
+    """ "link 5 at its origin" of "cannot translate along Y of link 5 at its origin"."""
+    if sentence.startswith(_TIE):  # "can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion …"
+        return sentence.partition(" in axes of ")[2].partition(": ")[0]
+    return sentence.partition(" of ")[2]

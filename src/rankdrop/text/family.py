@@ -1,0 +1,44 @@
+"""One family in words, for a notebook."""
+
+from __future__ import annotations
+
+from math import degrees
+
+from rankdrop.family.record import Family
+from rankdrop.sections import Section
+from rankdrop.text.lost import lost_sentences
+
+
+def sections_of(family: Family) -> tuple[Section, ...]:
+    """For notebooks: what the family asks of each joint, what is lost, how it was tested."""
+    slides = _slides(family)
+    stands = {one.number: (f"joint {one.number}, {one.joint}",
+                           " or ".join(_stands(value, one.number in slides) for value in one.values))
+              for one in family.pinned}  # fmt: skip
+    stands |= {number: (f"joint {number}", "any value") for number in family.free}
+    stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
+    bound = set(family.coupled)
+    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
+    told += [f"lost: {words}" for words in lost_sentences(family.lost_freedoms)]
+    at = ", ".join(f"{value:.6g}" for value in family.witness)
+    tested = (
+        f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
+        f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
+    )
+    section = Section(
+        f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
+        columns=("joint", "stands at"), rows=tuple(row for _, row in sorted(stands.items())), texts=(0, 1),
+        after=(*told, f"witness, as functions take it [rad, m]: q = [{at}]"),
+        notes=(tested,) if family.soundness.tested else (),
+    )  # fmt: skip
+    return (section,)
+
+
+def _slides(family: Family) -> set[int]:
+    """Numbers of joints that slide, as far as is known: in equations they stand as powers."""
+    powers = [term.powers for equation in family.equations for term in equation.terms]
+    return {*family.slides, *(number for one in powers for number, power in enumerate(one, start=1) if power)}
+
+
+def _stands(value: float, slides: bool) -> str:
+    return (f"{value:.6g} m" if slides else f"{degrees(value):.5g}°").replace("-", "−")

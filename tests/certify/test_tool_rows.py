@@ -96,11 +96,14 @@ def test_the_determinant_of_five_rows_is_that_of_six_joints() -> None:
 def test_a_covering_holds_the_wrist_and_leaves_the_rest_out() -> None:
     robot = open_robot(str(KUKA))
     found = covering(robot, 0.4, task="tool-axis-free")
-    assert found.plan.method == SPLIT and found.plan.variables == (2, 3, 4, 5) and found.complete
+    assert found.plan.method == SPLIT
+    assert found.plan.variables == (2, 3, 4, 5)
+    assert found.complete
     q = np.random.default_rng(6).uniform(-3, 3, (200, 5))
     singular = q * [1, 1, 1, 1, 0]
     assert found.holds(singular).all()
-    assert 0.2 < found.free_share and not found.holds(np.radians([[20.0, -60, 90, 30, 60]])).any()
+    assert found.free_share > 0.2
+    assert not found.holds(np.radians([[20.0, -60, 90, 30, 60]])).any()
 
 
 def _checked(record: dict[str, Any], folder: Path, **asked: Any) -> Any:
@@ -112,10 +115,12 @@ def test_certificates_are_confirmed(arm: str, tmp_path: Path) -> None:
     robot = ARMS[arm]()
     ball = ball_certificate(robot, [0.3, -0.8, 1.2, 0.3, 0.6], "tool-axis-free", radius=0.02)
     found = _checked(ball, tmp_path)
-    assert found.holds and "vx, vy, vz, wx, wy in the axes of the tip" in "".join(found.statement)
+    assert found.holds
+    assert "vx, vy, vz, wx, wy in the axes of the tip" in "".join(found.statement)
     rows = [[0.1, -0.9, 1.1, 0.3, 0.5], [0.2, -0.8, 1.2, 0.3, 0.6]]
     path = check_path(robot, rows, task="tool-axis-free")
-    assert path.clear and _checked(path_certificate(path), tmp_path, rows=rows).holds
+    assert path.clear
+    assert _checked(path_certificate(path), tmp_path, rows=rows).holds
 
 
 def test_a_singular_wrist_is_confirmed(tmp_path: Path) -> None:
@@ -124,7 +129,8 @@ def test_a_singular_wrist_is_confirmed(tmp_path: Path) -> None:
     assert _checked(record, tmp_path).holds
     rows = [[0, -1, 1.5, 0.2, -0.5], [0.2, -1, 1.5, 0.3, 0.5]]
     found = _checked(path_certificate(check_path(robot, rows, task="tool-axis-free")), tmp_path, rows=rows)
-    assert found.holds and "1 of them hold a singular configuration" in found.claim
+    assert found.holds
+    assert "1 of them hold a singular configuration" in found.claim
 
 
 def test_forged_axes_are_not_confirmed(tmp_path: Path) -> None:

@@ -221,8 +221,8 @@ def displaced_columns(
         OptionError: the task takes some rows only, in tool axes or in others.
     """
     if setting.tool:
-        raise OptionError("a tolerance of the model is for whole tasks: rows in tool axes also depend on how the tool is "
-                          "mounted", where="model_tolerance", got=f"rows {rows}",
+        raise OptionError("a tolerance of the model is for whole tasks: rows in tool axes also depend on how the tool "
+                          "is mounted", where="model_tolerance", got=f"rows {rows}",
                           allowed="pose, position, orientation")  # fmt: skip
     if tuple(rows) != setting.rows:
         raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "

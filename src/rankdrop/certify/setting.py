@@ -140,12 +140,12 @@ def _of_tool_rows(robot: Robot, task: Task, rank: int) -> tuple[Setting, ...]:
     matters, repeats = _moved(robot, link)
     scale, point = joint_scale(robot, task), task.frame.point
     tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(point)
-    if min(task.rows) < 3 <= max(task.rows):
-        lengths = [share * _size(robot) for share in _LENGTHS]
-    else:
-        lengths = [_size(robot)]
-    arm = _arms(robot, link, tip)
-    return tuple(Setting(link, point, length, task.rows, rank, arm, scale, matters, repeats, True) for length in lengths)
+    mixed = min(task.rows) < 3 <= max(task.rows)
+    size, arm = _size(robot), _arms(robot, link, tip)
+    return tuple(
+        Setting(link, point, share * size, task.rows, rank, arm, scale, matters, repeats, tool=True)
+        for share in (_LENGTHS if mixed else (1.0,))
+    )
 
 
 @once
@@ -177,8 +177,8 @@ def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...] | None:
             if _in_tool_axes(robot, task):
                 return None
             raise OptionError(
-                "no region can be certified for a task that takes some rows of translation or of rotation only, in axes "
-                "that the tool does not carry", got=task.name,
+                "no region can be certified for a task that takes some rows of translation or of rotation only, in "
+                "axes that the tool does not carry", got=task.name,
                 allowed="pose, position, orientation, rows in tool axes (tool-axis-free, across-tool-axis), or rows "
                         "that are the only ones the arm moves",
             )  # fmt: skip

@@ -185,7 +185,8 @@ def path(
     given = [] if source.start is None else [source.start]
     start = [tuple(parse_configuration(one, model, deg=source.deg, option="--start")) for one in given]
     families = None if source.analysis is None else results.Analysis.load(source.analysis)
-    question = motion.PathQuestion(task, families, check, source.deg, source.topic, *start)
+    own = arm.task is None and arm.length_scale is None
+    question = motion.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
             checked = motion.check_files(model, found, question, out=many.out, workers=many.workers,

@@ -26,6 +26,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import check_robot, configurations
 from rankdrop.local.block import joint_scale, sampling_box
 from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.local.pointing import asked_task
 from rankdrop.motion.certificate import margin
 from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
@@ -96,7 +97,8 @@ def check_path(
         q: (T, n) samples, in order [rad, m].
         t: (T,) times [s], increasing; None where there are none.
         velocities, accelerations: (T, n) of the samples, for cubic and quintic interpolation.
-        task: name, rows or Task; None is the task the arm is made for.
+        task: name, rows or Task; None is the task the arm is made for, or, of an arm of five joints that cannot do a
+            pose, position and tool axis.
         analysis: families of this arm and task; else from the catalogue, else found on the spot.
         options: how it is checked; its fields are taken as keywords as well.
         tolerances: `singular` decides what counts as touching.
@@ -138,8 +140,14 @@ def check_path(
         remarks.append(("degrees", hint))
     if rates is not None and how.interpolate == "linear":
         remarks.append(("velocities", None))
-    check = check_curve(robot, path, resolve_task(task, robot), how, analysis, tolerances, progress)
+    check = check_curve(robot, path, _asked(robot, task, analysis), how, analysis, tolerances, progress)
     return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
+
+
+def _asked(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
+    """The task that a path is checked for; the one that families are given for where none is named."""
+    resolved = resolve_task(task, robot)
+    return asked_task(robot, resolved) if task is None and analysis is None else resolved
 
 
 def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
@@ -261,7 +269,9 @@ def check_poses(
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
         start: (n,) configuration near the first pose, which decides the branch; None: of the solutions found within the
             joint limits the one nearest to q = 0, or to what the limits allow of it.
-        task, analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
+        task: that the poses are reached for; None is the task the arm is made for. The path is checked as in
+            `check_path`.
+        analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
 
     Returns:
         The path in joint space, checked; `tool` says which branch was taken, how far it could be followed, why it
@@ -296,7 +306,8 @@ def check_poses(
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
     )  # fmt: skip
     path = _timed(robot, resolved, wanted, times, branch)
-    check = check_curve(robot, path, resolved, how, analysis, tolerances, progress)
+    asked = _asked(robot, task, analysis)
+    check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
     ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
     worst = min(check.verdict, ended, key=VERDICTS.index)
     return replace(check, rows=len(branch.q), tool=tool, verdict=worst)
@@ -441,7 +452,8 @@ def check_file(
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    deg, start, task = question.deg, question.start, resolve_task(question.task, robot)
+    deg, start = question.deg, question.start
+    wanted = resolve_task(question.task, robot)
     read: Poses | Trajectory
     if question.topic is None and holds_poses(file, robot):
         read = read_poses(file, deg=deg)
@@ -456,13 +468,13 @@ def check_file(
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):
             say(line)
-    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=task,
+    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=question.task,
                     analysis=question.analysis, options=question.options, progress=progress)  # fmt: skip
     if isinstance(read, Trajectory):
         return check(read.q, read.times if read.timed else None, velocities=read.velocities,
                      accelerations=read.accelerations)  # fmt: skip
-    if not read.turned and max(task.rows) >= 3:
-        raise TaskError("the file has positions alone, and the task wants orientations", got=task.name,
+    if not read.turned and max(wanted.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", got=wanted.name,
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:

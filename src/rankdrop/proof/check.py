@@ -383,7 +383,7 @@ def arm_of(claim: Claim) -> Arm:
         ]
     if claim.tolerance is not None:
         if claim.in_tool_axes:
-            raise Unproven("rows in tool axes depend on how the tool is mounted: nothing is proven for arms near this one")
+            raise Unproven("rows in tool axes depend on how the tool is mounted: nothing is proven for near arms")
         if list(claim.rows) != claim.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _check_points_on_axes(claim)

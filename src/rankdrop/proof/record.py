@@ -139,7 +139,7 @@ class Claim:
 
     @property
     def in_tool_axes(self) -> bool:
-        """Whether the task takes some rows in the axes of the tip, and the proof looks from the link that carries it."""
+        """Whether the task takes some rows in the axes of the tip, and the proof looks from the last link."""
         axes, origin, _ = self.frame
         tips = (-1, len(self.links) + 1)
         return self.blocks != list(self.rows) and axes in tips and origin in tips and self.link == len(self.links)

@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.codec import Record
-from rankdrop.configuration import Cause
+from rankdrop.configuration import Cause, at
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family, short_name
 from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short
 from rankdrop.local.nearest import Nearest
+from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.results.known import shipped_conditions_record
@@ -35,7 +36,9 @@ from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
+    ASKED_POINTING,
     LOST_TYPE,
+    NEVER_TURNS,
     NO_JOG,
     NOT_SEARCHED,
     PROOF,
@@ -146,6 +149,7 @@ _SUMMARY = {
                  "Slowest straight motion: at most {slowest}", _FARTHER, _PROVEN),
 }  # fmt: skip
 """Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
+_REGULAR_BUT_NEVER = "regular: rank {rank} of {r}, no direction is lost in addition to those it never has"
 _SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
 
 
@@ -155,6 +159,8 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     what, lost, way, sure = _SUMMARY[summary.cause]
     if "{slowest}" in lost and (summary.slowest is None or isinf(summary.slowest.speed)):
         lost = "Lost: nothing"
+    if summary.cause == Cause.NONE and explanation.task.m > rank.generic_rank:
+        what = _REGULAR_BUT_NEVER
     if "{jog}" in way and not summary.way_out:
         way = f"{way.partition(':')[0]}: {NO_JOG}"
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
@@ -259,7 +265,25 @@ def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
     first, *lines = summary_lines(explanation)
-    yield Section(first, "", (*lines, *_warnings(explanation, full)), tone=TONE[explanation.verdict])
+    what = (*_never_lines(explanation), *_warnings(explanation, full))
+    yield Section(first, "", (*lines, *what), tone=TONE[explanation.verdict])
+
+
+def _never_lines(explanation: Explanation) -> Iterator[str]:
+    """What the arm can never do, whatever its configuration."""
+    robot, task, rank = explanation.robot, explanation.task, explanation.rank
+    if turn_follows(robot, task):
+        yield f"{NEVER_TURNS.format(robot.n)}. {ASKED_POINTING}."
+        return
+    other = pointing_task(robot, task)
+    if other is not None:
+        here = at(robot, explanation.q, other, explanation.here.tolerances).measured
+        verdict = f"rank {here.rank} of {here.generic_rank}"
+        verdict = f"singular here, {verdict}" if here.corank else f"regular here, {verdict}"
+        yield f"{NEVER_TURNS.format(robot.n)}. For position and tool axis (--task {other.name}) it is {verdict}."
+    elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
+        yield f"Never possible here: {_motions_words(explanation.lost.never.tolist())}; the arm has rank " \
+              f"{rank.generic_rank} of the {task.m} rows of this task at best."
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from rankdrop.local.block import generic_rank
+from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
-from rankdrop.text.words import angle, fixed, minus, motion, plural, short
+from rankdrop.text.words import ASKED_POINTING, NEVER_TURNS, angle, fixed, minus, motion, plural, short
 from rankdrop.units import counted_length
 
 DESCRIBED, LISTED = 2, 12
@@ -228,6 +229,7 @@ def summary(check: Any) -> tuple[str, ...]:
         f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
         f"is proven free, {free} stretch{'es' if free != 1 else ''}.",
     ]
+    lines += _never_lines(check)
     if not check.holds:
         lines.append(f"Next: {_advice(check)}.")
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
@@ -242,6 +244,14 @@ def summary(check: Any) -> tuple[str, ...]:
     cover = "1 enclosure covers" if check.evaluations == 1 else f"{check.evaluations:,} enclosures cover"
     lines.append(f"Verified: {cover} it{tip}; families {source}.")
     return tuple(lines)
+
+
+def _never_lines(check: Any) -> Iterator[str]:
+    """What the arm can never do, and which task was asked about because of it."""
+    if turn_follows(check.robot, check.task):
+        yield f"{NEVER_TURNS.format(check.robot.n)}. {ASKED_POINTING}."
+    elif pointing_task(check.robot, check.task) is not None:
+        yield f"{NEVER_TURNS.format(check.robot.n)}. --task tool-axis-free asks about position and tool axis."
 
 
 def _where(near: Any) -> str:
@@ -259,6 +269,9 @@ def _advice(check: Any) -> str:
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.tool is not None and not check.tool.complete and turn_follows(check.robot, check.task):
+        return (f"{check.robot.n} joints reach few poses: --task tool-axis-free or --task position leave free what "
+                "they cannot do; explain --pose says how far a pose is out of reach")  # fmt: skip
     if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
         return "make the turn first, then run the command with --start at its end"
     if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:

@@ -109,6 +109,9 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
 
 
+NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
+"""What an arm of five joints cannot do."""
+ASKED_POINTING = "It is asked about position and tool axis (task tool-axis-free)"
 NO_JOG = "no jog of one or two joints inside the limits was found"
 
 NOT_SEARCHED = "Next: not searched."

@@ -43,8 +43,8 @@ class Input(ToolOptions):
         str | None, option("Of a bag in which several have joint values (JointState, JointTrajectory)")
     ] = None  # fmt: skip
     start: Annotated[
-        str | None, option("Configuration near the first pose, which decides the branch of the inverse kinematics. "
-                           "Default: of those found, the one nearest to zero")
+        str | None, option("Configuration near the first pose: the nearest branch of the inverse kinematics is taken. "
+                           "Default: of those found, the posture that people use")
     ] = None  # fmt: skip
     analysis: Annotated[
         str | None, option("Families from this file (`rankdrop analyze --json`); else from the catalogue")

@@ -346,7 +346,7 @@ def _with_tool_axis(robot: Robot) -> Robot:
     columns is that of the five rows above, up to the sign.
     """
     axis = screw_of(JointKind.REVOLUTE, robot.home[:3, 2], robot.home[:3, 3])
-    return replace(robot, joints=(*robot.joints, Joint("turn about the tool axis", JointKind.REVOLUTE, axis)))
+    return replace(robot, joints=(*robot.joints, Joint("tool-axis", JointKind.REVOLUTE, axis)))
 
 
 def _range(robot: Robot, setting: Setting, j: int, width: float, limits: bool) -> tuple[float, float, int, bool]:

@@ -24,11 +24,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_type_hints
 from cyclopts import Group, Parameter, Token
 
 from rankdrop import robot as arms
-from rankdrop import task as tasks
 from rankdrop import verbs
 from rankdrop.cli import exits
 from rankdrop.cli.terminal import STDOUT, Report, check_targets, print_blocks, reporter, say, write
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
+from rankdrop.named_tasks import task_names
 from rankdrop.options import Options, check_value, hints, meta_of, option, parts_of, plain_type, unit_of
 from rankdrop.sections import Section
 
@@ -52,7 +52,7 @@ _LONGEST_TOOL = 10.0  # [m]
 _WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
-TASKS = f"{', '.join(tasks.task_names())}, or rows: vx,vy,wz"
+TASKS = f"{', '.join(task_names())}, or rows: vx,vy,wz"
 """What `--task` takes."""
 PROGRESS = Annotated[Report, Parameter(parse=False)]
 """Type of the parameter `report` of a command that shows its progress; the runner gives it."""

@@ -44,7 +44,7 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
 
 
 def asked_task(robot: Robot, task: Task) -> Task:
-    """The task to ask an arm about, whose own one is `task`: position and tool axis where it cannot do a pose."""
+    """Position and tool axis in place of an arm's pose where it has five joints, else the task itself."""
     return pointing_task(robot, task) or task
 
 

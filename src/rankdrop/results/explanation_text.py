@@ -36,11 +36,13 @@ from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
-    ASKED_POINTING,
+    CHECKED_POINTING,
     LOST_TYPE,
+    NEVER_HERE,
     NEVER_TURNS,
     NO_JOG,
     NOT_SEARCHED,
+    POINTING_HERE,
     PROOF,
     after_jog,
     angle,
@@ -273,17 +275,17 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
     """What the arm can never do, whatever its configuration."""
     robot, task, rank = explanation.robot, explanation.task, explanation.rank
     if turn_follows(robot, task):
-        yield f"{NEVER_TURNS.format(robot.n)}. {ASKED_POINTING}."
+        yield f"{NEVER_TURNS.format(robot.n)}. {CHECKED_POINTING}."
         return
     other = pointing_task(robot, task)
     if other is not None:
         here = at(robot, explanation.q, other, explanation.here.tolerances).measured
-        verdict = f"rank {here.rank} of {here.generic_rank}"
-        verdict = f"singular here, {verdict}" if here.corank else f"regular here, {verdict}"
-        yield f"{NEVER_TURNS.format(robot.n)}. For position and tool axis (--task {other.name}) it is {verdict}."
+        verdict = "singular" if here.corank else "regular"
+        words = POINTING_HERE.format(name=other.name, verdict=verdict, rank=here.rank, r=here.generic_rank)
+        yield f"{NEVER_TURNS.format(robot.n)}. {words}."
     elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
-        yield f"Never possible here: {_motions_words(explanation.lost.never.tolist())}; the arm has rank " \
-              f"{rank.generic_rank} of the {task.m} rows of this task at best."
+        motions = _motions_words(explanation.lost.never.tolist())
+        yield f"{NEVER_HERE.format(motions=motions, r=rank.generic_rank, m=task.m)}."
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:

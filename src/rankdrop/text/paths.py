@@ -18,7 +18,7 @@ from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
-from rankdrop.text.words import ASKED_POINTING, NEVER_TURNS, angle, fixed, minus, motion, plural, short
+from rankdrop.text.words import CHECKED_POINTING, NEVER_TURNS, angle, fixed, minus, motion, plural, short
 from rankdrop.units import counted_length
 
 DESCRIBED, LISTED = 2, 12
@@ -252,11 +252,11 @@ def summary(check: Any) -> tuple[str, ...]:
 
 
 def _never_lines(check: Any) -> Iterator[str]:
-    """What the arm can never do, and which task was asked about because of it."""
+    """What the arm can never do, and which task is checked because of it."""
     if turn_follows(check.robot, check.task):
-        yield f"{NEVER_TURNS.format(check.robot.n)}. {ASKED_POINTING}."
+        yield f"{NEVER_TURNS.format(check.robot.n)}. {CHECKED_POINTING}."
     elif pointing_task(check.robot, check.task) is not None:
-        yield f"{NEVER_TURNS.format(check.robot.n)}. --task tool-axis-free asks about position and tool axis."
+        yield f"{NEVER_TURNS.format(check.robot.n)}. --task tool-axis-free checks position and tool axis."
 
 
 def _branches_words(check: Any) -> str:

@@ -11,35 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rankdrop.errors import TaskError
+from rankdrop.named_tasks import BASE, BODY, ROWS, SPACE, TIP, WORLD_ALIGNED, Frame, task_names
+from rankdrop.named_tasks import NAMED as _NAMED
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 
-BASE = 0
-TIP = -1
-
-
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """Axes of one link, reference point fixed in one link.
-
-    Attributes:
-        axes: link whose axes are used: 0 the base, i the link after joint i (`Joint.frame`), TIP the tip.
-        origin: link that carries the reference point.
-        point: (3,) the reference point in that link's frame [m].
-    """
-
-    axes: int = BASE
-    origin: int = TIP
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-SPACE = Frame(BASE, BASE)
-"""Base axes, reference point at the base origin: the columns are the joint screws themselves."""
-BODY = Frame(TIP, TIP)
-"""Axes and origin of the tip."""
-WORLD_ALIGNED = Frame(BASE, TIP)
-"""Base axes, reference point at the tip: the default."""
-
+__all__ = ["BASE", "BODY", "FRAMES", "ROWS", "SPACE", "TIP", "WORLD_ALIGNED", "Frame", "Task", "frame_of", "link_index",
+           "resolve_task", "six_rows", "task_names"]  # fmt: skip
 FRAMES = {"base": WORLD_ALIGNED, "tip": BODY, "space": SPACE}
 """Frames by name, by their axes: a reference point at the tip, but for "space"."""
 
@@ -72,19 +50,6 @@ def link_index(link: int, joints: int, what: str) -> int:
 
 
 WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
-ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
-
-_NAMED: dict[str, tuple[tuple[int, ...], Frame]] = {
-    "pose": ((0, 1, 2, 3, 4, 5), WORLD_ALIGNED),
-    "position": ((0, 1, 2), WORLD_ALIGNED),
-    "orientation": ((3, 4, 5), WORLD_ALIGNED),
-    "planar": ((0, 1, 5), WORLD_ALIGNED),
-    "planar-position": ((0, 1), WORLD_ALIGNED),
-    "scara": ((0, 1, 2, 5), WORLD_ALIGNED),
-    "tool-axis-free": ((0, 1, 2, 3, 4), BODY),
-    "across-tool-axis": ((0, 1), BODY),
-}
-"""Name -> its rows, and the frame they are taken in. A line here is all that a new task takes (and docs/choose.md)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,11 +79,6 @@ class Task:
     def scale(self, robot: Robot) -> float:
         """The length scale in use for `robot` [m]."""
         return reach(robot) if self.length_scale is None else self.length_scale
-
-
-def task_names() -> tuple[str, ...]:
-    """The tasks that have a name."""
-    return tuple(_NAMED)
 
 
 def six_rows(values: Array, task: Task) -> Array:

@@ -1,4 +1,4 @@
-"""Tasks in tool axes, and what a new named task takes: one line in `rankdrop.task`."""
+"""Tasks in tool axes, and what a new named task takes: one line in `rankdrop.named_tasks`."""
 
 from __future__ import annotations
 

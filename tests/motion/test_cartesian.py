@@ -11,6 +11,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
+from rankdrop.local.posture import fault
 from rankdrop.motion.check import check_poses, within_limits
 from rankdrop.motion.files import holds_poses, length_hint, read_poses
 from rankdrop.motion.trajectory import TrajectoryError
@@ -131,17 +132,16 @@ def test_the_tip_goes_straight_through_every_pose() -> None:
     assert tool.turned <= 1e-4
 
 
-def test_without_a_start_the_solution_nearest_to_zero_is_taken() -> None:
+def test_without_a_start_the_posture_that_people_use_is_taken() -> None:
     task = resolve_task(None, ARM)
     known = within_limits(ARM, POSES[0], task)
     assert len(known) == 8
     assert np.abs(pose(ARM, known) - POSES[0]).max() < 1e-9
-    far = np.linalg.norm(known, axis=1)
-    assert (np.diff(far) >= -1e-9).all()
+    assert fault(ARM, known[:1])[0] == fault(ARM, known).min()
     assert np.linalg.norm(known - Q[0], axis=1).min() < 1e-9
     found = check_poses(ARM, POSES[:1])
     np.testing.assert_allclose(found.tool.start, known[0], atol=1e-9)
-    assert branch_chosen(found.tool) == "nearest to q = 0 (one of 8 found)"
+    assert branch_chosen(found.tool) == "the posture that people use (one of 8 found)"
 
 
 @pytest.mark.slow
@@ -206,7 +206,8 @@ def test_the_command_follows_poses(
 
     code, out, err = run(made["q.csv"], "--json", tmp_path / "o.json")
     assert (code, err) == (0, "")
-    assert "branch: nearest to q = 0 (one of 8 found)" in out
+    assert "branch: the posture that people use (one of 8 found)" in out
+    assert "of 8 (" in out
     record = json.loads((tmp_path / "o.json").read_text())
     Draft202012Validator(load_schema("path")).validate(record)
     assert record["tool"]["poses"] == 3

@@ -139,7 +139,7 @@ def test_a_bound_that_cannot_fall_costs_no_rows(monkeypatch: pytest.MonkeyPatch)
         return np.full(len(rows) - 1, 1.0), np.full(len(rows) - 1, 1.0)
 
     monkeypatch.setattr(inverse.Aim, "deviation", hopeless)
-    check = check_poses(robot, pose(robot, q), start=q[0])
+    check = check_poses(robot, pose(robot, q), start=q[0], branches=False)
     assert most <= 100_000
     assert not check.holds
     assert check.tool.reason in ("stuck", "budget")
@@ -149,7 +149,7 @@ def test_a_spent_budget_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(follow, "_ROWS", 20)
     robot = open_robot("ur5")
     q = np.array([[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [1.4, -0.6, 1.9, -1.0, 1.2, 0.4]])
-    check = check_poses(robot, pose(robot, q), start=q[0])
+    check = check_poses(robot, pose(robot, q), start=q[0], branches=False)
     assert check.tool.reason == "budget"
     assert not check.holds
     assert "used up" in check.sentence

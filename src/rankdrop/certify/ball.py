@@ -39,7 +39,7 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import chain_of, one_configuration, whole_number
+from rankdrop.kinematics import one_configuration, whole_number
 from rankdrop.robot.model import Array, Robot, fingerprint, once
 from rankdrop.robot.numbers import nearest
 from rankdrop.task import WORLD_ALIGNED, Frame, Task, resolve_task
@@ -114,7 +114,7 @@ def certified_radius(
     Args:
         robot: the arm.
         q: (n,) centre [rad, m].
-        task: pose, position, orientation; other rows only where the arm moves no others.
+        task: pose, position, orientation, rows in tool axes; other rows only where the arm moves no others.
         at_most: no larger radius is sought, e.g. the distance of a singularity that is known; in (0, π].
         enough: branch and bound ends once this radius is proven.
         evaluations: budget of branch and bound; 0: one enclosure only. About 2 µs each.
@@ -135,7 +135,7 @@ def certified_radius(
     whole_number("evaluations", evaluations, 0, MOST_EVALUATIONS)
     resolved = resolve_task(task, robot)
     settings = settings_for(robot, resolved)
-    chain, row = chain_of(robot), centre[None, :]
+    chain, row = settings[0].chain(robot), centre[None, :]
     singles = [
         float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _views(robot, resolved)
     ]
@@ -218,8 +218,12 @@ def displaced_columns(
         far: (..., n) how far the variables go from zero, at most; of slides it is used. None for zero.
 
     Raises:
-        OptionError: the task takes some rows only.
+        OptionError: the task takes some rows only, in tool axes or in others.
     """
+    if setting.tool:
+        raise OptionError("a tolerance of the model is for whole tasks: rows in tool axes also depend on how the tool "
+                          "is mounted", where="model_tolerance", got=f"rows {rows}",
+                          allowed="pose, position, orientation")  # fmt: skip
     if tuple(rows) != setting.rows:
         raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
                           "not for those near it", where="model_tolerance", got=f"rows {rows}",

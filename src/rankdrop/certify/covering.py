@@ -3,7 +3,8 @@
 The joint space is halved into boxes, and a box is left out where the rank is proven to be the generic one in all of it.
 What is left, down to leaves of a given width, holds every singular configuration. Two ways to prove a box free:
 
-- split: six turning joints and the full pose. The determinant is f = a · b (`rankdrop.certify.split`), and a box with
+- split: six turning joints and the full pose, or five and all but the turn about the tool's axis: that turn is a sixth
+  joint then. The determinant is f = a · b (`rankdrop.certify.split`), and a box with
   centre c and half-widths h is free where |f(c)| > Σ |∂_j f(c)| h_j + ½ Σ |f_jk| h_j h_k + rounding, or where the
   Bernstein coefficients of f in the tangents of half angles have one sign. A leaf is proven to hold a singularity where
   f has two signs at its corners, beyond rounding.
@@ -17,7 +18,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from math import ceil, log2, pi
@@ -49,7 +50,7 @@ from rankdrop.proof.boxes import (
     load_plan,
     packed,
 )
-from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, fingerprint, screw_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 
@@ -62,6 +63,7 @@ NARROWEST = 2 * pi / 512
 WIDEST = pi
 _MOST_LEAVES = 2**40  # boxes of the last level, free ones included
 _MOST_VARIABLES = 5
+_POINTING = (0, 1, 2, 3, 4)  # rows in tool axes of a tool that may turn about its own z axis
 _TOP = 3  # level of the boxes that are done one by one
 _CLOSER = 24  # halvings by which leaves that no family explains are looked into
 _PARTS = 10_000_000  # of them in all, about 2 µs each
@@ -330,8 +332,21 @@ def plan_of(
 
 
 def _splits(robot: Robot, task: Task, setting: Setting) -> bool:
-    turning = all(joint.kind is JointKind.REVOLUTE and joint.mimic is None for joint in robot.joints)
-    return turning and robot.n == 6 and task.m == 6 and setting.rank == 6
+    if not all(joint.kind is JointKind.REVOLUTE and joint.mimic is None for joint in robot.joints):
+        return False
+    if setting.tool:
+        return robot.n == 5 and task.rows == _POINTING and not any(task.frame.point)
+    return robot.n == 6 and task.m == 6 and setting.rank == 6
+
+
+def _with_tool_axis(robot: Robot) -> Robot:
+    """An arm of five joints with a sixth that turns the tip about its own z axis.
+
+    Its column is zero in all rows of the twist in tool axes but the last, where it is 1: the determinant of the six
+    columns is that of the five rows above, up to the sign.
+    """
+    axis = screw_of(JointKind.REVOLUTE, robot.home[:3, 2], robot.home[:3, 3])
+    return replace(robot, joints=(*robot.joints, Joint("tool-axis", JointKind.REVOLUTE, axis)))
 
 
 def _range(robot: Robot, setting: Setting, j: int, width: float, limits: bool) -> tuple[float, float, int, bool]:
@@ -360,8 +375,9 @@ def _halvings(length: float, width: float) -> int:
 
 def tables_of(robot: Robot, plan: Plan) -> _core.Split:
     """The split determinant of an arm in tables."""
+    six = _with_tool_axis(robot) if plan.rows == _POINTING else robot
     return _core.Split(
-        **split_of(robot), lower=np.array(plan.lower), upper=np.array(plan.upper),
+        **split_of(six), lower=np.array(plan.lower), upper=np.array(plan.upper),
         depth=np.array(plan.depth, dtype=np.int32), further=plan.further, top=plan.top,
     )  # fmt: skip
 

@@ -4,6 +4,9 @@ And the test that ends every proof made from there: is a matrix regular, however
 
 The rank of the full twist does not depend on axes or reference point. Seen from link c, column i depends only on the
 joints between axis i and that link, so the derivative bounds are short, and the first and the last joint drop out.
+
+The rank of some rows in tool axes (a tool that may turn about its own axis) depends on them: these rows are seen from
+the last link, in the axes of the tip, at the task's own point. Only the first joint drops out.
 """
 
 from __future__ import annotations
@@ -44,6 +47,7 @@ class Setting:
         scale: (n,) unit of motion of each variable (`joint_scale`).
         matters: (n,) False for variables on which no column depends.
         repeats: square root of the largest number of joints that one variable drives.
+        tool: the axes are those of the tip, and `point` is in its frame; the link is the last one, which carries it.
     """
 
     link: int
@@ -55,18 +59,27 @@ class Setting:
     scale: Array
     matters: NDArray[np.bool_]
     repeats: float
+    tool: bool = False
+
+    def seen(self, robot: Robot) -> Robot:
+        """The arm whose link frames the view is in: with `tool`, the frame of its last link is that of the tip."""
+        return _with_tip_in_last_link(robot) if self.tool else robot
+
+    def chain(self, robot: Robot) -> _core.Chain:
+        """The chain that the view belongs to."""
+        return chain_of(self.seen(robot))
 
     def view(self, robot: Robot) -> _core.View:
         """The view the core works in."""
         factors = [1.0 / self.length if row < 3 else 1.0 for row in self.rows]
         return _core.make_view(
-            chain_of(robot), axes=self.link, origin=self.link, point=list(self.point), rows=list(self.rows),
+            self.chain(robot), axes=self.link, origin=self.link, point=list(self.point), rows=list(self.rows),
             factors=factors,
         )  # fmt: skip
 
     def home_point(self, robot: Robot) -> Array:
         """(3,) the point at q = 0 in base coordinates [m]."""
-        frame = frames_of(robot)[self.link]
+        frame = frames_of(self.seen(robot))[self.link]
         return np.asarray(frame[:3, :3] @ np.array(self.point) + frame[:3, 3])
 
     def told(self, radius: float) -> _core.EnclosureSettings:
@@ -81,13 +94,15 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     """Every setting worth trying for an arm and a task.
 
     Raises:
-        OptionError: the task takes only some rows of translation or rotation, and the others do not vanish for this
-            arm: then its rank depends on the axes, and nothing is certified. Or the arm does not move for this task
-            at all, has too many joints, or a link frame that is no rigid transform.
+        OptionError: the task takes only some rows of translation or rotation, in other axes than those of the tool, and
+            the others do not vanish for this arm: then its rank depends on the axes, and nothing is certified. Or the
+            arm does not move for this task at all, has too many joints, or a link frame that is no rigid transform.
     """
     rows = _whole_rows(robot, task)
     rank = generic_rank(robot, task)
     _check(robot, task, rank)
+    if rows is None:
+        return _of_tool_rows(robot, task, rank)
     found = []
     size = _size(robot)
     for link, home in _viewpoints(robot, task, rows):
@@ -119,17 +134,53 @@ def _check(robot: Robot, task: Task, rank: int) -> None:
             )  # fmt: skip
 
 
-def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...]:
-    """Rows of the task, with those added that are zero for this arm, so that whole blocks come out."""
+def _of_tool_rows(robot: Robot, task: Task, rank: int) -> tuple[Setting, ...]:
+    """Settings of rows in tool axes: at the task's point, lengths differ."""
+    link = len(robot.joints)
+    matters, repeats = _moved(robot, link)
+    scale, point = joint_scale(robot, task), task.frame.point
+    tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(point)
+    mixed = min(task.rows) < 3 <= max(task.rows)
+    size, arm = _size(robot), _arms(robot, link, tip)
+    return tuple(
+        Setting(link, point, share * size, task.rows, rank, arm, scale, matters, repeats, tool=True)
+        for share in (_LENGTHS if mixed else (1.0,))
+    )
+
+
+@once
+def _with_tip_in_last_link(robot: Robot) -> Robot:
+    """The same arm, the frame of the last link being that of the tip: the same screws, another frame to look from."""
+    return replace(robot, joints=(*robot.joints[:-1], replace(robot.joints[-1], frame=robot.home)))
+
+
+def _in_tool_axes(robot: Robot, task: Task) -> bool:
+    """Are the rows taken in the axes of the tip, at a point of the tip?"""
+    tips = (TIP, len(robot.joints) + 1)
+    return task.frame.axes in tips and task.frame.origin in tips
+
+
+def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...] | None:
+    """Rows of the task, with those added that are zero for this arm, so that whole blocks come out.
+
+    None for rows in tool axes, which are judged as they are.
+
+    Raises:
+        OptionError: neither.
+    """
     blocks = [block for block in ((0, 1, 2), (3, 4, 5)) if set(block) & set(task.rows)]
     rows = tuple(row for block in blocks for row in block)
     missing = [row for row in rows if row not in task.rows]
     if missing:
         full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)
         if np.abs(full[:, missing]).max() > _ABSENT * np.abs(full).max():
+            if _in_tool_axes(robot, task):
+                return None
             raise OptionError(
-                "no region can be certified for a task that takes some rows of translation or of rotation only",
-                got=task.name, allowed="pose, position, orientation, or rows that are the only ones the arm moves",
+                "no region can be certified for a task that takes some rows of translation or of rotation only, in "
+                "axes that the tool does not carry", got=task.name,
+                allowed="pose, position, orientation, rows in tool axes (tool-axis-free, across-tool-axis), or rows "
+                        "that are the only ones the arm moves",
             )  # fmt: skip
     if rows == (0, 1, 2) and task.frame.origin not in (TIP, len(robot.joints)):
         raise OptionError("no region can be certified for a point that is not fixed in the last link", got=task.frame)
@@ -222,7 +273,7 @@ def enclose(
     Returns:
         free (B,), radius (B,), bound B (B, r, r), Σ (B, r), U₁ (B, m, r), V₁ (B, n, r), M (B, N); see enclosure.hpp.
     """
-    return _core.enclose(chain_of(robot), setting.view(robot), q, half, setting.told(radius), threads=threads)
+    return _core.enclose(setting.chain(robot), setting.view(robot), q, half, setting.told(radius), threads=threads)
 
 
 def viewed(robot: Robot, task: Task, corank: int = 1) -> Setting:

@@ -28,6 +28,7 @@ from rankdrop import verbs
 from rankdrop.cli import exits
 from rankdrop.cli.terminal import STDOUT, Report, check_targets, print_blocks, reporter, say, write
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
+from rankdrop.named_tasks import task_names
 from rankdrop.options import Options, check_value, hints, meta_of, option, parts_of, plain_type, unit_of
 from rankdrop.sections import Section
 
@@ -51,6 +52,8 @@ _LONGEST_TOOL = 10.0  # [m]
 _WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
+TASKS = f"{', '.join(task_names())}, or rows: vx,vy,wz"
+"""What `--task` takes."""
 PROGRESS = Annotated[Report, Parameter(parse=False)]
 """Type of the parameter `report` of a command that shows its progress; the runner gives it."""
 
@@ -332,10 +335,7 @@ class ArmOptions(Options):
     """Which part of the arm, for which task."""
 
     TITLE: ClassVar[str] = "The arm"
-    task: Annotated[
-        str | None,
-        option("pose, position, orientation, planar, planar-position, scara, or rows: vx,vy,wz; else its own"),
-    ] = None
+    task: Annotated[str | None, option(f"{TASKS}; else its own")] = None
     base: Annotated[str | None, option("First link of the chain (robot files)")] = None
     tip: Annotated[str | None, option("Last link of the chain (robot files)")] = None
     length_scale: (

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from rankdrop import designs, jobs
 from rankdrop.cli import exits
-from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, Done, Output, command
+from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, TASKS, Done, Output, command
 from rankdrop.cli.terminal import STDOUT, kept, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
@@ -127,10 +127,7 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
 class CompareOptions(Options):
     """By which measures arms are compared."""
 
-    task: Annotated[
-        str | None, option("pose, position, orientation, planar, planar-position, scara, or rows: vx,vy,wz; else the "
-                    "first arm's")
-    ] = None  # fmt: skip
+    task: Annotated[str | None, option(f"{TASKS}; else the first arm's")] = None
     within: Annotated[str, option("Report the share of the joint space within this distance of singularities")] = "5deg"
     speed: Annotated[
         str | None, option("Report the share inside the limits where the tool is slower along a line (25mm/s)")

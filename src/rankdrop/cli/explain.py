@@ -110,6 +110,8 @@ def explain(
 
     near = model_tolerance(output.model_tolerance)
     model, task, made = open_ideal(robot, arm, tool)
+    if arm.task is None and output.analysis is None:
+        task = local.asked_task(model, task)
     budget = BUDGET[output.only] if options.evaluations == EVALUATIONS else options.evaluations
     coranks = 6 if output.only == "nearest" else options.coranks
     found = run(

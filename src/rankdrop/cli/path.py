@@ -43,8 +43,8 @@ class Input(ToolOptions):
         str | None, option("Of a bag in which several have joint values (JointState, JointTrajectory)")
     ] = None  # fmt: skip
     start: Annotated[
-        str | None, option("Configuration near the first pose, which decides the branch of the inverse kinematics. "
-                           "Default: of those found, the one nearest to zero")
+        str | None, option("Configuration near the first pose: the nearest branch of the inverse kinematics is taken. "
+                           "Default: of those found, the posture that people use")
     ] = None  # fmt: skip
     analysis: Annotated[
         str | None, option("Families from this file (`rankdrop analyze --json`); else from the catalogue")
@@ -185,7 +185,8 @@ def path(
     given = [] if source.start is None else [source.start]
     start = [tuple(parse_configuration(one, model, deg=source.deg, option="--start")) for one in given]
     families = None if source.analysis is None else results.Analysis.load(source.analysis)
-    question = motion.PathQuestion(task, families, check, source.deg, source.topic, *start)
+    own = arm.task is None and arm.length_scale is None
+    question = motion.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
             checked = motion.check_files(model, found, question, out=many.out, workers=many.workers,

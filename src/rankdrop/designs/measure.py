@@ -265,8 +265,8 @@ def _paths(problem: Problem, known: Analysis, asked: Mapping[str, Any], _: int) 
 
 def _path(known: Analysis, name: str, given: Mapping[str, Any], *, limits: bool) -> Record:
     try:
-        judged = check_poses(known.robot, np.array(given["poses"]), given["t"], task=known.task, limits=limits,
-                             analysis=known)  # fmt: skip
+        judged = check_poses(known.robot, np.array(given["poses"]), given["t"], branches=False, task=known.task,
+                             limits=limits, analysis=known)  # fmt: skip
     except RankdropError as error:  # the first pose is out of reach, say
         return {"name": name, "verdict": "not reached", "sigma": None, "distance": None, "q": None, "why": error.what}
     least = min(judged.stretches, key=lambda one: one.closest.sigma)

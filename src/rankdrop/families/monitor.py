@@ -417,7 +417,8 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     name = monitor.robot.name
     mark = re.sub(r"[^A-Za-z0-9]+", "_", name if mark is None else mark).strip("_").lower() or "arm"
     plain = " ".join(name.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())
-    fields = _chain(monitor) | _question(monitor)
+    made = _bounds_of(monitor)
+    fields = _chain(made[0].seen(monitor.robot) if made else monitor.robot) | _question(monitor, made)
     arrays: dict[str, str] = {}
     lines = [
         f"/* {plain} and its families of singular configurations, written by rankdrop. */",
@@ -443,8 +444,8 @@ _TYPES = {
 }  # fmt: skip
 
 
-def _chain(monitor: Monitor) -> dict[str, Value]:
-    robot = monitor.robot
+def _chain(robot: Robot) -> dict[str, Value]:
+    """The chain, link by link; of an arm whose rows are proven in tool axes the frame of the last link is the tip's."""
     index = {joint.name: i for i, joint in enumerate(robot.variables)}
     frames = [[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]]
     frames += [joint.frame[:3].tolist() for joint in robot.joints] + [robot.home[:3].tolist()]
@@ -461,13 +462,17 @@ def _chain(monitor: Monitor) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _question(monitor: Monitor) -> dict[str, Value]:
-    """Task, families, thresholds, and what enclosures are made from; none for a task that cannot be certified."""
+def _bounds_of(monitor: Monitor) -> Sequence[Setting]:
+    """What enclosures are made from; none for a task that cannot be certified."""
+    with suppress(OptionError):
+        return settings_for(monitor.robot, monitor.task)
+    return ()
+
+
+def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
+    """Task, families, thresholds, and what enclosures are made from."""
     task, joints, families = monitor.task, len(monitor.robot.joints), monitor.watched
     length, table = task.scale(monitor.robot), tables_of(monitor.watched, monitor.robot, task)
-    made: Sequence[Setting] = ()
-    with suppress(OptionError):
-        made = settings_for(monitor.robot, monitor.task)
     return {
         "rows": task.m, "axes": link_index(task.frame.axes, joints, "axes"),
         "origin": link_index(task.frame.origin, joints, "origin"), "point": list(task.frame.point),

@@ -36,6 +36,8 @@ from .ordered import motion as motion
 from .ordered import report as report
 from .ordered import session as session
 from .orientation import representation_at as representation_at
+from .pointing import asked_task as asked_task
+from .pointing import pointing_task as pointing_task
 from .posture import Drawn as Drawn
 from .posture import drawn_at as drawn_at
 from .posture import fault as fault

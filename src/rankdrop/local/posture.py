@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.kinematics import check_robot, link_poses, pose
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
@@ -136,6 +137,25 @@ def fault(robot: Robot, q: Array) -> Array:
     beside = np.hypot(points[:, -1, 0], points[:, -1, 1])
     close = np.clip(0.3 - beside, 0.0, None)
     return np.asarray(_LIMIT * outside + _UNDER * low / (_DEEP + _TIP) + _FOLDED * _folded(points) + _CLOSE * close)
+
+
+def by_habit(robot: Robot, task: Task, q: Array) -> NDArray[np.int64]:
+    """(N,) order of the solutions of one pose, those first that people use.
+
+    Nothing speaks against the posture (`fault`), the elbow is up, the joints are near the maker's zero, and no
+    singularity is near. No numbers of makers are used.
+
+    Args:
+        robot, task: the arm.
+        q: (N, n) configurations with the same tip [rad, m].
+    """
+    rank = generic_rank(robot, task)
+    sigma = singular_values(robot, q, task)[:, rank - 1] if rank else np.ones(len(q))
+    height = spine(robot, q)[:, :, 2].mean(axis=1) / max(reach(robot), 1e-9)
+    turned = np.where(robot.periodic, np.abs(q) / np.pi, 0.0).mean(axis=1)
+    clear = sigma / max(float(sigma.max(initial=0.0)), 1e-12)
+    against = 2.0 * fault(robot, q) - 3.0 * height + 0.8 * turned - 0.5 * clear
+    return np.asarray(np.argsort(np.round(against, 6), kind="stable"))
 
 
 def spine(robot: Robot, q: Array) -> Array:

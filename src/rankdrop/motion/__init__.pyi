@@ -22,6 +22,7 @@ from .files import read_trajectory as read_trajectory
 from .files import trajectories_in as trajectories_in
 from .files import trajectory_bytes as trajectory_bytes
 from .follow import Followed as Followed
+from .follow import ToolBranch as ToolBranch
 from .inverse import Aim as Aim
 from .many import check_files as check_files
 from .many import paths_to_dict as paths_to_dict

@@ -24,13 +24,16 @@ from numpy.typing import ArrayLike
 from rankdrop.certify.setting import settings_for
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import check_robot, configurations
-from rankdrop.local.block import joint_scale, sampling_box
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.local.pointing import asked_task
+from rankdrop.local.posture import by_habit
+from rankdrop.motion.aspects import posture_names
 from rankdrop.motion.certificate import margin
 from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
-from rankdrop.motion.follow import Followed, follow
-from rankdrop.motion.inverse import Aim, distinct, near_and_within
+from rankdrop.motion.follow import Followed, ToolBranch, follow
+from rankdrop.motion.inverse import Aim, apart, distinct, near_and_within
 from rankdrop.motion.prove import prove
 from rankdrop.motion.record import (
     CROSSING,
@@ -52,6 +55,7 @@ from rankdrop.motion.survey import Survey, crossings
 from rankdrop.motion.tool_line import half_turns, poses_at
 from rankdrop.motion.trajectory import Trajectory, checked, checked_times, rows_of, unit_hint
 from rankdrop.options import takes
+from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation import known_families
@@ -63,6 +67,12 @@ from rankdrop.text.paths import reading_remarks
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres, task_in_metres
 
+MOST_POSES, MOST_BRANCHES = 300, 16
+"""Of a tool path whose branches are all followed."""
+_AT_ONE = 1e-5  # σ_r of a row below which it counts as singular: a pose there is reached to half the digits only
+_FOR_BRANCH = 50_000  # enclosures of the proof of one of the other branches
+_EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
+_NEAR_START = 0.5  # a start so far from where Newton's method ends may belong to another branch [rad]
 STARTS = 512
 """Random configurations, and the one nearest to zero, that solutions at the first pose are searched from."""
 _SAME = 1e-4  # solutions nearer to each other are one [rad]
@@ -96,7 +106,8 @@ def check_path(
         q: (T, n) samples, in order [rad, m].
         t: (T,) times [s], increasing; None where there are none.
         velocities, accelerations: (T, n) of the samples, for cubic and quintic interpolation.
-        task: name, rows or Task; None is the task the arm is made for.
+        task: name, rows or Task; None is the task the arm is made for, or, of an arm of five joints that cannot do a
+            pose, position and tool axis.
         analysis: families of this arm and task; else from the catalogue, else found on the spot.
         options: how it is checked; its fields are taken as keywords as well.
         tolerances: `singular` decides what counts as touching.
@@ -138,8 +149,14 @@ def check_path(
         remarks.append(("degrees", hint))
     if rates is not None and how.interpolate == "linear":
         remarks.append(("velocities", None))
-    check = check_curve(robot, path, resolve_task(task, robot), how, analysis, tolerances, progress)
+    check = check_curve(robot, path, _asked(robot, task, analysis), how, analysis, tolerances, progress)
     return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
+
+
+def _asked(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
+    """The task that a path is checked for; the one that families are given for where none is named."""
+    resolved = resolve_task(task, robot)
+    return asked_task(robot, resolved) if task is None and analysis is None else resolved
 
 
 def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
@@ -246,6 +263,7 @@ def check_poses(
     t: ArrayLike | None = None,
     *,
     start: ArrayLike | None = None,
+    branches: bool = True,
     task: Task | str | None = None,
     analysis: Analysis | None = None,
     options: PathOptions | None = None,
@@ -259,9 +277,12 @@ def check_poses(
         robot: the arm.
         poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is ignored.
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
-        start: (n,) configuration near the first pose, which decides the branch; None: of the solutions found within the
-            joint limits the one nearest to q = 0, or to what the limits allow of it.
-        task, analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
+        start: (n,) configuration near the first pose, which decides the branch: the nearest solution is taken. None: of
+            the solutions found within the joint limits the posture that people use (`by_habit`).
+        branches: follow the other branches as well, of arms that are not redundant and at most `MOST_POSES` poses.
+        task: that the poses are reached for; None is the task the arm is made for. The path is checked as in
+            `check_path`.
+        analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
 
     Returns:
         The path in joint space, checked; `tool` says which branch was taken, how far it could be followed, why it
@@ -286,21 +307,81 @@ def check_poses(
     wanted = _checked(poses)
     times = _times(t, len(wanted), "pose")
     resolved = resolve_task(task, robot)
-    first, solutions = _start(robot, wanted[0], resolved, start)
+    first, solutions, moved = _start(robot, wanted[0], resolved, start)
     tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
     branch = _followed(robot, wanted, first, resolved, tolerance, free=start is None)
     away, turned = _apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     tool = replace(
-        branch, poses=len(wanted), solutions=solutions, more=robot.n > resolved.m, off=away, turned=turned,
+        branch, poses=len(wanted), solutions=0 if start is not None else len(solutions),
+        more=robot.n > resolved.m, off=away, turned=turned,
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
         half_turns=half_turns(wanted) if any(row > 2 for row in resolved.rows) else (),
     )  # fmt: skip
     path = _timed(robot, resolved, wanted, times, branch)
-    check = check_curve(robot, path, resolved, how, analysis, tolerances, progress)
+    asked = _asked(robot, task, analysis)
+    check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
     ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
     worst = min(check.verdict, ended, key=VERDICTS.index)
+    tool = replace(tool, moved=moved)
+    if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
+        tool = replace(tool, branches=_branches(
+            robot, wanted, solutions, first, resolved, asked, tolerance, tool, check, tolerances))  # fmt: skip
     return replace(check, rows=len(branch.q), tool=tool, verdict=worst)
+
+
+def _branches(
+    robot: Robot, poses: Array, solutions: Array, first: Array, task: Task, asked: Task,
+    tolerance: tuple[float, float], taken: Followed, check: PathCheck, tolerances: Tolerances,
+) -> tuple[ToolBranch, ...]:  # fmt: skip
+    """Every branch that begins at a solution of the first pose, each followed and proven for itself."""
+    if len(taken.q):
+        first = taken.q[0]
+    away = np.linalg.norm(apart(robot, first, solutions) / joint_scale(robot, task), axis=1)
+    same = away <= _SAME
+    starts = solutions if same.any() else np.concatenate([first[None], solutions])
+    chosen = int(away.argmin()) if same.any() else 0
+    starts[chosen] = first
+    if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
+        return ()
+    found = []
+    for row, q in enumerate(starts):
+        if row == chosen:
+            branch, place = taken, 0.0
+            if check.crossings:
+                place = min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
+            elif any(one.verdict == UNDECIDED for one in check.stretches):
+                place = 1.0
+        else:
+            branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
+            place = _not_free(robot, asked, branch, tolerances)
+        found.append(ToolBranch(
+            q, posture_names(robot, task, q[None])[0], branch.complete, branch.reached, branch.reason, branch.joint,
+            branch.folds, branch.turn, place == 0.0, place, row == chosen,
+        ))  # fmt: skip
+    return tuple(found)
+
+
+def _pose_at(branch: Followed, row: float) -> float:
+    """Number of the pose, with a share, of a place among the rows (from 1) of a branch."""
+    return float(np.interp(row, np.arange(1, len(branch.place) + 1), branch.place))
+
+
+def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances) -> float:
+    """Pose at which the joint path of a branch is first not proven free of singularities; 0: it is."""
+    if not len(branch.q):
+        return 1.0
+    arm, arm_task = in_metres(robot), task_in_metres(replace(task, length_scale=float(task.scale(robot))), robot)
+    rows = into_metres(robot, branch.q)
+    sigma = singular_values(arm, rows, arm_task)[:, generic_rank(arm, arm_task) - 1]
+    if (sigma <= _AT_ONE).any():
+        return float(branch.place[int((sigma <= _AT_ONE).argmax())])
+    proof = prove(arm, settings_for(arm, arm_task), curve(rows, None), singular=tolerances.singular,
+                  evaluations=_FOR_BRANCH)  # fmt: skip
+    if not proof.slivers:
+        return 0.0
+    (row, share), *_ = proof.slivers[0]
+    return _pose_at(branch, 1.0 + row + share)
 
 
 def _followed(
@@ -350,7 +431,7 @@ def _checked(poses: ArrayLike) -> Array:
 
 
 def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
-    """(S, n) configurations at a pose (4, 4) within the joint limits, nearest to q = 0 first, of those found.
+    """(S, n) configurations at a pose (4, 4) within the joint limits, those first that people use, of those found.
 
     Newton's method from `STARTS` random configurations and from the one nearest to zero; a redundant arm has more.
     """
@@ -359,32 +440,44 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
     q = near_and_within(robot, Aim(robot, task).reached(goal, starts), home, limits=True)
     far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
-    return distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
+    found = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
+    return found[by_habit(robot, task, found)] if len(found) and robot.n <= task.m else found
 
 
-def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, int]:
-    """A configuration at the first pose, and how many it was chosen from; 0: it was given."""
+def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
+    """A configuration at the first pose, all that were found, and how far it is from the start that was given."""
+    solutions = within_limits(robot, goal, task)
     if start is not None:
         given = as_numbers(start, "start", ConfigurationError)
         if given.shape != (robot.n,) or not np.isfinite(given).all():
             raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
                                      allowed=f"{robot.n} finite numbers")  # fmt: skip
         reached = follow(robot, goal[None], given, task)
+        scale = joint_scale(robot, task)
+        ends = solutions + whole_turns(robot, given - solutions)
+        inside = np.asarray(((ends >= robot.lower - _EDGE) & (ends <= robot.upper + _EDGE)).all(axis=1))
+        ends = np.where(inside[:, None], ends, solutions)  # whole turns as in the start, where the limits allow them
+        if reached.complete:
+            far = float(np.linalg.norm((reached.q[0] - given) / scale))
+            if far <= _NEAR_START or not len(ends) or robot.n > task.m:
+                return reached.q[0], solutions, far
+            ends = np.concatenate([reached.q[:1], ends])
+        if len(ends) and not reached.joint:
+            away = np.linalg.norm((ends - given) / scale, axis=1)
+            return ends[away.argmin()], solutions, float(away.min())
         if not reached.complete:
             raise ConfigurationError(
                 "pose 1 is not reached from this start: " + (
                     f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
                 ), where="start", mend="a start nearer to it, or none",
             )  # fmt: skip
-        return reached.q[0], 0
-    solutions = within_limits(robot, goal, task)
     if not len(solutions):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
             got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
             typed="look at its units and its frame, or give --start",
         )  # fmt: skip
-    return solutions[0], len(solutions)
+    return solutions[0], solutions, 0.0
 
 
 def _timed(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
@@ -442,7 +535,8 @@ def check_file(
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    deg, start, task = question.deg, question.start, resolve_task(question.task, robot)
+    deg, start = question.deg, question.start
+    wanted = resolve_task(question.task, robot)
     read: Poses | Trajectory
     if question.topic is None and holds_poses(file, robot):
         read = read_poses(file, deg=deg)
@@ -457,13 +551,13 @@ def check_file(
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):
             say(line)
-    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=task,
+    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=question.task,
                     analysis=question.analysis, options=question.options, progress=progress)  # fmt: skip
     if isinstance(read, Trajectory):
         return check(read.q, read.times if read.timed else None, velocities=read.velocities,
                      accelerations=read.accelerations)  # fmt: skip
-    if not read.turned and max(task.rows) >= 3:
-        raise TaskError("the file has positions alone, and the task wants orientations", got=task.name,
+    if not read.turned and max(wanted.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", got=wanted.name,
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:

@@ -62,6 +62,32 @@ class Passed:
 
 
 @dataclass(frozen=True, eq=False)
+class ToolBranch:
+    """One branch of the inverse kinematics along a tool path, that of one configuration at the first pose.
+
+    Attributes:
+        start: (n,) the configuration at the first pose [rad, m].
+        posture: signs of the parts of the arm there, such as "elbow +"; empty where none are known.
+        complete, reached, reason, joint, folds, turn: as of `Followed`.
+        free: proven free of singularities up to where it ends.
+        place: pose, from 1, where it is first not proven free; 0 where it is.
+        chosen: the path takes it.
+    """
+
+    start: Array
+    posture: tuple[str, ...]
+    complete: bool
+    reached: float
+    reason: str
+    joint: int
+    folds: bool
+    turn: Turn | None
+    free: bool
+    place: float
+    chosen: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Followed:
     """Joint values along a tool path, and how they were found.
 
@@ -87,6 +113,10 @@ class Followed:
         turn: the internal turn after which the path goes on, where that is why it ended.
         half_turns: numbers of the poses, from 1, from which the tool turns by half a turn to the next one: of the two
             ways round one was taken.
+        branches: all branches that were found at the first pose and followed, those first that people use; empty for a
+            redundant arm and a path of very many poses.
+        moved: how far the start that was given is from the configuration at the first pose [rad; slides by the length
+            scale].
     """
 
     q: Array
@@ -107,6 +137,8 @@ class Followed:
     folds: bool = False
     turn: Turn | None = None
     half_turns: tuple[int, ...] = ()
+    branches: tuple[ToolBranch, ...] = ()
+    moved: float = 0.0
 
     @property
     def start(self) -> list[float]:

@@ -88,7 +88,7 @@ class Along:
     @cached_property
     def _free(self) -> tuple[Robot, Array, Array]:
         """The chain with every joint a variable, its values at q = 0, and the shares (N, n) of the variables."""
-        return unlocked(self.robot, np.zeros(self.robot.n))
+        return unlocked(self.setting.seen(self.robot), np.zeros(self.robot.n))
 
     @cached_property
     def _view(self) -> _core.View:

@@ -63,17 +63,24 @@ Seen = tuple[list[Matrix], list[Matrix | None]]
 class Arm:
     """A chain seen from a point of link `link` (0 … N), lengths divided by `length`.
 
+    Its axes are those of the base as the link carries them from q = 0, or `axes` (3, 3, columns): those of the tool.
+
     Attributes:
         moving: places of the variables on which some column depends, seen from there.
         variables: n.
     """
 
-    def __init__(self, links: list[Link], variables: int, link: int, point: list[Interval], length: Interval) -> None:
+    def __init__(
+        self, links: list[Link], variables: int, link: int, point: list[Interval], length: Interval,
+        axes: Array | None = None,
+    ) -> None:  # fmt: skip
         self._f = flint()
         self._matrix = self.matrices()
         self.links, self.link, self.variables = links, link, variables
         self._point, self._length = point, length
         self._screws = [self._screw(one) for one in links]
+        if axes is not None:
+            self._screws = [self._in_axes(screw, self._exact_axes(axes)) for screw in self._screws]
         self._ads = [self._ad(screw) for screw in self._screws]
         self._squares = [one * one for one in self._ads]
         after, before = list(range(link, len(links))), list(range(link - 1, -1, -1))
@@ -104,6 +111,22 @@ class Arm:
             pitch = dot(w, v) / square
             moment = [x + pitch * y for x, y in zip(moment, axis, strict=True)]
         return [x / self._length for x in moment] + axis
+
+    def _exact_axes(self, axes: Array) -> list[list[Interval]]:
+        """Three unit vectors exactly at right angles next to the columns of a rotation, by Gram and Schmidt."""
+        x, y = ([self._number(float(entry)) for entry in axes[:, k]] for k in range(2))
+        size = _norm(x)
+        x = [one / size for one in x]
+        along = dot(x, y)
+        y = [one - along * other for one, other in zip(y, x, strict=True)]
+        size = _norm(y)
+        y = [one / size for one in y]
+        return [x, y, cross(x, y)]
+
+    @staticmethod
+    def _in_axes(screw: list[Interval], axes: list[list[Interval]]) -> list[Interval]:
+        """The components of a screw (v; ω) along three axes."""
+        return [dot(axis, part) for part in (screw[:3], screw[3:]) for axis in axes]
 
     def _ad(self, screw: Any) -> Matrix:
         """(6, 6) ad_S, with [S, T] = ad_S T, linear part first."""

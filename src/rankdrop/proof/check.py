@@ -366,14 +366,14 @@ def _link(claim: Claim, number: int) -> str:
 
 
 def arm_of(claim: Claim) -> Arm:
-    """The arm as the certificate looks at it; of a translation the point must be that of the task.
+    """The arm as the certificate looks at it; of a translation, and in tool axes, the point must be that of the task.
 
     Raises:
         Unproven: the point is another.
     """
     f = flint()
     point: list[Interval] = [f.arb(x) for x in claim.point]
-    if claim.whole_rows == [0, 1, 2]:
+    if claim.whole_rows == [0, 1, 2] or claim.in_tool_axes:
         _, origin, local = claim.frame
         pose = claim.poses.get(origin)
         if pose is None or origin == 0 or claim.link != len(claim.links):
@@ -382,10 +382,13 @@ def arm_of(claim: Claim) -> Arm:
             sum((f.arb(float(pose[r, c])) * local[c] for c in range(3)), f.arb(float(pose[r, 3]))) for r in range(3)
         ]
     if claim.tolerance is not None:
+        if claim.in_tool_axes:
+            raise Unproven("rows in tool axes depend on how the tool is mounted: nothing is proven for near arms")
         if list(claim.rows) != claim.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _check_points_on_axes(claim)
-    return Arm(claim.links, claim.variables, claim.link, point, f.arb(claim.length))
+    axes = claim.home[:3, :3] if claim.in_tool_axes else None
+    return Arm(claim.links, claim.variables, claim.link, point, f.arb(claim.length), axes)
 
 
 def _check_points_on_axes(claim: Claim) -> None:

@@ -68,9 +68,9 @@ class _Exact(Arm):
         for place, one in enumerate(claim.links):
             if (one.driver, one.multiplier, one.offset) != (place, 1.0, 0.0) or one.kind == SCREW:
                 raise Unproven("in rational numbers joints turn or slide, each for itself")
-        self._partial = claim.whole_rows != list(claim.rows)
+        self._partial = claim.blocks != list(claim.rows)
         axes, origin, local = claim.frame
-        decides = [axes, origin] if self._partial else [origin] if claim.whole_rows == [0, 1, 2] else []
+        decides = [axes, origin] if self._partial else [origin] if claim.blocks == [0, 1, 2] else []
         if any(one not in claim.poses for one in decides):
             raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
         pose = [[self._number(x) for x in row] for row in claim.poses.get(origin, np.eye(4))[:3].tolist()]

@@ -132,10 +132,22 @@ class Claim:
         return str(self.record["arm"]["name"])
 
     @property
-    def whole_rows(self) -> list[int]:
+    def blocks(self) -> list[int]:
         """Rows of translation and of rotation of which the task takes some."""
         blocks = ((0, 1, 2), (3, 4, 5))
         return [row for block in blocks if set(block) & set(self.rows) for row in block]
+
+    @property
+    def in_tool_axes(self) -> bool:
+        """Whether the task takes some rows in the axes of the tip, and the proof looks from the last link."""
+        axes, origin, _ = self.frame
+        tips = (-1, len(self.links) + 1)
+        return self.blocks != list(self.rows) and axes in tips and origin in tips and self.link == len(self.links)
+
+    @property
+    def whole_rows(self) -> list[int]:
+        """Rows whose rank is proven: those of the task in tool axes, else whole blocks."""
+        return list(self.rows) if self.in_tool_axes else self.blocks
 
     @property
     def slides(self) -> list[int]:

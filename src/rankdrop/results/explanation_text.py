@@ -18,12 +18,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rankdrop.codec import Record
-from rankdrop.configuration import Cause
+from rankdrop.configuration import Cause, at
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family, short_name
 from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
+from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.results.explanation import Explanation, Summary
@@ -35,8 +36,12 @@ from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.words import (
+    CHECKED_POINTING,
+    NEVER_HERE,
+    NEVER_TURNS,
     NO_JOG,
     NOT_SEARCHED,
+    POINTING_HERE,
     PROOF,
     after_jog,
     angle,
@@ -146,6 +151,7 @@ _SUMMARY = {
                  _SLOWEST, _FARTHER, _PROVEN),
 }  # fmt: skip
 """Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
+_REGULAR_BUT_NEVER = "regular: rank {rank} of {r}, no direction is lost in addition to those it never has"
 _SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
 
 
@@ -155,6 +161,8 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     what, lost, way, sure = _SUMMARY[summary.cause]
     if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
         lost = "Lost: nothing"
+    if summary.cause == Cause.NONE and explanation.task.m > rank.generic_rank:
+        what = _REGULAR_BUT_NEVER
     if not summary.way_out:
         way = _NO_JOG.get(way, way)
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
@@ -259,7 +267,25 @@ def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
     first, *lines = summary_lines(explanation)
-    yield Section(first, "", (*lines, *_warnings(explanation, full)), tone=TONE[explanation.verdict])
+    what = (*_never_lines(explanation), *_warnings(explanation, full))
+    yield Section(first, "", (*lines, *what), tone=TONE[explanation.verdict])
+
+
+def _never_lines(explanation: Explanation) -> Iterator[str]:
+    """What the arm can never do, whatever its configuration."""
+    robot, task, rank = explanation.robot, explanation.task, explanation.rank
+    if turn_follows(robot, task):
+        yield f"{NEVER_TURNS.format(robot.n)}. {CHECKED_POINTING}."
+        return
+    other = pointing_task(robot, task)
+    if other is not None:
+        here = at(robot, explanation.q, other, explanation.here.tolerances).measured
+        verdict = "singular" if here.corank else "regular"
+        words = POINTING_HERE.format(name=other.name, verdict=verdict, rank=here.rank, r=here.generic_rank)
+        yield f"{NEVER_TURNS.format(robot.n)}. {words}."
+    elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
+        motions = _motions_words(explanation.lost.never.tolist())
+        yield f"{NEVER_HERE.format(motions=motions, r=rank.generic_rank, m=task.m)}."
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:

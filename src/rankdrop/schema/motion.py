@@ -318,6 +318,18 @@ PASSED = table(
     place=(num("pose", ge=1), "number of the pose, with the share of the way to the next"),
     rest=(bool, "the arm has to rest there; false: it may pass at any speed"),
 )
+TOOL_BRANCH = table(
+    "tool_branch",
+    start=many(num("joint")),
+    posture=many(str),
+    complete=(bool, "it can be followed to the last pose"),
+    reached=num("row", ge=1),
+    reason=Literal["", "start", "singular", "limit", "turn", "stuck", "budget"],
+    joint=(Count, "number of the joint at its limit; 0 for other reasons"),
+    free=(bool, "proven free of singularities up to where it ends"),
+    place=(num("pose", ge=0), "pose where it is first not proven free; 0 where it is"),
+    chosen=(bool, "the path takes it"),
+)
 TOOL = table(
     "tool",
     poses=Positive,
@@ -332,6 +344,7 @@ TOOL = table(
     passed=(optional(many(PASSED)), "singularities at which the branch goes on"),
     folds=(optional(bool), "the branch folds back where it ends: there is no solution near it further on"),
     turn=(optional(TURN | None), "the internal turn after which the path goes on, where the branch needs one"),
+    branches=(optional(many(TOOL_BRANCH)), "every branch that was found at the first pose, followed for itself"),
 )
 def _part(one: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""

@@ -14,10 +14,21 @@ from typing import Any
 import numpy as np
 
 from rankdrop.local.block import generic_rank
+from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
-from rankdrop.text.words import angle, fixed, listing, minus, motion, plural, short
+from rankdrop.text.words import (
+    CHECKED_POINTING,
+    NEVER_TURNS,
+    angle,
+    fixed,
+    listing,
+    minus,
+    motion,
+    plural,
+    short,
+)
 from rankdrop.units import counted_length
 
 DESCRIBED, LISTED = 2, 12
@@ -27,6 +38,7 @@ _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
 _TURNS = 1e-6  # a joint that turns less stands still [rad]
+_MOVED = 1e-3  # a start that is nearer to the first pose counts as at it [rad]
 _NAMED = 10  # crossings whose poses are noted
 
 _EVIDENCE = {
@@ -97,7 +109,9 @@ def branch_chosen(tool: Any) -> str:
     if not tool.solutions:
         return "of the start that was given"
     count = f"of {tool.solutions} found, and there are more" if tool.more else f"one of {tool.solutions} found"
-    return f"nearest to q = 0 ({count})"
+    if tool.more:
+        return f"nearest to q = 0 ({count})"
+    return f"the posture that people use ({count})"
 
 
 def why_ended(tool: Any, robot: Robot) -> str:
@@ -228,6 +242,9 @@ def summary(check: Any) -> tuple[str, ...]:
         f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
         f"is proven free, {free} stretch{'es' if free != 1 else ''}.",
     ]
+    lines += _never_lines(check)
+    if check.tool is not None and len(check.tool.branches) > 1:
+        lines.append(f"Branch: {_branches_words(check)}.")
     if not check.holds:
         lines.append(f"Next: {_advice(check)}.")
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
@@ -242,6 +259,57 @@ def summary(check: Any) -> tuple[str, ...]:
     cover = "1 enclosure covers" if check.evaluations == 1 else f"{check.evaluations:,} enclosures cover"
     lines.append(f"Verified: {cover} it{tip}; families {source}.")
     return tuple(lines)
+
+
+def _never_lines(check: Any) -> Iterator[str]:
+    """What the arm can never do, and which task is checked because of it."""
+    if turn_follows(check.robot, check.task):
+        yield f"{NEVER_TURNS.format(check.robot.n)}. {CHECKED_POINTING}."
+    elif pointing_task(check.robot, check.task) is not None:
+        yield f"{NEVER_TURNS.format(check.robot.n)}. --task tool-axis-free checks position and tool axis."
+
+
+def _branches_words(check: Any) -> str:
+    """Which branch the verdict is about, and how many of the others are free."""
+    branches = check.tool.branches
+    number = next(i for i, one in enumerate(branches, start=1) if one.chosen)
+    posture = ", ".join(branches[number - 1].posture)
+    others = [one for one in branches if not one.chosen]
+    free = sum(one.free and one.complete for one in others)
+    return f"{number} of {len(branches)}{f' ({posture})' if posture else ''}; the verdict is about this one. Of the " \
+           f"others {free} {'is' if free == 1 else 'are'} free to the end"
+
+
+def _branch_verdict(one: Any, robot: Robot) -> str:
+    """A branch: "free", or where it ends and why, or where it is not proven free."""
+    met = "" if one.free else f"meets a singularity or is not decided at pose {one.place:.5g}"
+    if one.complete:
+        return met or "free"
+    if one.turn is not None:
+        end = f"needs an internal turn at pose {one.reached:.5g}"
+    elif one.reason == "limit":
+        end = f"ends at pose {one.reached:.5g}: limit of {_joint(robot, one.joint)}"
+    else:
+        reason = "folds back" if one.folds else _ENDS.get(one.reason, one.reason)
+        end = f"ends at pose {one.reached:.5g}: {reason}"
+    return f"{end}; {met}" if met and one.place < one.reached else end
+
+
+_ENDS = {"singular": "singularity", "stuck": "the solver does not converge", "budget": "the budget is spent",
+         "start": "not reached"}  # fmt: skip
+
+
+def _branches_section(check: Any, *, deg: bool) -> Section:
+    robot = check.robot
+    heads = tuple(f"{i} [{'°' if deg and one.unit == 'rad' else one.unit}]" for i, one in enumerate(robot.variables, 1))
+    rows = []
+    for number, one in enumerate(check.tool.branches, start=1):
+        values = (minus(f"{degrees(x):.2f}") if deg and joint.unit == "rad" else minus(f"{x:.4f}")
+                  for x, joint in zip((one.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
+        taken = f"{number} (taken)" if one.chosen else str(number)
+        rows.append((taken, _branch_verdict(one, robot), ", ".join(one.posture) or "–", *values))
+    return Section("Branches", "by the configuration at pose 1, those first that people use; --start takes another",
+                   columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip
 
 
 def _where(near: Any) -> str:
@@ -259,8 +327,16 @@ def _advice(check: Any) -> str:
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+    if check.tool is not None and not check.tool.complete and turn_follows(check.robot, check.task):
+        return (f"{check.robot.n} joints reach few poses: --task tool-axis-free or --task position leave free what "
+                "they cannot do; explain --pose says how far a pose is out of reach")  # fmt: skip
     if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
         return "make the turn first, then run the command with --start at its end"
+    if check.tool is not None and any(one.free and one.complete for one in check.tool.branches):
+        number, free = next((i, one) for i, one in enumerate(check.tool.branches, 1) if one.free and one.complete)
+        start = ",".join(f"{x:.6g}" for x in free.start.tolist())
+        if not free.chosen:
+            return f'branch {number} is free to the end: --start "{start}" (rad)'
     if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
         return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
@@ -291,7 +367,8 @@ def notes(check: Any) -> tuple[str, ...]:
     if check.tool is not None:
         places = [one.closest.place for one in check.crossings][:_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
-        lines.append(f"branch: {branch_chosen(check.tool)}")
+        far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1" if check.tool.moved > _MOVED else ""
+        lines.append(f"branch: {branch_chosen(check.tool)}{far}")
         lines += [half_turn_words(check.tool.half_turns)] if check.tool.half_turns else []
         lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
@@ -319,6 +396,8 @@ def path_sections(check: Any, *, deg: bool = True, full: bool = False) -> tuple[
         lines.append(f"{more}--full describes each of them")
     if lines:
         sections.append(Section("Singularities on the path", lines=tuple(lines)))
+    if check.tool is not None and len(check.tool.branches) > 1:
+        sections.append(_branches_section(check, deg=deg))
     free = [one for one in check.stretches if one.verdict == "free"]
     if full and free:
         sections.append(_free_section(free, check, deg=deg))

@@ -109,6 +109,14 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
 
 
+NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
+"""What an arm of five joints cannot do."""
+CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"
+"""The task that such an arm is checked for."""
+POINTING_HERE = "For position and tool axis (--task {name}) it is {verdict} here, rank {rank} of {r}"
+"""What the pose alone leaves out."""
+NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"
+"""What an arm with fewer freedoms than rows cannot do."""
 NO_JOG = "no jog of one or two joints inside the limits was found"
 
 NOT_SEARCHED = "Next: not searched."

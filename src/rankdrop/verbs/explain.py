@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from rankdrop.configuration import at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import check_robot, one_configuration
+from rankdrop.local.pointing import asked_task
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
@@ -48,7 +49,8 @@ def explain(
     Args:
         robot: the arm.
         q: (n,) the configuration [rad, m].
-        task: name, rows or Task; None is the task the arm is made for.
+        task: name, rows or Task; None is the task the arm is made for, or, of an arm of five joints that cannot do a
+            pose, position and tool axis.
         options: thresholds, budgets, speeds and axes; or its fields as keywords.
         analysis: families of this arm and task, from `analyze`.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
@@ -77,6 +79,8 @@ def explain(
             typed="to be told of small ones, raise --near",
         )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
+    if task is None and analysis is None:
+        resolved = asked_task(robot, resolved)
     families, source = known_families(robot, resolved, analysis, tolerances)
     here = at(robot, configuration, resolved, tolerances)
     here.check_moves()

@@ -1,0 +1,92 @@
+"""Arms of five joints are asked about position and tool axis, and what they can never do is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.families.monitor import Monitor, arm_header
+from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.pointing import pointing_task, turn_follows
+from rankdrop.motion.check import check_path, check_poses
+from rankdrop.robot.open import open_robot
+from rankdrop.task import BODY, resolve_task, task_names
+from rankdrop.verbs.explain import explain
+
+REPORT = Path(__file__).parents[1] / "data" / "reports"
+KUKA, ACROSS = str(REPORT / "05-kr120-without-a6.toml"), str(REPORT / "05-five-joints.csv")
+NEVER = "can never turn about its tool axis"
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_a_wrist_of_five_joints_is_singular_at_zero(run) -> None:
+    """The determinant of position and tool axis is proportional to sin θ5."""
+    arm = open_robot(KUKA)
+    q = np.radians([[0, -60, 90, 0, angle] for angle in (10, 20, -10)])
+    by_hand = np.linalg.det(jacobian(arm, q, BODY)[:, :5])
+    assert by_hand / by_hand[0] == pytest.approx(np.sin(q[:, 4]) / np.sin(q[0, 4]), rel=1e-9)
+    done = run("explain", KUKA, "--deg", "--q", "0,-60,90,0,0")
+    assert (done.code, NEVER in one_line(done.out)) == (4, True)
+    assert "is singular" in done.out.splitlines()[0]
+    assert explain(arm, np.radians([0, -60, 90, 0, 0]), evaluations=0).verdict == "singular"
+
+
+def test_the_pose_alone_says_what_it_leaves_out(run) -> None:
+    done = run("explain", KUKA, "--deg", "--q", "0,-60,90,0,0", "--task", "pose")
+    text = one_line(done.out)
+    assert (done.code, NEVER in text) == (0, True)
+    assert "(--task tool-axis-free) it is singular here, rank 4 of 5" in text
+    assert "no direction of the tool is lost" not in text
+
+
+def test_a_path_across_the_wrist_is_not_free(run) -> None:
+    done = run("path", KUKA, ACROSS)
+    assert (done.code, NEVER in one_line(done.out)) == (3, True)
+    assert "Crosses a singularity once (proven)" in one_line(done.out)
+    rows = [[0, -1, 1.5, 0.2, -0.5], [0.2, -1, 1.5, 0.3, 0.5]]
+    assert check_path(open_robot(KUKA), rows, task="pose").verdict == "free"
+
+
+def test_poses_are_reached_as_poses_and_checked_as_position_and_axis() -> None:
+    arm = open_robot("px150")
+    ends = pose(arm, [[0.1, -0.3, 0.5, 0.2, 0.3], [0.1, -0.2, 0.6, 0.2, 0.3]])
+    found = check_poses(arm, ends, start=[0.1, -0.3, 0.5, 0.2, 0.3])
+    assert (found.verdict, found.task.name) == ("free", "tool-axis-free")
+    turned = ends.copy()
+    turned[1, :3, :3] = turned[1, :3, :3] @ [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]
+    assert not check_poses(arm, turned, start=[0.1, -0.3, 0.5, 0.2, 0.3]).tool.complete
+    free = check_poses(arm, turned, start=[0.1, -0.3, 0.5, 0.2, 0.3], task="tool-axis-free")
+    assert (free.tool.complete, free.verdict) == (True, "free")
+
+
+def test_only_arms_of_five_joints_are_asked() -> None:
+    """Joint 5 of an M-430iA/2F turns the tool about its own axis: position and axis are fixed by four joints."""
+    for name, expected in (("px150", True), ("m430ia2f", False), ("ur5e", False), ("scara", False)):
+        arm = open_robot(name)
+        other = pointing_task(arm, resolve_task("pose", arm))
+        assert (other is not None, turn_follows(arm, resolve_task("tool-axis-free", arm))) == (expected, expected)
+
+
+def test_a_monitor_proves_rows_in_tool_axes() -> None:
+    """Its bound is not beyond θ5 = 0; the header for C++ looks from the tip, which is turned against the last link."""
+    arm = open_robot("px150")
+    task = resolve_task("tool-axis-free", arm)
+    monitor = Monitor(arm, task, ())
+    assert monitor.ruler.at_least(np.array([[0.1, -0.3, 0.5, 0.2, 0.3]]))[0] > 0.0
+    header = arm_header(monitor)
+    frames = header.split("_frames[] = {")[1].split("}")[0].replace("\n", " ").split(",")
+    numbers = [float(one) for one in frames if one.strip()]
+    last, tip = numbers[-24:-12], numbers[-12:]
+    assert last == tip == [*arm.home[:3, :3].ravel(), *arm.home[:3, 3]]
+    assert "/* bounds */" in header
+
+
+def test_help_lists_every_task(run) -> None:
+    for command in ("path", "compare"):
+        text = one_line(run(command, "--help").out)
+        assert ", ".join(task_names()) in text

@@ -125,7 +125,7 @@ def test_boxes_cut_by_the_ball_reach_a_singularity_and_stop_there():
         assert enough.evaluations < found.evaluations
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["puma560", "ur5", "pa10", "panda"])
 def test_branch_and_bound_reaches_nine_tenths(name):
     """Run with `pytest -m slow tests/certify`; about a minute."""

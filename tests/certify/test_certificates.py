@@ -74,6 +74,7 @@ def judged(records, name, change=None, *, robot=None, seal=True, compared=True):
     return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), asked)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("near")
 @pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "away", "existence", "covering"])
 def test_honest_certificates_hold(records, name):
@@ -184,7 +185,7 @@ def test_a_distance_is_claimed_where_it_is_proven(records):
     assert "min_distance" not in path_certificate(check_path(robot, rows, min_distance=0.5))["claim"]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
     """Sound and tight: the wrist is 0.4 rad from the first row."""
     robot = open_robot("ur5")

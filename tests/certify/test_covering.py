@@ -220,7 +220,7 @@ def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, 
     assert (whole.covering.tested, whole.covering.freed) == (usual.tested, usual.freed)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
     # killed in the middle by itself: nothing is flushed on the way out
     code = (

@@ -214,7 +214,7 @@ def test_all_that_is_shipped_stands_the_check() -> None:
         Analysis.from_dict(json.loads(json_text(shipped(name).to_dict())))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_interrupted_and_other_arms_stand_the_check() -> None:
     found = analyze(open_robot("fetch8"), starts=60)
     assert Analysis.from_dict(json.loads(json_text(found.to_dict()))) == found

@@ -139,7 +139,7 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
     assert len(ended.out.splitlines()) < 380
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
     options = ("--starts", "1000", "--exact", "off", "--ideal", "off", "--quiet")
     short, long = (run("analyze", CALIBRATED, *options, *more).out for more in ((), ("--all",)))

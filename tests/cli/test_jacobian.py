@@ -45,6 +45,7 @@ def test_kg_screws_in_frame_5() -> None:
     assert columns[1] == ("−2 c c345", "2 c s345", "d c3 + d c34", "−s345", "−c345", "0")
 
 
+@pytest.mark.by_hand_at("ur5-3")
 @pytest.mark.slow_at("ur5-3", "anthropomorphic-None")
 @pytest.mark.parametrize(("name", "at"), [("anthropomorphic", None), ("puma560", 5), ("ur5", 3), ("stanford", 5)])
 def test_the_closed_inverse_is_the_inverse(name: str, at: int | None) -> None:

@@ -90,6 +90,7 @@ DAMAGE: dict[str, tuple[tuple[Any, ...], Any]] = {
 }
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("explanation")
 @pytest.mark.parametrize("kind", ["explanation", "escape", "nearest"])
 def test_records_without_an_entry_or_with_a_wrong_one_are_refused(

@@ -184,7 +184,7 @@ list(finish(job(sleep=0.3, log=sys.argv[2]), Engine(2), folder=sys.argv[1]))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     truth: list[tuple[int, bytes]], tmp_path: Path
 ) -> None:
@@ -202,7 +202,7 @@ def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     assert len(log.read_text().splitlines()) - before == CHUNKS - done
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs the extra `cluster`")
 def test_a_cluster_and_one_that_loses_a_worker_give_the_same_bytes(
     truth: list[tuple[int, bytes]], tmp_path: Path
@@ -218,7 +218,7 @@ def test_a_cluster_and_one_that_loses_a_worker_give_the_same_bytes(
     assert parts(tmp_path / "lossy") == parts(tmp_path / "whole")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs the extra `cluster`")
 def test_two_processes_on_loopback_are_a_cluster(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     note = tmp_path / "scheduler.json"

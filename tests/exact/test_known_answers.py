@@ -65,7 +65,7 @@ def test_eq_15_splits_where_the_elbow_is_folded() -> None:
     assert ("θ4 = π", "θ3 + θ5 = 0") in folded
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_panda_says_when_its_wrist_is_singular() -> None:
     found = conditions(open_robot("panda"), coranks=1, points=0)
     (family,) = [one for one in found.families if one.reality]

@@ -47,6 +47,7 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
+@pytest.mark.by_hand_at("xarm7")
 @pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["puma560", "anthropomorphic", *slow("ur5", *FAST[1:7], *SLOW)])
 def test_conditions_hold_at_singular_configurations_only(name: str) -> None:

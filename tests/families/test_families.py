@@ -150,6 +150,7 @@ def test_generic_6r_has_one_long_equation():
     assert found.summary.completeness.agree == found.summary.completeness.tested
 
 
+@pytest.mark.by_hand_at("8")
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [7, 8])
 def test_generic_redundant_arms_run_to_an_honest_end(n):
@@ -184,6 +185,7 @@ def test_every_row_stands_up_to_an_independent_check(name, corank, rng):
         assert numbers == list(range(1, robot.n + 1))
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("canadarm2")
 @pytest.mark.parametrize("name", ["puma560", "canadarm2", "almarkhi4"])
 def test_a_broken_coefficient_is_unsound(name, rng):

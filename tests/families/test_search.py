@@ -103,7 +103,7 @@ def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
     assert (tied[:, 0] - tied[:, 1] < 1e-3 * tied[:, 0]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_default_steps_of_descents_reach_corank_3_where_a_line_search_is_stuck():
     robot = open_robot("pa10")
     default = search(robot, 3, starts=200, seed=2, method="gradient")

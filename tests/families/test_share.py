@@ -92,7 +92,7 @@ def panda() -> Analysis:
     return analyze(open_robot("panda"), starts=1500, limits=True, exact="off", within=radians(5))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
     record = json.loads(json_text(panda.to_dict()))
     Draft202012Validator(load_schema("analysis")).validate(record)

@@ -144,7 +144,7 @@ def test_without_a_start_the_posture_that_people_use_is_taken() -> None:
     assert branch_chosen(found.tool) == "the posture that people use (one of 8 found)"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_where_it_cannot_be_followed_is_told_with_its_reason() -> None:
     away = POSES.copy()
     away[2, :3, 3] = away[1, :3, 3] + [3.0, 0.0, 0.0]
@@ -190,7 +190,7 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, POSES, [0, 1, 1])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_command_follows_poses(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

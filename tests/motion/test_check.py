@@ -248,7 +248,7 @@ def closed(schema):
     return inner | {"additionalProperties": False} if closes else inner
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_record_is_that_of_the_schema_and_all_of_it_is_described() -> None:
     check = Draft202012Validator(closed(load_schema("path")))
     rng = np.random.default_rng(8)

@@ -41,7 +41,7 @@ def saved(folder: Path, name: str, q: object) -> Path:
     return folder / name
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """At 80 columns, for two crossings that are described, and for 40 that are listed; --full prints each of them."""
     turn = np.sin(np.linspace(0.0, 40.0 * np.pi, 2001))[:, None]
@@ -117,7 +117,7 @@ def programs(folder: Path, count: int = 12) -> Path:
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_paths_are_the_same_here_in_processes_and_after_a_kill(
     tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -184,7 +184,7 @@ def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
     assert run(file, "--deg")[::2] == (0, "")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
@@ -211,7 +211,7 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     assert not (tmp_path / "none.csv").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
 

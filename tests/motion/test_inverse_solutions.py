@@ -56,7 +56,7 @@ def test_each_solution_is_substituted_back(name: str) -> None:
     assert found.inside == sum(not one.beyond for one in found.branches)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_count_of_usual_arms() -> None:
     assert len(inverse(open_robot("puma560"), pose(open_robot("puma560"), GENERIC["puma560"])).branches) == 8
     assert len(inverse(open_robot("planar3r"), pose(open_robot("planar3r"), GENERIC["planar3r"])).branches) == 2
@@ -68,7 +68,7 @@ def test_the_count_of_usual_arms() -> None:
     assert found.sentence.startswith("ur5e: 8 solutions; a 6R arm has at most 16.")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_redundant_arm_has_curves() -> None:
     robot = open_robot("iiwa14")
     found = inverse(robot, [0.5, 0.1, 0.4, np.pi, 0.0, 0.3])

@@ -53,7 +53,7 @@ def test_it_is_a_public_name() -> None:
     assert motion.mend_path is mend_path
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_every_remedy_is_proven_free_and_gains_distance() -> None:
     assert [one.kind for one in wrist().remedies] == ["flip", "tool tilt", "base shift", "retime"]
     for one in wrist().remedies[:3]:
@@ -111,7 +111,7 @@ def test_a_shift_moves_the_base_by_no_more_than_the_bound() -> None:
     np.testing.assert_allclose(moved @ pose(robot, one.trajectory.q[rows]), wanted, atol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> None:
     robot, mended = open_robot("planar3r"), inner()
     one = mended.remedies[0]
@@ -123,7 +123,7 @@ def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> Non
     np.testing.assert_allclose(one.trajectory.times[[0, -1]], [0.0, 3.0])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     robot = open_robot("planar3r")
     found = rankdrop.check_path(robot, CORNER, [0.0, 1.0, 2.0])
@@ -275,7 +275,7 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
         trajectory_bytes(made, robot, "a.xls")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)

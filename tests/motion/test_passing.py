@@ -95,6 +95,7 @@ def singular_near(robot, q, joint: int) -> np.ndarray:
     return np.concatenate([q[:joint], [low], q[joint + 1:]])
 
 
+@pytest.mark.by_hand_at("irb120", "lrmate200id")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["irb120", "lrmate200id", "ur5e", "puma560"])
 def test_lines_through_singularities_go_on_or_fold_back_as_a_continuation_does(name: str) -> None:

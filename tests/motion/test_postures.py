@@ -230,7 +230,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
     return once
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_command_writes_a_path_that_the_path_command_proves(run: Any, tmp_path: Path) -> None:
     out, none = tmp_path / "change.csv", tmp_path / "none.csv"
     q = ",".join(map(str, Q["crx10ia"]))

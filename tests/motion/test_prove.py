@@ -130,6 +130,7 @@ def smooth(rng: np.random.Generator, n: int, rows: int) -> np.ndarray:
     return np.asarray(rng.uniform(-2, 2, n) + waves)
 
 
+@pytest.mark.by_hand_at("ur5-12", "puma560-12", "panda-8")
 @pytest.mark.slow_at("panda-8", "ur5-12", "puma560-12", "pa10-8")
 @pytest.mark.parametrize(("name", "count"), [("ur5", 12), ("puma560", 12), ("pa10", 8), ("panda", 8)])
 def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:

@@ -110,6 +110,7 @@ def hold(name: str, number: int, seed: int) -> dict[str, int]:
     return verdicts
 
 
+@pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "ur5e")
 @pytest.mark.parametrize("name", ["ur5e", "panda"])
 def test_lines_past_singularities_are_not_called_free(name: str) -> None:
@@ -117,6 +118,7 @@ def test_lines_past_singularities_are_not_called_free(name: str) -> None:
     assert verdicts.get("free", 0) < 3
 
 
+@pytest.mark.by_hand_at("ur5e", "puma560", "panda", "pa10", "gen3", "ur10e", "ur3e", "ur5", "gp7")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_no_line_that_is_called_free_breaks_a_rate_or_leaves_its_line(name: str) -> None:

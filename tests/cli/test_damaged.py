@@ -103,7 +103,7 @@ def refused_of(name: str, count: int, seed: int, folder: Path) -> int:
     return refused
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_changed_file_is_refused_or_harmless(tmp_path: Path) -> None:
     assert not judged(record("scara"), tmp_path, "as written")
     assert refused_of("scara", 150, 0, tmp_path) >= 75

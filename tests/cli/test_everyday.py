@@ -33,6 +33,7 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at(
     "$R robots <&- >/dev/null", "$R analyze nosuch 2>/dev/full", "$R robots fanuc 2>&- >/dev/null", "$R --help >&-",
 )
@@ -191,6 +192,7 @@ def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> 
 HOSTILE = "x\x1b[31my\x9b2J\x07\u202ez"
 
 
+@pytest.mark.slow
 def test_nothing_of_a_file_steers_the_terminal(run: Any, tmp_path: Path) -> None:
     text = f"about = '''{HOSTILE}'''\nsource = '''{HOSTILE}'''\nnotes = ['''{HOSTILE}''']\nconvention = 'standard'\n"
     text = text.replace("\x1b", "\\u001b").replace("\x9b", "\\u009b").replace("\x07", "\\u0007").replace("'''", '"')
@@ -244,6 +246,7 @@ WITHOUT = {
 """Option -> the commands that do not have it: every other one has."""
 
 
+@pytest.mark.slow_at("--limits")
 @pytest.mark.parametrize("option", WITHOUT)
 def test_an_option_is_had_by_every_command_that_it_makes_sense_for(option: str) -> None:
     assert {name for name in COMMANDS if option not in main._options(name)} == WITHOUT[option]
@@ -269,6 +272,7 @@ def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> Non
     assert told == {option: set() for option in told}
 
 
+@pytest.mark.by_hand_at("zsh")
 @pytest.mark.by_hand_at("fish")
 @pytest.mark.slow_at("fish", "zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])
@@ -295,6 +299,7 @@ def test_bash_completes_commands() -> None:
     assert done.stdout.split() == ["analyze"], done.stderr
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh"])
 def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
@@ -322,6 +327,7 @@ def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_so
     assert said == ["asked\n", "_cyclopts_rankdrop is of rankdrop\n"]
 
 
+@pytest.mark.slow
 def test_python_m_is_the_command() -> None:
     done = subprocess.run([sys.executable, "-m", "rankdrop", "--version"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0

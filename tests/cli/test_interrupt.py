@@ -51,7 +51,7 @@ def test_an_interrupted_analysis_keeps_the_coranks_done(tmp_path: Path) -> None:
     assert len(kept.families) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_interrupted_find_keeps_the_starts_done(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     argv = ("find", "pa10", "--corank", "3", "--starts", "300000", "--json", str(path))

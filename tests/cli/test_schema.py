@@ -55,6 +55,7 @@ def explained() -> dict[str, dict[str, Any]]:
     return records
 
 
+@pytest.mark.slow
 def test_explanations_are_valid_and_every_entry_is_described(explained: dict[str, dict[str, Any]]) -> None:
     assert {record["verdict"] for record in explained.values()} == {"regular", "near", "singular"}
     for name, record in explained.items():

@@ -68,7 +68,7 @@ def test_exact_conditions_tell_where_in_parameter_space(shifted: Designs) -> Non
     assert any("does not hold" in text for text in told[3]["not_real"])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> None:
     drawing = Drawing.of("anthropomorphic")
     place = drawing.place("1.a", "here")
@@ -255,6 +255,7 @@ def planar(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Designs]:
     return file, rankdrop.sweep(file, workers=1)
 
 
+@pytest.mark.slow
 def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
     _, found = planar
     share = 4 * pi * 20.0**2 / 360.0**2  # θ2 and θ3 within 20° of 0 or π
@@ -348,7 +349,7 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
         side_by_side(["ur5", "ur5"], asks)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
     asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
     found = side_by_side(["ur5e", "gp7"], asks, workers=1)
@@ -360,7 +361,7 @@ def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_
     assert found.sentence == "2 arms, task pose: no measure tells them apart."
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_slides_keep_their_lengths_out_of_the_key() -> None:
     found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
                             "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip

@@ -32,6 +32,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.by_hand_at("analyze", "cover")
 @pytest.mark.by_hand_at("sweep", "find", "path", "xacro")
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)

@@ -99,6 +99,8 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
+@pytest.mark.by_hand_at("planar3r-determinant", "puma560-singular_vector", "scara-determinant")
+@pytest.mark.slow_at("scara-cofactors")
 @pytest.mark.by_hand_at(
     "ur5-singular_vector",
     "pa10-reciprocity",
@@ -196,6 +198,7 @@ def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
     assert len(found.conditions[-1].equal) == 7
 
 
+@pytest.mark.slow
 def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> None:
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")

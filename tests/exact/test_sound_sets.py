@@ -111,6 +111,7 @@ def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) ->
     assert check.holds
 
 
+@pytest.mark.by_hand_at("9")
 @pytest.mark.by_hand_at("3", "4", "5", "6", "7", "8", "11", "13", "14", "15", "16")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3, 33))

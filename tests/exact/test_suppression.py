@@ -176,6 +176,7 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
+@pytest.mark.by_hand_at("panda", "xarm7")
 @pytest.mark.by_hand_at("rail")
 @pytest.mark.parametrize("name", ["ur5", *(pytest.param(x, marks=pytest.mark.slow) for x in ("pa10", *GROWN))])
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
@@ -195,7 +196,7 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         assert len(holding) == 1, (holding, point)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_why_these_screws_and_this_frame_is_told():
     """KG's rules with counts: of Canadarm2's sixes 1–6 and 2–7 are in a row with joints 3, 4, 5."""
     found = suppress(exact_chain(open_robot("canadarm2")))

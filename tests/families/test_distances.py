@@ -37,8 +37,8 @@ def test_distances_agree_with_the_search(name: str) -> None:
     assert ratio.max() < 1.2
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("puma560", "pa10", "panda", "canadarm2", "gen3", "sawyer", "rizon4", "stanford", "xarm6")
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_distances_agree_with_the_search_a_thousand_times(name: str) -> None:
     ratio = compared(name, 1000, 41)

@@ -113,7 +113,7 @@ def test_known_dimensions_and_full_completeness(name, corank, dimensions):
     assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_canadarm2_families_of_kg_with_eq_26_in_half_angles():
     """KG's five families; eq. 15 splits by θ4 = 0, π, and at θ4 = π gives off θ3 + θ5 = 0, on which D vanishes."""
     found = table("canadarm2", 1, starts=1500)
@@ -269,7 +269,7 @@ def test_fresh_points_given_are_the_ones_counted():
     assert all(family.explained.tested == len(fresh.converged) for family in found.families)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_same_seed_same_table_and_progress_rises():
     steps: list[tuple[int, int]] = []
     cloud = search(open_robot("ur5"), 2, starts=300)

@@ -108,7 +108,7 @@ def test_near_misses_do_not_contradict_conditions() -> None:
     assert [remark for remark in found.remarks if remark.startswith("corank 2: ") and "50 digits" in remark]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_position_task_within_limits_is_not_contradicted() -> None:
     found = analyze(open_robot("so101"), "position", starts=2000, limits=True, threads=1)
     assert found.exact is not None

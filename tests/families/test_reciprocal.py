@@ -27,6 +27,7 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
+@pytest.mark.by_hand_at("canadarm2")
 @pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford", "puma560", "almarkhi4")
 @pytest.mark.parametrize("name", ARMS)
@@ -51,6 +52,7 @@ def test_every_configuration_is_singular_to_rounding(name):
 FAMILIES = {"puma560": 3, "pa10": 4, "panda": 4, "scara": 1}
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "pa10")
 @pytest.mark.parametrize("name", FAMILIES)
@@ -63,7 +65,7 @@ def test_shoulder_elbow_and_wrist_are_among_them(name):
     assert len(met) >= FAMILIES[name]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_every_stratum_has_families_of_its_own():
     # at two joints a random wrench goes past the wrist centre, so that axes 4 and 6 align; nothing else comes of it
     robot = open_robot("puma560")
@@ -81,6 +83,7 @@ def test_every_stratum_has_families_of_its_own():
         assert all(met)
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("ur5-2")
 @pytest.mark.slow_at("ur5-2", "puma560-2")
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2)])
@@ -161,6 +164,7 @@ def test_the_record_satisfies_its_schema_and_tells_the_strata():
     assert all(one["residual"] <= EXACT for one in record["strata"])
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("fetch-vx,vy")
 @pytest.mark.slow_at("fetch-vx,vy", "ur5-position", "puma560-orientation")
 @pytest.mark.parametrize(("name", "task"), [
@@ -208,6 +212,7 @@ def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
         "k2.f1", "k2.f2"}  # fmt: skip
 
 
+@pytest.mark.by_hand_at("pa10", "stanford")
 @pytest.mark.slow_at("stanford", "panda", "pa10")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])
 def test_no_enclosure_around_one_is_called_free(name):

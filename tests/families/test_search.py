@@ -94,7 +94,7 @@ def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
     assert np.array_equal(alone.q[0], whole.q[6])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
     found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient", step=0.0, iterations=300)
     assert found.count(Outcome.CREASE) > 20

@@ -168,6 +168,7 @@ def test_the_share_that_is_slow_is_that_of_configurations_explained_as_slow():
     assert slow_share(Problem(bare, task), samples=60)[0] is None
 
 
+@pytest.mark.slow
 def test_analyze_within_a_distance_reports_the_slow_share_too():
     found = analyze(open_robot("ur5e"), within=radians(5), starts=200)
     assert found.near.slow.share == pytest.approx(0.0745, abs=0.01)

@@ -226,8 +226,8 @@ KERNELS = ["Nehalem", *(kernels for name, kernels in (("avx2", "Haswell"), ("avx
 """Of the linear algebra, those that this processor can run."""
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("ur5e")
-@pytest.mark.slow
 @pytest.mark.skipif(len(KERNELS) == 1, reason="this processor has one set of instructions")
 @pytest.mark.parametrize("arm", ["ur5e", "puma560"])
 def test_a_result_file_has_the_same_bytes_with_every_kernel_of_the_linear_algebra(tmp_path: Path, arm: str) -> None:

@@ -220,6 +220,7 @@ def test_derived_anew_it_is_the_same(name: str) -> None:
     same(shelf.shipped_conditions(name), conditions(open_robot(name), fresh=True, special=True))
 
 
+@pytest.mark.slow
 @pytest.mark.shipped
 def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is() -> None:
     for name in SHIPPED:

@@ -135,6 +135,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     assert 0 < wide.soundness.agree < wide.soundness.tested
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("6-6")
 @pytest.mark.slow_at("6-6", "6-32")
 @pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])

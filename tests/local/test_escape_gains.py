@@ -51,6 +51,7 @@ def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[st
     return seen, wrong
 
 
+@pytest.mark.slow
 def test_predicted_gain_is_measured_gain() -> None:
     chosen = ("pa10", "ur5", "stanford", "canadarm2", "scara", "rrrrrrr", "hrprhr", "mrrhpmr")
     seen, wrong = compare({name: robot for name, robot in every_arm().items() if name in chosen}, 25)

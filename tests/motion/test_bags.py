@@ -97,6 +97,7 @@ def write(path: Path, kind: str, make: Callable[[Any], list[Message]], packed: s
 KINDS = ("bag", "sqlite3", "mcap")
 
 
+@pytest.mark.by_hand
 @pytest.mark.by_hand_at("states-sqlite3", "plan-mcap")
 @pytest.mark.slow_at("states-sqlite3", "states-mcap", "plan-mcap", "plan-sqlite3")
 @pytest.mark.parametrize("kind", KINDS)
@@ -194,6 +195,7 @@ def test_of_several_topics_one_is_chosen(tmp_path: Path) -> None:
         read_trajectory(csv, ARM, topic="/other")
 
 
+@pytest.mark.slow
 def test_messages_of_other_joints_are_passed_over_and_told(tmp_path: Path) -> None:
     def make(store: Any) -> list[Message]:
         other = ("/joint_states", STATE, START + 1, state(store, ["finger"], [0.0], START))
@@ -261,6 +263,7 @@ BROKEN: dict[str, Callable[[Any], list[Message]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", BROKEN)
 def test_what_is_wrong_is_named_with_topic_and_message(tmp_path: Path, said: str) -> None:
     path = write(tmp_path / "b", "mcap", BROKEN[said])

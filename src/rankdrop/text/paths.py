@@ -341,7 +341,16 @@ def _advice(check: Any) -> str:
         return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
         return "a larger --evaluations may decide it"
+    if check.verdict == "crossing" and check.tool is None:
+        return f"{_joint_move(check)}; --remedies computes changes for a tool move"
     return "--remedies computes changes that avoid it; --full prints every stretch"
+
+
+def _joint_move(check: Any) -> str:
+    """What a joint path that crosses needs: nothing, where the controller moves the joints and not the tool."""
+    shares = check.profile.rates[np.isfinite(check.profile.rates)]
+    rates = f" (at most {100 * shares.max():.2g} % of its rates)" if len(shares) else ""
+    return f"as a joint move nothing needs to be done{rates}"
 
 
 def free_words(check: Any) -> str:

@@ -118,7 +118,7 @@ def test_twenty_arms_of_each_kind(make) -> None:  # type: ignore[no-untyped-def]
         robot = make(seed)
         found = counted(robot)
         joints = {three_joints: [1, 2], wristed: [1, 2, 4]}.get(make, [1, 2, 3, 4])
-        sizes = {2: (180, 260), 3: (48, 64), 4: (24, 30)}[len(joints)]
+        sizes = {2: (180, 260), 3: (80, 96), 4: (24, 30)}[len(joints)]
         assert found.exact, seed
         assert {flooded(robot, joints, size) for size in sizes} == {found.at_least}, seed
 

@@ -4,7 +4,7 @@ Each part has one condition, measured as an angle that is 0 where the condition 
 
 - wrist: the directions of the last three axes lie in one plane; the middle joint of the three is at 0 or π from it;
 - elbow: the arm is stretched or folded; the angle at the elbow axis between shoulder point S and wrist point W, which
-  is the tip for a task without rotation;
+  is the tip for a task without rotation; or the axes before and behind the elbow are one line;
 - shoulder: W lies in the plane through axis 1 along axis 2 (distance to the plane over the distance of W from axis 2);
   with seven axes, the directions of the first three lie in one plane.
 
@@ -38,12 +38,13 @@ class Part(StrEnum):
 
 
 class Shape(StrEnum):
-    """What is special about a part."""
+    """What is special about a part: a joint at a value, the arm stretched or folded, the wrist in the plane through
+    axis 1 along axis 2."""
 
-    JOINT = "joint at a value"
-    STRETCHED = "arm stretched"
-    FOLDED = "arm folded"
-    ABOVE_AXIS = "wrist in the plane through axis 1"
+    JOINT = "joint"
+    STRETCHED = "stretched"
+    FOLDED = "folded"
+    ABOVE_AXIS = "above-axis"
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +125,9 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
     elbow = arm.elbow
     turn = arm.elbow_turn(_vector(scene.tip[0].tolist())) if moves else None
-    if turn is not None:
+    if turns and arm.aligned(elbow - 1, elbow + 1):
+        yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrapped(values[elbow]), 0.0, exact=True)
+    elif turn is not None:
         shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
         yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
     ends = [(Part.WRIST, len(axes) - 2)] * (turns and len(axes) >= 5)
@@ -163,11 +166,16 @@ class _Axes:
 
     @property
     def elbow(self) -> int:
-        """Number from 0 of the elbow among the axes: the second of a planar arm, the fourth of seven, else the third.
-        """
+        """Number from 0 of the elbow among the axes: second in a planar arm, fourth of seven, else third."""
         if len(self.z) <= 3 or _parallel(self.z[0], self.z[1]):
             return 1
         return 3 if len(self.z) >= 7 else 2
+
+    def aligned(self, i: int, j: int) -> bool:
+        """Whether two axes are one line; False where there is no second."""
+        if j >= len(self.z) or not _parallel(self.z[i], self.z[j]):
+            return False
+        return _length(_across(_less(self.p[j], self.p[i]), self.z[i])) <= EXACT * self.reach
 
     def elbow_turn(self, tip: Vector) -> float | None:
         """Angle from the upper arm to the forearm about the elbow axis [rad]; None where one has no length there."""
@@ -181,8 +189,7 @@ class _Axes:
         return _angle(upper, lower, axis)
 
     def turn(self, middle: int) -> float | None:
-        """Angle between the directions of two axes about the one between them [rad]; None where one is parallel to it.
-        """
+        """Angle between two axes about the one between them [rad]; None where one is parallel to that."""
         axis = self.z[middle]
         first, last = _across(self.z[middle - 1], axis), _across(self.z[middle + 1], axis)
         return None if min(_length(first), _length(last)) < EXACT else _angle(first, last, axis)

@@ -94,7 +94,7 @@ class Summary:
         source: where the families come from; `exact`: exact conditions of this arm are shipped.
         radius: proven free of singularities [rad]; None where that is not known.
         place, next_place: the parts of the arm that are special at the singular configuration that the answer is about,
-            and at the next one.
+            and those that the next one adds; where it adds none, those of the next one.
     """
 
     verdict: str
@@ -537,6 +537,10 @@ class Explanation(Result):
         following = self.next.family
         turned = self.q if about is None else self.focus
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
+        place = () if family is None else specials_at(here.robot, here.task, there, family.corank)
+        next_place = self.next.place(here)
+        told = {(one.part, one.joint) for one in place}
+        added = tuple(one for one in next_place if (one.part, one.joint) not in told)
         return Summary(
             verdict=self.verdict, cause=self.cause, family=family.name if family else "",
             family_id=family.id if family else "", distance=distance, ideal=near is not None,
@@ -549,8 +553,7 @@ class Explanation(Result):
             next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
-            place=() if family is None else specials_at(here.robot, here.task, there, family.corank),
-            next_place=self.next.place(here),
+            place=place, next_place=added or next_place,
         )  # fmt: skip
 
     @cached_property

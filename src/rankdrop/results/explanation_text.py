@@ -57,6 +57,7 @@ from rankdrop.text.words import (
     hunt_words,
     jog_step,
     joint_word,
+    lost_count,
     lost_type,
     minus,
     motion,
@@ -169,12 +170,13 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
         way = _NO_JOG.get(way, way)
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
-        name = parts_words(summary.next_place) or short_name(summary.next_family)
-        following = f"Next: {name}, {_degrees(summary.next_distance)} of joint motion away."
+        other = parts_words(summary.next_place) or short_name(summary.next_family)
+        following = f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
     facts = _summarised(explanation, summary)
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
-    for shown, name in ((2, facts["name"]), (1, facts["name"]), (0, facts["name"]), (0, parts_words(summary.place))):
-        facts["name"] = name or facts["name"]
+    name, parts = facts["name"], parts_words(summary.place)
+    for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
+        facts["name"] = here
         facts["lost"] = _motions_words(summary.lost, shown) if summary.lost else "see --full"
         words = [text.format_map(facts) for text in (what, lost, way, sure)]
         lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
@@ -237,8 +239,7 @@ def speed_text(speed: float, unit: str) -> str:
 def _motions_words(directions: Sequence[Sequence[float]], most: int = 2) -> str:
     """Lost directions in base axes: "motion along (−0.49, −0.20, 0.85); turning about Z"; their number for none."""
     if not most:
-        count = len(directions)
-        return f"{count} {plural('direction', count)} of the tool, see below"
+        return lost_count(len(directions))
     shown = "; ".join(_motion_words(np.array(row)) for row in directions[:most])
     return f"{shown}{f'; {len(directions) - most} more' if len(directions) > most else ''} in base axes"
 

@@ -28,13 +28,19 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks `slow` what is run by hand or in a browser, and what a `slow_at` names: a value, or the id of a case."""
+    """Marks the cases that `slow_at` and `by_hand_at` name, and `slow` what is run by hand or in a browser."""
     for item in items:
-        named = {word for mark in item.iter_markers("slow_at") for word in mark.args}
-        call = getattr(item, "callspec", None)
-        dear = call is not None and named & {call.id, *call.id.split("-"), *map(str, call.params.values())}
-        if dear or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
+        if named_by("by_hand_at", item):
+            item.add_marker(pytest.mark.by_hand)
+        if named_by("slow_at", item) or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
             item.add_marker(pytest.mark.slow)
+
+
+def named_by(marker: str, item: pytest.Item) -> bool:
+    """Whether a marker of the test names this case: a value of a parameter, or the whole id."""
+    named = {word for mark in item.iter_markers(marker) for word in mark.args}
+    call = getattr(item, "callspec", None)
+    return call is not None and bool(named & {call.id, *call.id.split("-"), *map(str, call.params.values())})
 
 
 def pytest_collection_finish() -> None:

@@ -47,6 +47,7 @@ def tests() -> set[str]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_every_test_that_a_page_names_is_there(tests: set[str]) -> None:
     told = {(page.name, name) for page in PAGES for name in re.findall(r"`(test_\w+)`", read(page))}
     assert len(told) >= 20
@@ -116,6 +117,7 @@ def is_ours(pattern: str, said: str) -> bool:
     return not runs or any(f" {' '.join(run)} " in said for run in runs)
 
 
+@pytest.mark.slow
 def test_expected_messages_are_the_packages_own(said: str) -> None:
     foreign = [
         f"{file.relative_to(ROOT)}:{node.value.lineno}: {node.value.value}"

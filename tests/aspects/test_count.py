@@ -15,6 +15,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import signed_factors, signs_of
 from rankdrop.kinematics import task_jacobian
+from rankdrop.motion.aspects import NOT_ASKED, aspects_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
@@ -217,6 +218,31 @@ def test_a_common_factor_that_cuts_a_circle_once_separates_nothing() -> None:
     assert not found.groups
 
 
-def test_redundant_arms_and_arms_that_are_not_counted_say_why() -> None:
+@pytest.mark.parametrize(("name", "number"), [("pa10", 2), ("gen3", 1), ("canadarm2", 1), ("px150", 2)])
+def test_other_numbers_of_joints_than_rows(name: str, number: int) -> None:
+    """By the sets of codimension 1: the elbow of an S-R-S arm parts its configurations, and nothing those of others."""
+    found = aspects_of(open_robot(name))
+    assert found.count.exact
+    assert found.count.at_least == number
+    assert found.verdict == NOT_ASKED
+    assert found.sentence
+    assert f"{number} aspect" in next(found.sections()).title
+
+
+def test_the_wall_of_an_arm_with_a_spherical_shoulder_is_its_elbow() -> None:
+    """The PA-10 is singular wherever θ4 = 0, and at random configurations beside it nowhere."""
+    robot = open_robot("pa10")
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-3, 3, (2000, 7))
+    straight, bent = q.copy(), q.copy()
+    straight[:, 3] = 0.0
+    bent[:, 3] = 0.5
+    task = resolve_task(None, robot)
+    rank = [np.linalg.matrix_rank(task_jacobian(robot, some, task), tol=1e-9) for some in (straight, bent)]
+    assert (rank[0] == 5).all()
+    assert (rank[1] == 6).all()
+
+
+def test_what_was_not_counted_has_no_upper_bound() -> None:
     assert AspectCount(left=Left.WORK).at_most is None
     assert not AspectCount(left=Left.WORK).exact

@@ -74,6 +74,7 @@ def test_no_ball_reaches_a_singularity_that_is_known(name):
             assert certified > 0.9999 * distance(row)
 
 
+@pytest.mark.slow_at("mimics", "panda", "puma560", "ur5")
 @pytest.mark.parametrize(
     "name", ["puma560", "ur5", "anthropomorphic", "panda", "stanford", "scara", "almarkhi4", "mimics"]
 )
@@ -96,6 +97,7 @@ def test_no_ball_holds_a_singular_point(name):
         assert found.radius < distances(robot, row, everything, setting.scale, setting.matters).min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["anthropomorphic", "puma560", "ur5"])
 def test_one_enclosure_reaches_half_the_distance(name):
     robot = open_robot(name)
@@ -125,7 +127,7 @@ def test_boxes_cut_by_the_ball_reach_a_singularity_and_stop_there():
         assert enough.evaluations < found.evaluations
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["puma560", "ur5", "pa10", "panda"])
 def test_branch_and_bound_reaches_nine_tenths(name):
     """Run with `pytest -m slow tests/certify`; about a minute."""
@@ -248,6 +250,7 @@ def test_the_same_arm_turned_by_thousands_of_turns():
     assert other == pytest.approx(one, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_near_points_are_where_they_should_be():
     # the distance by local search, against the closed form
     robot = open_robot("pa10")

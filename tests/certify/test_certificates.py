@@ -74,6 +74,7 @@ def judged(records, name, change=None, *, robot=None, seal=True, compared=True):
     return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), asked)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("near")
 @pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "away", "existence", "covering"])
 def test_honest_certificates_hold(records, name):
@@ -163,6 +164,7 @@ LIES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow_at("away: a larger distance", "ball: a larger ball altogether")
 @pytest.mark.parametrize("lie", LIES)
 def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     name, change, reason = LIES[lie]
@@ -173,6 +175,7 @@ def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     assert not found.claim
 
 
+@pytest.mark.slow
 def test_a_distance_is_claimed_where_it_is_proven(records):
     claim = records[0]["away"]["claim"]
     assert claim["min_distance"] == 0.3
@@ -184,7 +187,7 @@ def test_a_distance_is_claimed_where_it_is_proven(records):
     assert "min_distance" not in path_certificate(check_path(robot, rows, min_distance=0.5))["claim"]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
     """Sound and tight: the wrist is 0.4 rad from the first row."""
     robot = open_robot("ur5")
@@ -371,6 +374,7 @@ ARMS = {
 }
 
 
+@pytest.mark.slow_at("mimics")
 @pytest.mark.parametrize("name", ARMS)
 def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     robot = ARMS[name]()
@@ -380,6 +384,7 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
+@pytest.mark.slow_at("open_manipulator-None")
 @pytest.mark.slow_at("canadarm2", "xarm5", "stanford", "ur5", "panda", "pa10", "puma560", "fetch")
 @pytest.mark.parametrize(("name", "task"), [
     ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
@@ -442,6 +447,7 @@ def test_where_the_rank_is_lower_wherever_the_arm_stands_nothing_is_said_to_be_l
         assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
 
 
+@pytest.mark.slow
 def test_joints_that_follow_others_are_left_to_intervals(tmp_path):
     robot = region.coupled(np.random.default_rng(6), "r r r1:0.3 r r r r")
     q = search(robot, 1, starts=12, seed=3).converged[0]
@@ -451,6 +457,7 @@ def test_joints_that_follow_others_are_left_to_intervals(tmp_path):
         minors.verify_in_minors(read_certificate(write_certificate(record, tmp_path / "e.json")))
 
 
+@pytest.mark.slow
 def test_nothing_is_certified_at_a_singularity_and_nothing_singular_elsewhere():
     robot = open_robot("ur5")
     with pytest.raises(OptionError, match="singular"):

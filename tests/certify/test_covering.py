@@ -192,6 +192,7 @@ def test_an_interrupted_covering_tells_what_is_done():
     assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("almarkhi4-0.1", "ur5-0.4")
 @pytest.mark.parametrize(("name", "width"), [("ur5", WIDTH), ("almarkhi4", 0.1)])
 def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, monkeypatch):
@@ -220,7 +221,7 @@ def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, 
     assert (whole.covering.tested, whole.covering.freed) == (usual.tested, usual.freed)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
     # killed in the middle by itself: nothing is flushed on the way out
     code = (
@@ -303,6 +304,7 @@ def backwards(job, engine, *, folder, report, each):
         yield chunk, b""
 
 
+@pytest.mark.slow_at("backwards")
 @pytest.mark.slow_at("by processes")
 @pytest.mark.parametrize("made", ["here", "by processes", "backwards"])
 def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch, tmp_path):
@@ -322,6 +324,7 @@ def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch,
     assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("0")
 @pytest.mark.parametrize("halvings", [0, 1, 2])
 def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_of_a_leaf(halvings):
@@ -343,6 +346,7 @@ def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_
     assert (~near).sum() > 5
 
 
+@pytest.mark.slow
 def test_boxes_between_families_that_almost_touch_are_free_when_halved_long_enough():
     """σ5 of the PUMA 560 is below 0.006 for 0.13 rad around: eight boxes of two of sixteen such places."""
     robot = robot_of("puma560")
@@ -369,13 +373,14 @@ def test_leaves_of_many_narrow_variables_are_told_apart():
 
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_boxes_between_families_that_almost_touch_are_explained_by_the_parts_that_are_left():
     found = cover(robot_of("puma560"), width=0.1, corank=2)
     assert found.holds
     assert found.account.diagonal == pytest.approx(2 * np.linalg.norm(found.covering.boxes(np.zeros((1, 4), int))[1]))
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["planar3r", "almarkhi4", "anthropomorphic", "stanford"])
 def test_other_arms_are_covered_by_enclosures(name):
     robot = open_robot(name)
@@ -391,6 +396,7 @@ def test_other_arms_are_covered_by_enclosures(name):
     assert hashed(covering(robot, found.plan.width, limits=found.plan.limits, threads=1)) == hashed(found)
 
 
+@pytest.mark.slow
 def test_a_covering_by_enclosures_agrees_with_the_split_one(monkeypatch):
     robot = robot_of("ur5")
     monkeypatch.setattr(module, "_splits", lambda *_: False)
@@ -429,6 +435,7 @@ def test_limits_narrow_what_is_covered():
     assert found.holds(np.full((1, 6), 3.0)).all()
 
 
+@pytest.mark.slow
 def test_a_closer_look_frees_leaves_and_never_those_that_hold_a_singularity():
     freed = 0
     for name, width in (("random", 1.6), ("almarkhi4", 0.4)):
@@ -468,6 +475,7 @@ def _unlimited(robot: Robot) -> Robot:
     return Robot("free", tuple(replace(joint, lower=-np.inf, upper=np.inf) for joint in robot.joints), robot.home)
 
 
+@pytest.mark.slow
 def test_a_budget_ends_the_work_and_says_so():
     found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
     assert (found.complete, found.stopped) == (False, "the budget is spent")
@@ -503,7 +511,7 @@ def plan_of_boxes(depth: int, variables: int = 4) -> Any:
                    turns=(True,) * variables, depth=(depth,) * variables, top=0)  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_file_that_unpacks_to_too_much_is_refused_before_it_does(tmp_path):
     """A megabyte of the same byte: two thousand megabytes of boxes, all of which the plan has room for."""
     import tracemalloc

@@ -163,6 +163,7 @@ def _few_across(monkeypatch):
     monkeypatch.setattr(covers, "ACROSS", 5)
 
 
+@pytest.mark.slow
 def test_a_covering_of_six_joints_is_verified_whole(ur5):
     told = verify(ur5[1], open_robot("ur5"))
     assert told.holds, told.reason
@@ -172,6 +173,7 @@ def test_a_covering_of_six_joints_is_verified_whole(ur5):
     assert not told.how.split("; ")[1].startswith("0 of")
 
 
+@pytest.mark.slow
 def test_a_covering_of_six_joints_that_lost_a_box_does_not_hold(ur5, tmp_path):
     from dataclasses import replace
 
@@ -201,6 +203,7 @@ def test_what_the_determinant_leaves_is_left_to_enclosures(ur5, monkeypatch):
     assert not verify(ur5[1], enclosures=50).holds
 
 
+@pytest.mark.slow
 def test_a_journal_keeps_what_is_proven(ur5, tmp_path):
     journal, seen = tmp_path / "checked", []
 
@@ -254,6 +257,7 @@ def test_a_check_that_would_take_hours_says_so_first(tmp_path):
     assert "in an earlier run, as the journal says" in again.how
 
 
+@pytest.mark.slow
 def test_a_range_halved_forty_times_costs_no_table_of_its_parts(tmp_path, monkeypatch):
     """A covering of 700 bytes asked for tables of 2^40 matrices; deep boxes are proven by enclosures instead."""
     arm = from_dh([(0, "pi/2", 0, 0), (0, "-pi/2", 0, 0), (0, 0, 0.1, 0)], convention="standard", name="wrist")

@@ -45,6 +45,7 @@ def moved_columns(robot, other, q, setting):
     return region.columns(other, q, setting) - region.columns(robot, q, setting)
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("random 6R", "panda", "mimics", "random screws", "puma560", "ur5", "pa10")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_displaced_arm_goes_beyond_the_bound(name):
@@ -135,6 +136,7 @@ def test_the_bound_of_a_steep_screw_is_reached(which):
     assert reached_by_turns(replace(robot, joints=tuple(joints)), np.zeros(4))[which] > 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("mimics")
 @pytest.mark.parametrize("name", ["random screws", "mimics"])
 def test_near_arms_of_a_certified_ball_keep_their_rank(name, tmp_path):
@@ -261,6 +263,7 @@ def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tm
         assert np.linalg.norm(off, axis=1).min() > radius
 
 
+@pytest.mark.slow
 def test_a_path_for_near_arms_is_proven_or_not(tmp_path):
     robot = open_robot("ur5")
     rows = [[0.1, -0.9, 1.0, 0.4, -0.6, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]

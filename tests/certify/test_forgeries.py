@@ -200,6 +200,7 @@ KINDS = ("ball", "ball of a point", "ball with a slide", "near arms", "free path
          "covering within limits", "covering of corank 2", "existence")  # fmt: skip
 
 
+@pytest.mark.slow_at("ball", "covering")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_forgery_is_refused_or_prints_another_claim(honest, kind):
     folder, records = honest
@@ -207,6 +208,8 @@ def test_a_forgery_is_refused_or_prints_another_claim(honest, kind):
     assert refused > 20
 
 
+@pytest.mark.by_hand_at("ball", "covering", "covering within limits", "crossing path")
+@pytest.mark.by_hand_at("covering of corank 2", "existence")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_none_of_ten_thousand_forgeries_passes_for_the_original(honest, kind):

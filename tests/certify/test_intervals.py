@@ -102,6 +102,8 @@ def test_a_region_without_size_is_a_point():
     np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
 
 
+@pytest.mark.by_hand_at("random screws-pose", "slides-pose", "ur5-pose")
+@pytest.mark.by_hand_at("panda-pose", "mimics-pose")
 @pytest.mark.slow_at("mimics-pose", "panda-pose", "random screws-pose", "ur5-pose", "slides-pose", "stanford-pose")
 @pytest.mark.parametrize(("name", "task"), [
     ("ur5", "pose"), ("panda", "pose"), ("stanford", "pose"), ("slides", "pose"), ("stanford", "position"),

@@ -190,6 +190,7 @@ def tool_asked(file: Path, near: float = 1e-3) -> AskedPath:
     return replace(path_asked(open_robot("ur5e"), file), tip=near, turn=near)
 
 
+@pytest.mark.slow
 def test_a_tool_path_holds_for_its_poses(tmp_path):
     matrices, record = tool()
     found = verdict(tmp_path, record, tool_asked(pose_file(tmp_path, matrices)))

@@ -78,6 +78,7 @@ def test_every_variable_that_changes_a_column_matters(words, task):
         assert setting.repeats == pytest.approx(np.sqrt(max(count)))
 
 
+@pytest.mark.slow
 def test_reaches_are_the_longest_there_are():
     # each axis of a stretched arm is as far from the point as its reach says, and never farther
     robot = open_robot("panda")

@@ -21,7 +21,7 @@ def soundness():
     return module
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_few_hundred_hold(soundness):
     tally = soundness.run(300, 5, ("puma560", "almarkhi4"), tell=False)
     assert not any(tally.wrong.values()), tally.wrong
@@ -30,7 +30,7 @@ def test_a_few_hundred_hold(soundness):
     assert 0.9 < shares.max() <= 1.0 + 1e-12  # the bounds are not merely timid
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_bounds_that_are_too_small_are_noticed(soundness, monkeypatch):
     """Boxes of which only the middle is looked at are called free though they hold a singular configuration."""
 

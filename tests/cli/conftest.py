@@ -74,8 +74,8 @@ def found() -> Analysis:
 
 
 ZERO, HALF = (0.0, pi), (pi / 2, -pi / 2)
-SLIDE_X = LostFreedom((1, 0, 0, 0, 0, 0), Frame(), everywhere=True)
-TURN_X = LostFreedom((0, 0, 0, 1, 0, 0), Frame(), everywhere=True)
+SLIDE_X = LostFreedom((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), Frame(), everywhere=True)
+TURN_X = LostFreedom((0.0, 0.0, 0.0, 1.0, 0.0, 0.0), Frame(), everywhere=True)
 
 
 def family(
@@ -120,7 +120,7 @@ def shapes() -> Analysis:
     """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
     zero = (0,) * 7
     arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))
-    tie = LostFreedom((0, 0, 0.91, 0, 0.41, 0), Frame(4), everywhere=True)
+    tie = LostFreedom((0.0, 0.0, 0.91, 0.0, 0.41, 0.0), Frame(4), everywhere=True)
     return made_up(
         family(1, "shoulder: axes 1 and 3 aligned, upper arm at right angles", {2: ZERO, 3: HALF}),
         family(2, "elbow", {4: ZERO}, lost=(tie,)),

@@ -53,6 +53,7 @@ def test_options_reach_the_analysis(run) -> None:
     assert (record["settings"]["seed"], record["settings"]["starts"], record["settings"]["limits"]) == (7, 200, True)
 
 
+@pytest.mark.slow
 def test_json_on_stdout_is_valid_and_alone(process) -> None:
     ended = process("analyze", "scara", "--starts", "200", "--json", "-")
     assert ended.code == exits.FINE
@@ -246,12 +247,14 @@ def test_a_file_is_written_whole_or_not_at_all(run, tmp_path: Path) -> None:
     assert [item.name for item in tmp_path.iterdir()] == ["kept.json"]
 
 
+@pytest.mark.slow
 def test_output_is_plain_when_it_is_not_a_terminal(process) -> None:
     ended = process("find", "pa10", "--corank", "1", "--starts", "50")
     assert "\x1b" not in ended.out + ended.err
     assert ended.err == ""
 
 
+@pytest.mark.slow
 def test_a_terminal_without_unicode_gets_letters(process) -> None:
     ended = process("analyze", "scara", *SMALL, **{**os.environ, "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"})
     assert ended.code == exits.FINE
@@ -260,6 +263,7 @@ def test_a_terminal_without_unicode_gets_letters(process) -> None:
     assert "0, pi" in ended.out
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_gone_is_no_error() -> None:
     reader, writer = os.pipe()
     os.close(reader)
@@ -328,7 +332,7 @@ def test_explain_tells_what_each_failure_leaves(run) -> None:
     assert "4 joint4 0 0 5 of 6 can" in told
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
     ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet")
     told = " ".join(ended.out.split())

@@ -103,7 +103,7 @@ def test_a_printed_condition_can_be_pasted_back(z1: Conditions) -> None:
     assert z1.test(together).verdict == "exact"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_no_line_is_longer_than_the_window(puma2: Conditions) -> None:
     for width in (60, 80):
         formulas = [line for section in puma2.sections() for line in section.lines if isinstance(line, Formula)]
@@ -134,6 +134,7 @@ def test_formulas_are_broken_before_signs_outside_of_brackets() -> None:
     assert formula(text, 200) == [text]
 
 
+@pytest.mark.slow
 def test_simple_angles_stand_on_one_line_long_conditions_on_their_own(puma2: Conditions, pa10: Conditions) -> None:
     assert condition_lines(pa10.families[1]) == ["θ2 = 0 or π; θ3 = ±π/2"]
     long = puma2.of_corank(2)[-1]
@@ -157,6 +158,7 @@ def test_a_condition_is_judged(run, condition: str, verdict: str, code: int) -> 
     assert ended.code == code
 
 
+@pytest.mark.slow
 def test_flags_and_what_parts_two_configurations(run) -> None:
     ended = run(
         "conditions", "puma560", "--deg", "--flags", "0,0,0,0,0,0", "--from", "0,-90,60,0,80,0", "--to",
@@ -229,7 +231,7 @@ def test_equations_of_the_record_vanish_at_the_witness_and_say_what_an_analysis_
     )  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_same_settings_give_the_same_bytes(run, tmp_path: Path) -> None:
     texts = []
     for name in ("one", "two"):

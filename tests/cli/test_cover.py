@@ -79,7 +79,7 @@ def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
     assert 0.1 < boxes / found.covering.tree.leaves < 0.5
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_explained_means_that_a_point_of_the_family_is_near() -> None:
     found = cover(UR5, width=0.4, explain=False).covering
     scale, rng = joint_scale(UR5, TASK), np.random.default_rng(3)
@@ -122,7 +122,7 @@ def test_an_arm_that_is_not_shipped_is_analysed(tmp_path: Path) -> None:
     assert (found.account.source, found.holds) == ("made here", True)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -> None:
     file = tmp_path / "two.json"
     code, text, _ = run("ur5", "--width", 0.4, "--corank", 2, "--json", file)
@@ -155,7 +155,7 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     assert "proven to hold one" not in text
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
     out, file = tmp_path / "arm.cover", tmp_path / "arm.json"
     code, text, _ = run("almarkhi4", "--width", "10deg", "--out", out, "--json", file)

@@ -103,7 +103,7 @@ def refused_of(name: str, count: int, seed: int, folder: Path) -> int:
     return refused
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_changed_file_is_refused_or_harmless(tmp_path: Path) -> None:
     assert not judged(record("scara"), tmp_path, "as written")
     assert refused_of("scara", 150, 0, tmp_path) >= 75
@@ -214,7 +214,7 @@ def test_all_that_is_shipped_stands_the_check() -> None:
         Analysis.from_dict(json.loads(json_text(shipped(name).to_dict())))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_interrupted_and_other_arms_stand_the_check() -> None:
     found = analyze(open_robot("fetch8"), starts=60)
     assert Analysis.from_dict(json.loads(json_text(found.to_dict()))) == found

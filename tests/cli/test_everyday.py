@@ -33,6 +33,7 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at(
     "$R robots <&- >/dev/null", "$R analyze nosuch 2>/dev/full", "$R robots fanuc 2>&- >/dev/null", "$R --help >&-",
 )
@@ -69,6 +70,7 @@ def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     assert done.returncode == exits.BAD_INPUT
 
 
+@pytest.mark.by_hand_at("words2")
 @pytest.mark.slow
 @pytest.mark.parametrize("words", [("--help",), ("explain", "--help"), ("completion", "bash")])
 def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str, ...]) -> None:
@@ -176,7 +178,7 @@ def test_an_interrupt_while_analyze_derives_ends_with_130(run: Any, monkeypatch:
     assert "Interrupted" in ended.out  # the derivation comes first: no corank is finished
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> None:
     path = tmp_path / "long.toml"
     rows = "".join(f'[[joints]]\na = 0.{i + 10}\nalpha = "{i % 3 * 45} deg"\n' for i in range(40))
@@ -190,6 +192,7 @@ def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> 
 HOSTILE = "x\x1b[31my\x9b2J\x07\u202ez"
 
 
+@pytest.mark.slow
 def test_nothing_of_a_file_steers_the_terminal(run: Any, tmp_path: Path) -> None:
     text = f"about = '''{HOSTILE}'''\nsource = '''{HOSTILE}'''\nnotes = ['''{HOSTILE}''']\nconvention = 'standard'\n"
     text = text.replace("\x1b", "\\u001b").replace("\x9b", "\\u009b").replace("\x07", "\\u0007").replace("'''", '"')
@@ -243,6 +246,7 @@ WITHOUT = {
 """Option -> the commands that do not have it: every other one has."""
 
 
+@pytest.mark.slow_at("--limits")
 @pytest.mark.parametrize("option", WITHOUT)
 def test_an_option_is_had_by_every_command_that_it_makes_sense_for(option: str) -> None:
     assert {name for name in COMMANDS if option not in main._options(name)} == WITHOUT[option]
@@ -254,7 +258,7 @@ def test_every_command_that_reads_a_configuration_reads_degrees() -> None:
     assert [name for name, here in options.items() if reading & here and "--deg" not in here] == []
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> None:
     """--quiet, --threads and --deg mean the same everywhere, so they are told in the same words."""
     told: dict[str, set[str]] = {}
@@ -268,6 +272,8 @@ def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> Non
     assert told == {option: set() for option in told}
 
 
+@pytest.mark.by_hand_at("zsh")
+@pytest.mark.by_hand_at("fish")
 @pytest.mark.slow_at("fish", "zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])
 def test_completion_knows_every_command(word: str, run: Any) -> None:
@@ -279,7 +285,7 @@ def test_completion_knows_every_command(word: str, run: Any) -> None:
         assert subprocess.run([word, "-n"], input=script.out, text=True, capture_output=True).returncode == 0
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_bash_completes_commands() -> None:
     bash = shutil.which("bash")
     if bash is None:
@@ -293,6 +299,7 @@ def test_bash_completes_commands() -> None:
     assert done.stdout.split() == ["analyze"], done.stderr
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("zsh", "bash")
 @pytest.mark.parametrize("word", ["bash", "zsh"])
 def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
@@ -305,7 +312,7 @@ def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> N
     assert [line for line in lines if "]:" in line or "'1:" in line if ":_files'" not in line] == []
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_sourced(tmp_path: Path) -> None:
     zsh = shutil.which("zsh")
     if zsh is None:
@@ -320,6 +327,7 @@ def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_so
     assert said == ["asked\n", "_cyclopts_rankdrop is of rankdrop\n"]
 
 
+@pytest.mark.slow
 def test_python_m_is_the_command() -> None:
     done = subprocess.run([sys.executable, "-m", "rankdrop", "--version"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0

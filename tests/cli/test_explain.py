@@ -62,6 +62,7 @@ def test_json_in_a_file_beside_the_text(run, tmp_path: Path) -> None:
     assert json.loads(target.read_text())["verdict"] == "regular"
 
 
+@pytest.mark.slow
 def test_a_saved_analysis_names_the_family(run, tmp_path: Path) -> None:
     target = tmp_path / "scara.json"
     assert run("analyze", "scara", "--starts", "200", "--quiet", "--json", str(target)).code == exits.FINE
@@ -95,6 +96,7 @@ def test_refusals_say_what_and_where(run, words: tuple[str, ...], told: str) -> 
     assert ended.out == ""
 
 
+@pytest.mark.slow
 def test_escape_prints_the_ways_out_and_the_procedure_of_gallardo_and_rico(run) -> None:
     words = ("escape", "rcrrrr", "--q", "0,0,0,0,0,0,0", "--length-scale", "1", "--lie", "--full")
     text = run(*words).out
@@ -133,6 +135,7 @@ def test_configurations_as_people_write_them() -> None:
             parse_configuration(text, arm, deg=False)
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("140", "60")
 @pytest.mark.parametrize("width", [60, 80, 140])
 def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
@@ -167,6 +170,7 @@ def test_a_proof_that_was_interrupted_holds_and_is_said_to_be() -> None:
     assert "interrupted" in str(stopped)
 
 
+@pytest.mark.slow
 def test_escape_says_first_which_joint_which_way_and_how_far(run) -> None:
     plain = run("escape", *SINGULAR).out
     assert re.match(r"puma560 is singular: wrist.*\n  Lost: .*\n  Get out: jog joint 5 by −4°; regular from", plain)

@@ -37,6 +37,7 @@ def test_no_solution_has_an_exit_code(run) -> None:
     assert "no solution" in ended.out
 
 
+@pytest.mark.slow
 def test_one_place_is_needed(run) -> None:
     assert run("explain", "irb120").code == 2
     assert run("explain", "irb120", "--pose", "1,2").code == 2

@@ -44,6 +44,7 @@ def test_the_pose_alone_says_what_it_leaves_out(run) -> None:
     assert "no direction of the tool is lost" not in text
 
 
+@pytest.mark.slow
 def test_a_path_across_the_wrist_is_not_free(run) -> None:
     done = run("path", KUKA, ACROSS)
     assert (done.code, NEVER in one_line(done.out)) == (3, True)
@@ -52,6 +53,7 @@ def test_a_path_across_the_wrist_is_not_free(run) -> None:
     assert check_path(open_robot(KUKA), rows, task="pose").verdict == "free"
 
 
+@pytest.mark.slow
 def test_poses_are_reached_as_poses_and_checked_as_position_and_axis() -> None:
     arm = open_robot("px150")
     ends = pose(arm, [[0.1, -0.3, 0.5, 0.2, 0.3], [0.1, -0.2, 0.6, 0.2, 0.3]])
@@ -86,6 +88,7 @@ def test_a_monitor_proves_rows_in_tool_axes() -> None:
     assert "/* bounds */" in header
 
 
+@pytest.mark.slow
 def test_help_lists_every_task(run) -> None:
     for command in ("path", "compare"):
         text = one_line(run(command, "--help").out)

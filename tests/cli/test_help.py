@@ -12,6 +12,7 @@ from rankdrop.cli import exits
 from rankdrop.cli.main import ALIASES, COMMANDS, FILES, GROUPS, _options, app
 
 
+@pytest.mark.slow
 def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
     text = process("--help", COLUMNS="80").out
     lines = text.splitlines()
@@ -23,6 +24,19 @@ def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
     assert process(COLUMNS="80").out == process("help", COLUMNS="80").out == text
 
 
+@pytest.mark.slow_at(
+    "analyze",
+    "conditions",
+    "cover",
+    "explain",
+    "find",
+    "path",
+    "report",
+    "through",
+    "tolerant",
+    "verify",
+    "view",
+)
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_line_of_a_command_is_the_first_of_its_page(run: Any, name: str) -> None:
     line = next(commands[name] for commands in GROUPS.values() if name in commands)
@@ -31,6 +45,7 @@ def test_the_line_of_a_command_is_the_first_of_its_page(run: Any, name: str) -> 
     assert run("help", name).out == text
 
 
+@pytest.mark.slow
 def test_options_of_a_command_stand_before_those_of_the_arm_and_of_the_output(run: Any) -> None:
     text = run("explain", "--help").out
     assert text.index("\nOptions:") < text.index("  --near") < text.index("\nThe arm:") < text.index("\nOutput:")
@@ -50,6 +65,7 @@ def test_aliases_are_parts_of_explain(run: Any) -> None:
     assert set(ALIASES).isdisjoint(app)
 
 
+@pytest.mark.slow
 def test_words_that_people_expect(run: Any) -> None:
     words = ("explain", "ur5", "--q", "0,-135,45,90,-90,0", "--evaluations", "0")
     assert run(*words, "--degrees").out == run(*words, "--deg").out
@@ -65,6 +81,7 @@ def test_no_arm_of_the_catalogue_fits(run: Any) -> None:
     assert "reachy2" in ended.out
 
 
+@pytest.mark.slow
 def test_only_the_file_of_the_command_is_imported() -> None:
     program = (
         "import sys; from rankdrop.cli import main; main.run(['robots', 'planar3r']); "

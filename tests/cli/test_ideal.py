@@ -23,6 +23,7 @@ def one_line(text: str) -> str:
     return " ".join(text.split())
 
 
+@pytest.mark.slow_at("command1")
 @pytest.mark.parametrize(
     "command", [("conditions", "gen3_6dof", "--coranks", "1", "--points", "0", "--lengths", "numbers"),
                 ("analyze", "gen3_6dof", "--starts", "100", "--exact", "off"),
@@ -35,6 +36,7 @@ def test_one_line_says_what_is_near_and_what_to_type(run, command: tuple[str, ..
     assert "The arm itself" not in ended.out
 
 
+@pytest.mark.slow
 def test_what_is_near_stands_in_every_file_too(run) -> None:
     near = {"text": "this arm is within 1 mm of one with a spherical wrist and no offset along axes 2 and 3",
             "length": pytest.approx(1e-3, rel=0.2), "angle": 0.0, "ideal": "1.1mm"}  # fmt: skip
@@ -91,6 +93,7 @@ def test_analyze_a_calibrated_arm_as_its_drawing(run) -> None:
     assert first["distance"]["median"] < 0.01
 
 
+@pytest.mark.slow
 def test_explain_says_where_the_ideal_arm_is_singular_and_what_the_arm_itself_does_there(run) -> None:
     ended = run("explain", CALIBRATED, "--ideal", TOLERANCE, "--q", Q)
     text = one_line(ended.out)
@@ -139,7 +142,7 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
     assert len(ended.out.splitlines()) < 380
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
     options = ("--starts", "1000", "--exact", "off", "--ideal", "off", "--quiet")
     short, long = (run("analyze", CALIBRATED, *options, *more).out for more in ((), ("--all",)))
@@ -155,7 +158,7 @@ PIPER = str(Path(__file__).parents[1] / "data" / "arms" / "piper_description_2.u
 FEW = ("--starts", "60", "--exact", "off", "--quiet")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_file_with_an_offset_of_a_cad_export_shows_the_intended_arm_first_and_its_own_below(run) -> None:
     """The wrist of this file misses a common point by 0.088 mm; its maker's table has none."""
     out = one_line(run("analyze", PIPER, *FEW).out)
@@ -164,7 +167,7 @@ def test_a_file_with_an_offset_of_a_cad_export_shows_the_intended_arm_first_and_
     assert "Corank 1" in out[own:]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_calibrated_arm_shows_the_few_families_of_the_ideal_arm_and_how_far_they_are(run) -> None:
     out = one_line(run("analyze", CALIBRATED, *FEW).out)
     assert "Corank 1 (rank 5 of 6): 3 families" in out
@@ -172,6 +175,7 @@ def test_a_calibrated_arm_shows_the_few_families_of_the_ideal_arm_and_how_far_th
     assert "the file's own numbers" not in out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [("--ideal", "off"), pytest.param(("--as-written",), marks=pytest.mark.by_hand)])
 def test_the_numbers_of_a_file_are_analysed_where_that_is_asked_for(run, given: tuple[str, ...]) -> None:
     out = run("analyze", PIPER, *FEW, *given).out
@@ -197,6 +201,7 @@ EXACTLY = ("conditions", "--coranks", "1", "--points", "0", "--method", "tree", 
 BY_ITSELF = "Ideal arm within 0.021mm (--ideal off: the arm as written): srs_2e-05_ideal has "
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [EXACTLY, pytest.param(("analyze", *FEW), marks=pytest.mark.slow)])
 def test_both_verbs_take_the_ideal_arm_by_themselves_and_say_so_first(run, command: tuple[str, ...]) -> None:
     verb, *options = command

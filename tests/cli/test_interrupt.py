@@ -51,7 +51,7 @@ def test_an_interrupted_analysis_keeps_the_coranks_done(tmp_path: Path) -> None:
     assert len(kept.families) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_interrupted_find_keeps_the_starts_done(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     argv = ("find", "pa10", "--corank", "3", "--starts", "300000", "--json", str(path))
@@ -64,7 +64,7 @@ def test_an_interrupted_find_keeps_the_starts_done(tmp_path: Path) -> None:
     assert len(record["configurations"]) == 300_000 - record["counts"]["not_run"] > 0
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_interrupted_conditions_keep_the_sets_found(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     argv = ("conditions", "canadarm2", "--points", "0", "--json", str(path))

@@ -34,6 +34,7 @@ def test_ml_planar_arm_in_the_axes_of_link_1() -> None:
     assert len(found.checks) == 3
 
 
+@pytest.mark.slow
 def test_kg_screws_in_frame_5() -> None:
     """The print's columns 3 to 7, and the sixth row of column 2, from (ω; p × ω) to (v; ω)."""
     columns = list(zip(*link_jacobian(open_robot("canadarm2"), 5, at=5).texts(), strict=True))
@@ -45,6 +46,9 @@ def test_kg_screws_in_frame_5() -> None:
     assert columns[1] == ("−2 c c345", "2 c s345", "d c3 + d c34", "−s345", "−c345", "0")
 
 
+@pytest.mark.by_hand
+@pytest.mark.slow_at("puma560-5")
+@pytest.mark.by_hand_at("ur5-3")
 @pytest.mark.slow_at("ur5-3", "anthropomorphic-None")
 @pytest.mark.parametrize(("name", "at"), [("anthropomorphic", None), ("puma560", 5), ("ur5", 3), ("stanford", 5)])
 def test_the_closed_inverse_is_the_inverse(name: str, at: int | None) -> None:
@@ -61,6 +65,7 @@ def test_the_closed_inverse_is_the_inverse(name: str, at: int | None) -> None:
     np.testing.assert_allclose(code, closed, atol=1e-12 * np.abs(closed).max())
 
 
+@pytest.mark.slow
 def test_the_frame_chosen_is_the_shortest() -> None:
     found = link_jacobian(open_robot("ur5"))
     terms = [sum(len(x) for row in link_jacobian(open_robot("ur5"), k).rows for x in row) for k in range(1, 7)]

@@ -55,6 +55,7 @@ def explained() -> dict[str, dict[str, Any]]:
     return records
 
 
+@pytest.mark.slow
 def test_explanations_are_valid_and_every_entry_is_described(explained: dict[str, dict[str, Any]]) -> None:
     assert {record["verdict"] for record in explained.values()} == {"regular", "near", "singular"}
     for name, record in explained.items():
@@ -90,6 +91,7 @@ DAMAGE: dict[str, tuple[tuple[Any, ...], Any]] = {
 }
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("explanation")
 @pytest.mark.parametrize("kind", ["explanation", "escape", "nearest"])
 def test_records_without_an_entry_or_with_a_wrong_one_are_refused(

@@ -88,7 +88,7 @@ def test_a_singular_place_is_certified_to_exist(tmp_path, capsys):
     assert "a configuration of rank below 6 exists" in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_path_and_a_covering_are_certified(tmp_path, capsys):
     rows, place = tmp_path / "p.csv", str(tmp_path / "p.json")
     rows.write_text("0.1,-0.9,1.0,0.4,-0.6,0.2\n0.3,-0.6,1.2,0.1,-0.9,0.0\n")
@@ -114,6 +114,7 @@ def test_a_ball_for_near_arms_is_told(capsys):
     assert "--model-tolerance" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_exact_configurations_are_drawn(tmp_path, capsys):
     place = tmp_path / "x.csv"
     assert run(["find", "ur5", "--corank", "1", "--method", "reciprocal", "--starts", "100", "--out", str(place)]) == 0

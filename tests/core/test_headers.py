@@ -64,6 +64,7 @@ def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]
     return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
 
 
+@pytest.mark.by_hand_at("pa10-watch")
 @pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("program", ["watch", "watch_c"])
@@ -180,7 +181,7 @@ def test_the_command_writes_the_header(tmp_path: Path, capsys: pytest.CaptureFix
     assert target.read_text(encoding="utf-8") == text
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @needs_compiler
 def test_the_node_of_the_how_to_compiles_and_scales(tmp_path: Path) -> None:
     """Against a stand-in for the few parts of rclcpp that it uses (`tests/core/ros`): there is no ROS here."""

@@ -233,6 +233,7 @@ def test_a_forked_child_has_threads_of_its_own() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("1")
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
 @pytest.mark.parametrize("threads", [1, 2])
@@ -258,6 +259,7 @@ def test_ctrl_c_ends_a_long_batch_and_leaves_the_threads_usable(threads: int) ->
     )
 
 
+@pytest.mark.slow
 @linux
 def test_searching_arms_of_thirty_joints_takes_no_more_memory_than_of_seven() -> None:
     """Scratch grows with the square of the joints, by a few hundred kilobytes: docs/limits.md tells 0.04 GB."""

@@ -39,7 +39,7 @@ def ours() -> Any:
     return open_robot(FILE, tip="flange", as_written=True)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.filterwarnings("ignore:Robot.URDF:DeprecationWarning")
 def test_the_robotics_toolbox_says_what_the_page_says(capsys: pytest.CaptureFixture[str]) -> None:
     rtb = package("roboticstoolbox")

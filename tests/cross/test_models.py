@@ -114,6 +114,7 @@ def apart(one: Robot, two: Robot, q: Array) -> float:
     return max(relative(pose(one, q), pose(two, q)), relative(jacobian(one, q), jacobian(two, q)))
 
 
+@pytest.mark.slow_at("almarkhi4-roboticstoolbox")
 @pytest.mark.parametrize("name", PACKAGES)
 @pytest.mark.parametrize("arm", CATALOGUE)
 def test_the_catalogue_in_the_models_of_others(arm: str, name: str, rng: np.random.Generator) -> None:
@@ -256,6 +257,7 @@ def test_noise_of_a_model_is_taken_as_in_files() -> None:
     assert taken.notes
 
 
+@pytest.mark.slow
 def test_the_toolbox_finds_the_same_solutions_of_a_pose() -> None:
     """Its closed form for the Puma 560: eight configurations, of which none is missed."""
     toolbox = package("roboticstoolbox")

@@ -89,7 +89,7 @@ OFFSETS = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
     """The zero of a joint moves the families in joint space and changes no share."""
     found = rankdrop.sweep(OFFSETS, workers=1)
@@ -100,6 +100,7 @@ def test_a_sweep_over_where_a_joint_counts_from_has_no_winner() -> None:
     assert found.to_dict()["pareto_differ"] is False
 
 
+@pytest.mark.slow
 def test_a_sweep_ranks_by_the_share_in_which_the_tool_is_slow() -> None:
     """A shorter UR5e moves more slowly at the same joint rates; the configurations are the same for both."""
     found = rankdrop.sweep({
@@ -115,7 +116,7 @@ def test_a_sweep_ranks_by_the_share_in_which_the_tool_is_slow() -> None:
 NOTHING = {key: one for key, one in OFFSETS.items() if key != "near"} | {"families": {"starts": 50}}
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_precision_spends_more_samples() -> None:
     found = rankdrop.sweep(OFFSETS, workers=1, precision=0.003)
     assert all(one["near"]["any"]["error"] < 0.0034 for one in found.records)

@@ -40,6 +40,7 @@ def test_a_stored_cloud_is_that_of_one_search(
     assert len(list((tmp_path / "parts").iterdir())) == 3
 
 
+@pytest.mark.slow
 def test_the_command_stores_and_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "cloud")
     line = ["find", "planar3r", "--corank", "1", "--starts", "500", "--quiet", "--store", out, "--workers", "1"]

@@ -48,7 +48,7 @@ def shifted() -> Designs:
     return rankdrop.sweep(SPEC, workers=1)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_family_that_vanishes_is_told_with_the_place(shifted: Designs) -> None:
     assert shifted.holds
     keys = [keys_of(one) for one in shifted.records]
@@ -68,7 +68,7 @@ def test_exact_conditions_tell_where_in_parameter_space(shifted: Designs) -> Non
     assert any("does not hold" in text for text in told[3]["not_real"])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> None:
     drawing = Drawing.of("anthropomorphic")
     place = drawing.place("1.a", "here")
@@ -83,7 +83,7 @@ def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> Non
             assert one["sound"][0] == one["sound"][1] > 0
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     """The nominal arm has no shoulder's family: the variant that has it finds it."""
     drawing = Drawing.of("anthropomorphic")
@@ -103,7 +103,7 @@ def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     assert any(one.evidence == "exact condition" for one in third.of_corank(1) if one.coupled)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
     """Conditions with joints pinned elsewhere are tried, refused, and cost nothing but time."""
     robot = rankdrop.open_robot("puma560")
@@ -119,7 +119,7 @@ def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
     assert plain.verified
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_result_is_the_same_on_two_workers_and_from_a_folder(
     planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -255,6 +255,7 @@ def planar(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Designs]:
     return file, rankdrop.sweep(file, workers=1)
 
 
+@pytest.mark.slow
 def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
     _, found = planar
     share = 4 * pi * 20.0**2 / 360.0**2  # θ2 and θ3 within 20° of 0 or π
@@ -271,7 +272,7 @@ def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
         assert region["lowest"] <= region["sigma"]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_command_page_figure_and_tables(
     planar: tuple[Path, Designs], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -330,7 +331,7 @@ def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tm
     assert found.pareto == [1]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 500}}
     found = side_by_side(["planar2r", "planar3r"], asks, workers=2)
@@ -348,7 +349,7 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
         side_by_side(["ur5", "ur5"], asks)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
     asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
     found = side_by_side(["ur5e", "gp7"], asks, workers=1)
@@ -360,7 +361,7 @@ def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_
     assert found.sentence == "2 arms, task pose: no measure tells them apart."
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_slides_keep_their_lengths_out_of_the_key() -> None:
     found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
                             "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip
@@ -372,7 +373,7 @@ def test_slides_keep_their_lengths_out_of_the_key() -> None:
     assert len(found.structures) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_variants_of_the_ur5_have_the_families_of_an_analysis_from_nothing() -> None:
     """Warm and cold: the same families, of the same corank, dimension and joints, each sound and complete."""
     spec = {"robot": "ur5", "seed": 3, "sample": {"kind": "sobol", "variants": 8}, "families": {"exact": False},
@@ -404,7 +405,7 @@ width = 0.1
 """
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_paths_and_proven_shares_of_every_variant(tmp_path: Path) -> None:
     """A tool that moves from 0.9 m to 1.5 m: the arm with the short forearm is stretched out on the way, at 1.4 m."""
     rows = "\n".join(f"{x:.3f},0,0,0,0,0" for x in np.linspace(0.9, 1.5, 13))

@@ -35,6 +35,7 @@ def outputs() -> dict[str, str]:
     return {}
 
 
+@pytest.mark.slow_at("from-a-pose-7", "postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("index-0", "start-1", "postures-6", "start-2")
 @pytest.mark.parametrize(
     ("page", "command", "shown"), SHOWN, ids=[f"{page.stem}-{i}" for i, (page, _, _) in enumerate(SHOWN)]
@@ -59,6 +60,7 @@ def test_commands_print_what_is_shown(
         printed = printed.partition(wanted)[2]
 
 
+@pytest.mark.slow_at("from-a-pose")
 @pytest.mark.slow_at("nearly-ideal", "comparing-designs", "paths", "postures", "tool-offset", "inside-limits")
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])
 def test_python_prints_what_is_shown(page: Path) -> None:

@@ -84,6 +84,7 @@ def test_a_hostile_specification_is_refused_in_one_line(name: str) -> None:
     assert "spec" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_cluster_without_encryption_is_refused_where_encryption_is_required() -> None:
     dask = pytest.importorskip("dask")
     pytest.importorskip("distributed")

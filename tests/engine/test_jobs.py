@@ -52,6 +52,7 @@ def parts(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((folder / "parts").iterdir())}
 
 
+@pytest.mark.slow
 def test_chunks_come_in_order_whatever_the_number_of_workers(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     assert [chunk for chunk, _ in truth] == list(range(CHUNKS))
     log = tmp_path / "log"
@@ -62,7 +63,7 @@ def test_chunks_come_in_order_whatever_the_number_of_workers(truth: list[tuple[i
     assert str(os.getpid()) not in {line[1] for line in lines}
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_workers_wait_for_a_slow_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two workers may be a chunk each ahead of what waits to be written, two chunks at most."""
     log, ahead, keep = tmp_path / "log", [], Folder.keep
@@ -77,6 +78,7 @@ def test_workers_wait_for_a_slow_disk(tmp_path: Path, monkeypatch: pytest.Monkey
     assert max(ahead) <= 6
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_one_chunk(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     log = tmp_path / "log"
     assert made(job("dies_once", mark=str(tmp_path / "mark"), log=str(log)), 2, folder=tmp_path / "out") == truth
@@ -84,6 +86,7 @@ def test_a_worker_that_is_killed_costs_one_chunk(truth: list[tuple[int, bytes]],
     assert len(log.read_text().splitlines()) == CHUNKS  # the chunk that died had said nothing yet
 
 
+@pytest.mark.slow
 def test_a_chunk_that_workers_die_of_is_told() -> None:
     with pytest.raises(RankdropError, match=r"chunk 1: workers died of a chunk; got 3 times"):
         made(job("dies"), 2)
@@ -100,6 +103,7 @@ def test_what_the_work_prints_is_not_its_answer(truth: list[tuple[int, bytes]]) 
     assert made(job("talks")) == truth
 
 
+@pytest.mark.slow
 def test_a_folder_takes_up_where_it_was(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     log, out = tmp_path / "log", tmp_path / "out"
     one = job(log=str(log))
@@ -184,7 +188,7 @@ list(finish(job(sleep=0.3, log=sys.argv[2]), Engine(2), folder=sys.argv[1]))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     truth: list[tuple[int, bytes]], tmp_path: Path
 ) -> None:
@@ -202,7 +206,7 @@ def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     assert len(log.read_text().splitlines()) - before == CHUNKS - done
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs the extra `cluster`")
 def test_a_cluster_and_one_that_loses_a_worker_give_the_same_bytes(
     truth: list[tuple[int, bytes]], tmp_path: Path
@@ -218,7 +222,7 @@ def test_a_cluster_and_one_that_loses_a_worker_give_the_same_bytes(
     assert parts(tmp_path / "lossy") == parts(tmp_path / "whole")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs the extra `cluster`")
 def test_two_processes_on_loopback_are_a_cluster(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     note = tmp_path / "scheduler.json"

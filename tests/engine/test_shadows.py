@@ -32,6 +32,8 @@ COMMANDS = {
 }
 
 
+@pytest.mark.by_hand_at("analyze", "cover")
+@pytest.mark.by_hand_at("sweep", "find", "path", "xacro")
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_command_runs_files_of_the_current_folder(command: str, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def test_the_decoupled_arm_of_the_lectures() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_canadarm2_has_kg_equation_7_among_its_minors() -> None:
     said = texts("canadarm2")
     assert len(said) == 7
@@ -56,6 +56,7 @@ def test_canadarm2_has_kg_equation_7_among_its_minors() -> None:
     assert said[-1] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("panda-None", "canadarm2-None")
 @pytest.mark.parametrize(
     ("name", "task"),

@@ -14,6 +14,7 @@ WORK = {"scara": 0.003, "puma560": 0.31, "ur5": 0.13, "pa10": 0.16, "canadarm2":
 RISE = 1.5
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", WORK)
 def test_the_work_of_a_derivation_does_not_rise(name: str) -> None:

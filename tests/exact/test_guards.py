@@ -25,7 +25,7 @@ from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.deriving import _cloud, _not_singular
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
     """PA-10: what loses two freedoms lies on families of corank 1 too; without those of corank 2 it is left over."""
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
@@ -37,7 +37,7 @@ def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_on
     assert over[0].startswith("corank 2: ")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
     chain = exact_chain(open_robot("puma560"))
     tree = rank_tree(chain, Work(60.0, 0))
@@ -48,7 +48,7 @@ def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
         assert not covered(chain, less, plain), tree.drops[missing]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
     """A set without points, or a system not taken apart, may hold what letters have not."""
     chain = exact_chain(open_robot("puma560"))
@@ -170,7 +170,7 @@ def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     assert late == ["numeric configurations of corank 2 and above: the processor's time ran out"]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_rounded_axes_of_an_arm_make_no_family_regular() -> None:
     """The axes of jaka_a5 are rounded to 1e-16: σ4 on k3.f1 is 1.3e-15, with any number of digits."""
     found = conditions(open_robot("jaka_a5"), method="tree", points=0, fresh=True)

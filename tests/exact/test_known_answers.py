@@ -31,7 +31,7 @@ def in_order(table: list[dict[int, tuple[str, ...]]]) -> list[list[tuple[int, tu
     return sorted(sorted(row.items()) for row in table)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_pa10_has_the_tables_of_am_and_their_exception() -> None:
     found = conditions(open_robot("pa10"), special=True, fresh=True)
     for corank, table in TABLES.items():
@@ -57,7 +57,7 @@ def test_the_canadarm2_has_eq_26_as_two_relations() -> None:
     assert max(np.abs(equation(q)).max() for equation in family.equations) > 1e-3
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_eq_15_splits_where_the_elbow_is_folded() -> None:
     found = conditions(open_robot("canadarm2"), coranks=1, points=0)
     folded = [one.texts for one in found.families if dict(one.pins).get(4) == ("pi",)]
@@ -65,7 +65,7 @@ def test_eq_15_splits_where_the_elbow_is_folded() -> None:
     assert ("θ4 = π", "θ3 + θ5 = 0") in folded
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_panda_says_when_its_wrist_is_singular() -> None:
     found = conditions(open_robot("panda"), coranks=1, points=0)
     (family,) = [one for one in found.families if one.reality]

@@ -131,7 +131,7 @@ def test_components_without_a_real_point_do_not_count():
     assert any("No real configuration" in remark for remark in result.remarks)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_shifted_joints_are_spoken_of_by_theta():
     chain, pieces = singular("z1")
     assert chain.shifts.any()
@@ -151,7 +151,7 @@ def test_what_is_derived_is_exact_by_its_own_words():
     assert lint(product, pieces, chain).verdict == "exact"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_real_points_lie_on_their_set_and_have_round_free_angles():
     chain, pieces = singular("puma560")
     for piece in pieces:
@@ -181,6 +181,8 @@ def test_the_deadline_holds():
         lint(PUMA, pieces, chain, work=Work(0.0))
 
 
+@pytest.mark.by_hand_at("s4; s2-both")
+@pytest.mark.by_hand_at("s4-both")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "verdict"), [("s4", "both"), ("s4; s2", "both"), ("s4; s6", "both"), ("s2; s6", "too small")]

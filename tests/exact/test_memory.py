@@ -31,7 +31,7 @@ print(grown(10))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_derivations_leave_nothing_behind() -> None:
     """In a process of its own: what other tests have left to be filled or freed is not counted."""
     done = subprocess.run([sys.executable, "-c", GROWN], capture_output=True, text=True, check=True)

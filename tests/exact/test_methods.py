@@ -99,6 +99,16 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
+@pytest.mark.by_hand_at("planar3r-determinant", "puma560-singular_vector", "scara-determinant")
+@pytest.mark.slow_at("scara-cofactors")
+@pytest.mark.by_hand_at(
+    "ur5-singular_vector",
+    "pa10-reciprocity",
+    "pa10-singular_vector",
+    "canadarm2-determinant",
+    "canadarm2-reciprocity",
+    "canadarm2-singular_vector",
+)
 @pytest.mark.slow_at(
     "canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector",
     "pa10-reciprocity", "scara-determinant", "planar3r-determinant",
@@ -113,6 +123,7 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert holds_modulo(found, points) == singular
 
 
+@pytest.mark.by_hand_at("canadarm2-determinant")
 @pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors")
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_every_numerically_found_singular_configuration_satisfies_a_condition(name: str, method: str) -> None:
@@ -122,6 +133,7 @@ def test_every_numerically_found_singular_configuration_satisfies_a_condition(na
     assert found.holds(points.q).all()
 
 
+@pytest.mark.by_hand_at("canadarm2-determinant")
 @pytest.mark.slow_at("canadarm2-reciprocity")
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_no_regular_configuration_satisfies_a_condition(name: str, method: str) -> None:
@@ -186,6 +198,7 @@ def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
     assert len(found.conditions[-1].equal) == 7
 
 
+@pytest.mark.slow
 def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> None:
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")
@@ -198,7 +211,7 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     assert first.unequal, "the first choice holds only where its screw does not vanish"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("theta4", "singular"), [("0", ()), ("π", ("θ3 + θ5 = 0 and (θ6 = 0 or π)",))])
 def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
     """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
@@ -357,7 +370,7 @@ SRS = [(0, -np.pi / 2, 0.34, 0), (0, np.pi / 2, 0.03, 0), (0, -np.pi / 2, 0.4, 0
 """An S-R-S arm with offsets along axes 2 and 4."""
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
     """Of 20,000 random configurations some lie close to singular ones: det(J Jᵀ) is tiny there, and not zero."""
     rows = [*SRS[:4], (0, -np.pi / 2, 0.35, 0), *SRS[5:]]
@@ -383,7 +396,7 @@ def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> 
     assert chain.ring.factors_within(chain.ring.reduce(long), 30.0) is None
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("method", ["cofactors", "reciprocity"])
 def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
     rows = [(0.11 + 0.03 * i, (-1) ** (i + 1) * np.pi / 2, 0.2 + 0.07 * i, 0) for i in range(7)]

@@ -90,7 +90,7 @@ def test_what_always_holds_and_what_holds_for_special_lengths_is_told(ring):
     assert [str(f) for f in parse_condition("(a2 - c) s3", ring).letters] == ["a2 - c"]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_what_is_printed_is_read_back(ring):
     rng = random.Random(0)
     for _ in range(10):

@@ -46,7 +46,7 @@ def test_two_conditions_are_asked_modulo_every_prime() -> None:
     assert met == {2, number}
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     options = {"lengths": "numbers", "method": "tree", "points": 0, "coranks": 2}
     found = conditions(open_robot("panda"), **options)

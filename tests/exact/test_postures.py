@@ -123,7 +123,7 @@ def test_random_arms_agree_with_a_flooded_torus() -> None:
     assert not cuspidal_by_flooding(np.array(QUIET, dtype=float), np.random.default_rng(0).uniform(-3, 3, (60, 2)))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_random_arms_agree_with_a_flooded_torus() -> None:
     cuspidal, quiet = agree(80, 5, 300)
     assert cuspidal >= 50

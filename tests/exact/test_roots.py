@@ -122,6 +122,7 @@ def test_a_number_times_its_reciprocal_is_1(values) -> None:
     assert norm(x)[0].is_constant()
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(numbers(), numbers(), numbers()), min_size=1, max_size=3))
 @settings(deadline=None, max_examples=25)
 def test_factors_multiply_to_the_polynomial(parts) -> None:
@@ -178,7 +179,7 @@ def test_factors_without_a_variable_are_split_off_and_counted() -> None:
     assert sorted(power for _, power in factor(whole)) == [1, 1, 3]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_conditions_on_a_variable_each_are_no_system_left_over() -> None:
     """Half-angle tangents of three joints, roots of quadratics without a root modulo any of the primes."""
     table = [(0, 90, 0.2), (0.3, 30, 0.1), (0, 75, 0.42), (0, -15, 0), (0, 90, 0.1), (0.25, 0, 0)]

@@ -108,6 +108,7 @@ class TestEveryArm:
         assert (strictly(found, q, inside, 100 * HOLDS).sum(axis=1) <= 1).all()
         assert strictly(found, q, inside, 1e-4 * HOLDS).any(axis=1).all()
 
+    @pytest.mark.by_hand_at("gen3", "sawyer")
     def test_proves_what_it_suppresses(self, name):
         """At random points of every case the proof's minors are not all zero and the screw lies in the others' span."""
         found = derived(name)
@@ -175,6 +176,8 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
+@pytest.mark.by_hand_at("panda", "xarm7")
+@pytest.mark.by_hand_at("rail")
 @pytest.mark.parametrize("name", ["ur5", *(pytest.param(x, marks=pytest.mark.slow) for x in ("pa10", *GROWN))])
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
     """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""
@@ -193,7 +196,7 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         assert len(holding) == 1, (holding, point)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_why_these_screws_and_this_frame_is_told():
     """KG's rules with counts: of Canadarm2's sixes 1–6 and 2–7 are in a row with joints 3, 4, 5."""
     found = suppress(exact_chain(open_robot("canadarm2")))

@@ -183,6 +183,7 @@ def test_the_frame_and_the_basic_screws_chosen_agree_with_kgs_families():
     ]
 
 
+@pytest.mark.slow
 def test_the_steps_read_as_the_paper_does(found):
     told = {step.title: step.lines for step in steps_of(found.chain, found)}
     assert told["Screws"][3] == "$2 = (−2 c c345, 2 c s345, d c3 + d c34; −s345, −c345, 0)"

@@ -47,6 +47,8 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
+@pytest.mark.by_hand_at("canadarm2", "sawyer")
+@pytest.mark.by_hand_at("xarm7")
 @pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["puma560", "anthropomorphic", *slow("ur5", *FAST[1:7], *SLOW)])
 def test_conditions_hold_at_singular_configurations_only(name: str) -> None:
@@ -179,6 +181,7 @@ def test_odd_arms_do_not_fail(name: str) -> None:
         assert conditions(ODD[name], task, points=20, seconds=20).generic_rank <= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", ["rrrrrr", *slow("rrrrrrr", "rrrrrrrr")])
 def test_the_limit_holds_on_arms_without_structure(kinds: str) -> None:
     robot = random_chain(np.random.default_rng(1), kinds)
@@ -205,6 +208,7 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
     assert Counter(family.corank for family in found.families)[1] == 3
 
 
+@pytest.mark.by_hand_at("puma560", "ur5")
 @pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["stanford", *slow("puma560", "ur5")])
 def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None:

@@ -71,6 +71,7 @@ def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.G
         assert nearest.distance == pytest.approx(records[0].distance, abs=1e-6)
 
 
+@pytest.mark.slow_at("ur5")
 @pytest.mark.slow_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", ["puma560", "ur5", "panda", "canadarm2"])
 def test_points_are_minima_on_their_family(name: str, rng: np.random.Generator) -> None:

@@ -37,7 +37,8 @@ def test_distances_agree_with_the_search(name: str) -> None:
     assert ratio.max() < 1.2
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("puma560", "pa10", "panda", "canadarm2", "gen3", "sawyer", "rizon4", "stanford", "xarm6")
 @pytest.mark.parametrize("name", ARMS)
 def test_distances_agree_with_the_search_a_thousand_times(name: str) -> None:
     ratio = compared(name, 1000, 41)
@@ -120,7 +121,7 @@ def test_equations_with_double_zeros_do_not_lead_walks_astray() -> None:
     assert (far <= 0.05 + 1e-6).all()
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_folds_of_a_family_are_reached() -> None:
     """Where θ4 = π two conditions of a UR5's family have one tangent plane, and other zeros nearby."""
     arm = open_robot("ur5")

@@ -113,7 +113,7 @@ def test_known_dimensions_and_full_completeness(name, corank, dimensions):
     assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_canadarm2_families_of_kg_with_eq_26_in_half_angles():
     """KG's five families; eq. 15 splits by θ4 = 0, π, and at θ4 = π gives off θ3 + θ5 = 0, on which D vanishes."""
     found = table("canadarm2", 1, starts=1500)
@@ -150,6 +150,7 @@ def test_generic_6r_has_one_long_equation():
     assert found.summary.completeness.agree == found.summary.completeness.tested
 
 
+@pytest.mark.by_hand_at("8")
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [7, 8])
 def test_generic_redundant_arms_run_to_an_honest_end(n):
@@ -184,6 +185,7 @@ def test_every_row_stands_up_to_an_independent_check(name, corank, rng):
         assert numbers == list(range(1, robot.n + 1))
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("canadarm2")
 @pytest.mark.parametrize("name", ["puma560", "canadarm2", "almarkhi4"])
 def test_a_broken_coefficient_is_unsound(name, rng):
@@ -267,7 +269,7 @@ def test_fresh_points_given_are_the_ones_counted():
     assert all(family.explained.tested == len(fresh.converged) for family in found.families)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_same_seed_same_table_and_progress_rises():
     steps: list[tuple[int, int]] = []
     cloud = search(open_robot("ur5"), 2, starts=300)

@@ -81,6 +81,7 @@ def test_points_are_not_singular_only_where_no_zero_is_near_that_lies_on_no_fami
         assert found.tolist() == [wrong, wrong]
 
 
+@pytest.mark.by_hand
 @pytest.mark.parametrize(
     "robot",
     [
@@ -98,7 +99,7 @@ def test_next_to_a_special_structure_nothing_is_contradicted(robot: Robot) -> No
     assert all(family.named for family in found.families)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_near_misses_do_not_contradict_conditions() -> None:
     """An offset of 2 µm: 36 configurations with σ of 1e-13 are no singularities of corank 2."""
     found = conditions(offset_forearm(2e-6))
@@ -107,7 +108,7 @@ def test_near_misses_do_not_contradict_conditions() -> None:
     assert [remark for remark in found.remarks if remark.startswith("corank 2: ") and "50 digits" in remark]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_position_task_within_limits_is_not_contradicted() -> None:
     found = analyze(open_robot("so101"), "position", starts=2000, limits=True, threads=1)
     assert found.exact is not None

@@ -44,7 +44,7 @@ def test_combinations_of_many_values_are_tested_in_bounded_number() -> None:
     assert len(grow([(0.0,) * 29], linear, holds)) == sum(sizes) == 1024
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_analysis_of_thirty_joints_ends() -> None:
     rng = np.random.default_rng(30)
     rows = [(rng.uniform(0.1, 0.5), f"{rng.choice([0, 90, -90])} deg", rng.choice([0, 0.1, 0.3]), 0) for _ in range(30)]

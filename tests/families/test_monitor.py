@@ -284,6 +284,7 @@ def test_the_distance_does_not_contradict_the_search(name: str) -> None:
         assert 0.0 < seen.at_least == far.at_least[row] <= far.nearest()[1][row]
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("sawyer", "gen3", "rizon4")
 @pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4"])
 def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str) -> None:

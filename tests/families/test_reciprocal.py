@@ -27,6 +27,8 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
+@pytest.mark.by_hand_at("canadarm2")
+@pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford", "puma560", "almarkhi4")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_configuration_is_singular_to_rounding(name):
@@ -50,6 +52,8 @@ def test_every_configuration_is_singular_to_rounding(name):
 FAMILIES = {"puma560": 3, "pa10": 4, "panda": 4, "scara": 1}
 
 
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "pa10")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_shoulder_elbow_and_wrist_are_among_them(name):
@@ -61,7 +65,7 @@ def test_shoulder_elbow_and_wrist_are_among_them(name):
     assert len(met) >= FAMILIES[name]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_every_stratum_has_families_of_its_own():
     # at two joints a random wrench goes past the wrist centre, so that axes 4 and 6 align; nothing else comes of it
     robot = open_robot("puma560")
@@ -79,6 +83,8 @@ def test_every_stratum_has_families_of_its_own():
         assert all(met)
 
 
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("ur5-2")
 @pytest.mark.slow_at("ur5-2", "puma560-2")
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2)])
 def test_higher_coranks_are_drawn_too(name, corank):
@@ -158,6 +164,8 @@ def test_the_record_satisfies_its_schema_and_tells_the_strata():
     assert all(one["residual"] <= EXACT for one in record["strata"])
 
 
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("fetch-vx,vy")
 @pytest.mark.slow_at("fetch-vx,vy", "ur5-position", "puma560-orientation")
 @pytest.mark.parametrize(("name", "task"), [
     ("scara", "pose"), ("xarm5", None), ("open_manipulator", None), ("fetch", "vx,vy"), ("ur5", "position"),
@@ -190,7 +198,7 @@ def test_what_is_no_search_is_refused():
         search(open_robot("ur5"), 1, method="reciprocal", iterations=5)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
     """Two families of the Cobotta pin joints 2 to 5 all at once: random starts of these four hardly ever lead there."""
     robot = open_robot("cobotta")
@@ -204,6 +212,7 @@ def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
         "k2.f1", "k2.f2"}  # fmt: skip
 
 
+@pytest.mark.by_hand_at("pa10", "stanford")
 @pytest.mark.slow_at("stanford", "panda", "pa10")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])
 def test_no_enclosure_around_one_is_called_free(name):

@@ -94,7 +94,7 @@ def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
     assert np.array_equal(alone.q[0], whole.q[6])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
     found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient", step=0.0, iterations=300)
     assert found.count(Outcome.CREASE) > 20
@@ -103,7 +103,7 @@ def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
     assert (tied[:, 0] - tied[:, 1] < 1e-3 * tied[:, 0]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_default_steps_of_descents_reach_corank_3_where_a_line_search_is_stuck():
     robot = open_robot("pa10")
     default = search(robot, 3, starts=200, seed=2, method="gradient")

@@ -92,7 +92,7 @@ def panda() -> Analysis:
     return analyze(open_robot("panda"), starts=1500, limits=True, exact="off", within=radians(5))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
     record = json.loads(json_text(panda.to_dict()))
     Draft202012Validator(load_schema("analysis")).validate(record)
@@ -168,6 +168,7 @@ def test_the_share_that_is_slow_is_that_of_configurations_explained_as_slow():
     assert slow_share(Problem(bare, task), samples=60)[0] is None
 
 
+@pytest.mark.slow
 def test_analyze_within_a_distance_reports_the_slow_share_too():
     found = analyze(open_robot("ur5e"), within=radians(5), starts=200)
     assert found.near.slow.share == pytest.approx(0.0745, abs=0.01)

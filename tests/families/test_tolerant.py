@@ -63,7 +63,7 @@ def test_within_limits_it_stays_inside_and_no_sample_is_better():
     assert found.free == (1, 7)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_relative_best_below_the_bound_is_not_called_the_best_there_is():
     found = most_tolerant(open_robot("panda"), relative=True, starts=20, show=1)
     assert 0.0 < found.places[0].value < 0.5 * found.bound

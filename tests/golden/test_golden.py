@@ -114,7 +114,7 @@ README_BLOCKS = {
     3: ("analyze ur5e", 100, lambda text: f"{text.split(chr(10) * 2, 1)[0]}\n…\n{_corank_one(text)}…\n"),
     4: ("explain ur5e --deg --q 0,-60,0,40,50,0", 80, lambda text: "\n".join([*text.splitlines()[:7], "…\n"])),
     5: ("path ur5e --example pick.csv; path ur5e pick.csv", 80,
-        lambda text: "\n".join([*text.splitlines()[:5], "…\n"])),
+        lambda text: "\n".join([*text.splitlines()[:4], "…\n"])),
 }
 """Place of the console block in the README: command lines, width, the part of the output that it shows."""
 

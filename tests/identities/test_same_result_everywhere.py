@@ -137,6 +137,7 @@ def test_every_set_equals_the_oracle(name: str, rng: np.random.Generator) -> Non
     assert relative(jacobian_derivative(robot, q), oracle.jacobian_derivative(robot, q)) < 1e-13
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("single", "baseline", "avx512", "avx2")
 @pytest.mark.parametrize("name", SETS)
 def test_every_set_gives_the_same_bits(name: str) -> None:
@@ -225,7 +226,8 @@ KERNELS = ["Nehalem", *(kernels for name, kernels in (("avx2", "Haswell"), ("avx
 """Of the linear algebra, those that this processor can run."""
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("ur5e")
 @pytest.mark.skipif(len(KERNELS) == 1, reason="this processor has one set of instructions")
 @pytest.mark.parametrize("arm", ["ur5e", "puma560"])
 def test_a_result_file_has_the_same_bytes_with_every_kernel_of_the_linear_algebra(tmp_path: Path, arm: str) -> None:

@@ -55,7 +55,7 @@ def worst_error(batch: Array) -> float:
     return float((np.abs(got - truth).max(axis=-1) / (EPS * np.maximum(truth[:, 0], 1e-300))).max())
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_error_of_600_singular_values_against_mpmath(rng: np.random.Generator) -> None:
     assert worst_error(matrices(rng, 600)) <= 4.0
 

@@ -106,6 +106,7 @@ def check_same(name: str, unit: str, starts: int) -> None:
     assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
 
 
+@pytest.mark.by_hand_at("puma560-\\xb5m")
 @pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None:
@@ -146,6 +147,7 @@ def check_exact(name: str, unit: str) -> None:
         assert other.letters[letter] == pytest.approx(value * 10.0**power, rel=1e-12)
 
 
+@pytest.mark.by_hand_at("puma560-\\xb5m")
 @pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_exact_conditions_do_not_depend_on_the_unit(name: str, unit: str) -> None:

@@ -20,6 +20,7 @@ pytest.importorskip("viser", reason="viser and trimesh are not installed")
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.by_hand
 def test_the_page_opens_and_ends_with_ctrl_c(tmp_path: Path) -> None:
     viewer = subprocess.Popen(
         [sys.executable, "-m", "rankdrop", "view", "puma560", "--no-browser", "--port", "0"], cwd=tmp_path,
@@ -40,6 +41,7 @@ def test_the_page_opens_and_ends_with_ctrl_c(tmp_path: Path) -> None:
         viewer.communicate()
 
 
+@pytest.mark.by_hand
 def test_the_hand_out_is_one_page(tmp_path: Path) -> None:
     done = run(tmp_path, "report", "puma560", "--out", "lesson.html", "--quiet")
     assert done.returncode == 0, done.stderr

@@ -29,6 +29,7 @@ def program(path: Path) -> None:
     np.savetxt(path, np.column_stack([time, degrees]), delimiter=",", header=head, comments="", fmt="%.8f")
 
 
+@pytest.mark.by_hand
 def test_fifty_thousand_rows_are_judged_and_mended(tmp_path: Path) -> None:
     program(tmp_path / "program.csv")
     done = run(tmp_path, "path", "ur5e", "program.csv", "--deg", "--fixed", "mended.csv", "--json", "judged.json",

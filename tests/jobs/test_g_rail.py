@@ -48,6 +48,7 @@ def cell(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.by_hand
 def test_the_families_of_the_cell_under_the_names_of_its_joints(cell: Path) -> None:
     ended = run(cell, "analyze", "cell.xacro", "--arg", "rail_length:=4", "--starts", "2000", "--json", "cell.json")
     assert ended.returncode == 0, ended.stderr

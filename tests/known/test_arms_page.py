@@ -74,7 +74,7 @@ def test_a_row_of_the_catalogue_is_what_is_shipped() -> None:
         assert (name in shelf.conditions_names()) == (codes(row)[1] == 0), name
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.shipped
 def test_a_row_names_letters_or_numbers_as_they_are_shipped() -> None:
     for name in shelf.conditions_names():
@@ -88,6 +88,7 @@ def test_nearly_all_of_the_makers_files_end_well_and_the_others_say_why() -> Non
     assert f"{len(fine)} of {len(files())} end with exit code 0 from both commands" in PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("m1509_blue")
 @pytest.mark.parametrize("name", ANEW)
 def test_a_makers_file_fares_as_its_row_says(name: str) -> None:

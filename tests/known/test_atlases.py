@@ -83,6 +83,7 @@ def test_the_example_of_a_family_is_of_no_other_one(name):
             assert all(np.abs(systems[it.id].values(at)).max() > 1e-6 for it in same), one.id
 
 
+@pytest.mark.by_hand_at("yumi")
 @pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", robot_names())
@@ -139,6 +140,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
+@pytest.mark.by_hand_at("tiago")
 @pytest.mark.slow_at("tiago", "gen3", "sawyer")
 @pytest.mark.parametrize("name", KINDS)
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):

@@ -59,7 +59,7 @@ def test_an_exact_arm_is_its_own_ideal_arm_and_singular_on_all_of_it() -> None:
         assert one.distance.most < 1e-12
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_calibrated_ur5_has_the_families_of_a_ur5(derived: Conditions) -> None:
     drawn = conditions(open_robot("ur5"))
     assert derived.complete

@@ -35,6 +35,7 @@ def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
         assert len(set(names)) == len(names)
 
 
+@pytest.mark.by_hand_at("ur5e")
 @pytest.mark.slow_at("ur5e", "puma560", "stanford")
 @pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.by_hand if x in LONG else ()) for x in FEW])
 def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
@@ -66,6 +67,7 @@ def test_every_face_calls_a_family_the_same(name):
         assert (met.id, met.name) == (family.id, family.name)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("ur5", "irb2600")
 @pytest.mark.parametrize("name", ["irb2600", "ur5"])
 def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):

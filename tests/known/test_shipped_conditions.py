@@ -72,6 +72,7 @@ def stored(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return records
 
 
+@pytest.mark.by_hand_at("ur5e")
 @pytest.mark.slow_at("ur5e", "rcrrrr")
 @pytest.mark.parametrize("name", ["scara", "stanford", "ur5e", "rcrrrr"])
 def test_what_is_read_back_is_what_was_derived(name: str) -> None:
@@ -211,6 +212,7 @@ def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> No
     assert found.lowest == 0
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("puma560")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ANEW)
@@ -218,6 +220,7 @@ def test_derived_anew_it_is_the_same(name: str) -> None:
     same(shelf.shipped_conditions(name), conditions(open_robot(name), fresh=True, special=True))
 
 
+@pytest.mark.slow
 @pytest.mark.shipped
 def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is() -> None:
     for name in SHIPPED:

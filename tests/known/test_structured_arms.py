@@ -82,7 +82,7 @@ def analysed(n: int, seed: int, count: int = 1000) -> Analysis:
     return analyze(structured_arm(n, seed), starts=count)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     """7R of seed 16: {θ5 = π, one equation in θ2, θ3, θ4, θ6} is a double zero, a fifth of its singular set."""
     found = analysed(7, 16)
@@ -93,7 +93,7 @@ def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     assert all(one.completeness.agree == one.completeness.tested for one in found.coranks)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     """6R of seed 32: det contains (0.2 c3 + s3)², θ3 = −atan 0.2."""
     found = analysed(6, 32)
@@ -111,7 +111,7 @@ def test_a_squared_condition_on_one_joint_is_fitted_too() -> None:
     assert table.summary.completeness.holds
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_joints_on_one_axis_count_as_one() -> None:
     """7R of seed 4: axes 5 and 6 are one line; one equation of 5 joints is one of 4 in θ5 + θ6."""
     found = analysed(7, 4)
@@ -135,6 +135,8 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     assert 0 < wide.soundness.agree < wide.soundness.tested
 
 
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("6-6")
 @pytest.mark.slow_at("6-6", "6-32")
 @pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])
 def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed: int) -> None:

@@ -58,6 +58,7 @@ def test_the_example_of_am_section_2_3_is_reproduced_to_its_rounding() -> None:
     assert np.abs(basis - printed).max() < 0.0065
 
 
+@pytest.mark.slow
 def test_planted_bases_are_found_again_in_1000_random_rotations(rng: np.random.Generator) -> None:
     for trial in range(1000):
         planted = planted_apart(rng, 1 + trial % 3)

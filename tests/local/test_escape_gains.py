@@ -51,6 +51,7 @@ def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[st
     return seen, wrong
 
 
+@pytest.mark.slow
 def test_predicted_gain_is_measured_gain() -> None:
     chosen = ("pa10", "ur5", "stanford", "canadarm2", "scara", "rrrrrrr", "hrprhr", "mrrhpmr")
     seen, wrong = compare({name: robot for name, robot in every_arm().items() if name in chosen}, 25)
@@ -143,7 +144,7 @@ def test_mixed_orders_are_reported_by_the_slowest() -> None:
     assert met >= 5
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_gains_near_the_meeting_of_families_are_measured_gains() -> None:
     """Gen3's offsets put families 1e-3 apart: ranks of T_p hang on the cut there, and the summed series decides."""
     seen, wrong = compare({"gen3": open_robot("gen3")}, 150)

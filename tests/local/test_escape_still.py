@@ -146,6 +146,7 @@ def test_pa10_wrist_and_elbow_differ_in_what_a_self_motion_can_do() -> None:
     assert "(no proof)" in avoidable_words(elbow)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("rrrrrrr", "rrrrrrrr")
 @pytest.mark.parametrize("kinds", ["rrrrrrr", "rrrrrrrr", "rrprrrr"])
 def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generator) -> None:

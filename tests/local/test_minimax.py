@@ -20,6 +20,7 @@ def after(values: np.ndarray, tensor: np.ndarray, step: np.ndarray) -> np.ndarra
     return np.linalg.eigvalsh(moved).max(axis=(1, 2))
 
 
+@pytest.mark.slow_at("1-6")
 @pytest.mark.parametrize(("pieces", "k"), [(1, 1), (1, 2), (1, 3), (1, 6), (3, 1), (4, 2)])
 def test_no_step_betters_what_is_promised_at_most(rng, pieces, k):
     values, tensor = model(rng, pieces, k)

@@ -130,7 +130,7 @@ def test_what_is_printed_is_what_is_drawn(name: str) -> None:
     assert good.sum() >= len(good) - 1
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_analysis_made_now_has_its_witnesses_in_good_postures(monkeypatch: pytest.MonkeyPatch) -> None:
     arm = open_robot("puma560")
     found = rankdrop.analyze(arm, starts=300, exact="off")

@@ -79,6 +79,7 @@ def test_tied_optima_are_chosen_alike_from_every_input(count: int, rng: np.rando
         assert np.abs(readable_basis(basis @ random_rotation(rng, count)) - want).max() < 1e-9
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("generic-5-3")
 @pytest.mark.parametrize(("count", "trials"), [(1, 60), (2, 60), (3, 30), (4, 8), (5, 3)])
 @pytest.mark.parametrize("kind", ["generic", "chained", "blocks"])

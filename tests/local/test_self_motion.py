@@ -35,6 +35,7 @@ def check(robot: Robot, traced: SelfMotion, step: float = 0.05) -> None:
     assert traced.sigma_min.shape == traced.task_error.shape
 
 
+@pytest.mark.slow_at("rcrrrr")
 @pytest.mark.parametrize("name", ["pa10", "panda", "iiwa14", "canadarm2", "rcrrrr"])
 def test_seven_joints_go_round_and_come_back(name: str) -> None:
     robot = open_robot(name)
@@ -50,6 +51,8 @@ def test_seven_joints_go_round_and_come_back(name: str) -> None:
     assert closed >= 1
 
 
+@pytest.mark.by_hand
+@pytest.mark.slow_at("fetch8")
 @pytest.mark.slow_at("fetch")
 @pytest.mark.parametrize("name", ["panda", "fetch8", "iiwa14", "fetch"])
 def test_limits_stop_it_at_the_limit_and_not_beyond(name: str) -> None:

@@ -91,6 +91,7 @@ def test_speed_does_not_depend_on_the_unit_of_length() -> None:
         assert one.speed == pytest.approx(other.speed, rel=1e-9)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", SLOW)
 def test_nothing_slow_is_called_regular(name: str) -> None:

@@ -148,6 +148,7 @@ def orthogonal_chain(rng: np.random.Generator) -> Robot:
     return built(*(prismatic(a) if rng.random() < 0.3 else revolute(a, p) for a, p in zip(axes, points, strict=True)))
 
 
+@pytest.mark.slow
 def test_every_overfull_run_has_a_permanent_system(rng: np.random.Generator) -> None:
     """Coverage: what brackets find, without knowing any subgroup by name, is told."""
     met = 0

@@ -97,6 +97,8 @@ def write(path: Path, kind: str, make: Callable[[Any], list[Message]], packed: s
 KINDS = ("bag", "sqlite3", "mcap")
 
 
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("states-sqlite3", "plan-mcap")
 @pytest.mark.slow_at("states-sqlite3", "states-mcap", "plan-mcap", "plan-sqlite3")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("what", ["states", "plan"])
@@ -178,7 +180,7 @@ def test_no_reader_is_asked_for_more_than_a_file_has(path: Path, tmp_path: Path)
         assert stream.read() == b""
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_of_several_topics_one_is_chosen(tmp_path: Path) -> None:
     path = write(tmp_path / "two", "mcap", lambda s: states(s) + states(s, Q + 1, topic="/other"))
     with pytest.raises(TrajectoryError, match=r"two: several topics have joint values; got /joint_states \(JointState"):
@@ -193,6 +195,7 @@ def test_of_several_topics_one_is_chosen(tmp_path: Path) -> None:
         read_trajectory(csv, ARM, topic="/other")
 
 
+@pytest.mark.slow
 def test_messages_of_other_joints_are_passed_over_and_told(tmp_path: Path) -> None:
     def make(store: Any) -> list[Message]:
         other = ("/joint_states", STATE, START + 1, state(store, ["finger"], [0.0], START))
@@ -226,7 +229,7 @@ def test_a_plan_takes_the_place_of_the_one_before(tmp_path: Path) -> None:
     assert read.notes == ("2 plans follow each other; 1 points were replaced",)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_velocities_that_are_no_numbers_are_left_out(tmp_path: Path) -> None:
     good = write(tmp_path / "a", "mcap", lambda s: states(s, speed=[1.0, 0.1, 0.2, 0.3]))
     np.testing.assert_array_equal(read_trajectory(good, ARM).velocities, [[0.3, 0.2, 0.1]] * 3)
@@ -260,6 +263,7 @@ BROKEN: dict[str, Callable[[Any], list[Message]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", BROKEN)
 def test_what_is_wrong_is_named_with_topic_and_message(tmp_path: Path, said: str) -> None:
     path = write(tmp_path / "b", "mcap", BROKEN[said])
@@ -267,7 +271,7 @@ def test_what_is_wrong_is_named_with_topic_and_message(tmp_path: Path, said: str
         read_trajectory(path, ARM)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_topic_of_another_type_is_named(tmp_path: Path) -> None:
     path = write(tmp_path / "b", "sqlite3", lambda s: [("/c", "std_msgs/msg/Header", START, stamped(s, 1)), *states(s)])
     np.testing.assert_array_equal(read_trajectory(path, ARM).q, Q)
@@ -292,6 +296,7 @@ def test_a_truncated_bag_is_never_read_in_part(tmp_path: Path, kind: str) -> Non
             read_trajectory(path, ARM)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("sqlite3", "bag", "mcap")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_bag_cut_or_changed_anywhere_is_read_or_refused_in_one_sentence(tmp_path: Path, kind: str) -> None:
@@ -352,7 +357,7 @@ def test_without_rosbags_the_command_that_helps_is_named(tmp_path: Path, monkeyp
         read_trajectory(tmp_path / "a.bag", ARM)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_command_reads_bags_and_folders_of_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -372,6 +377,7 @@ def test_the_command_reads_bags_and_folders_of_them(
     assert "2 of 3 paths proven free" in capsys.readouterr().out
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("bag", "mcap")
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_bag_that_unpacks_to_more_than_its_limit_is_one_line(

@@ -114,6 +114,7 @@ def test_a_broken_file_is_named_with_its_row(tmp_path: Path, case: str) -> None:
         read_poses(tmp_path / name)
 
 
+@pytest.mark.slow
 def test_the_tip_goes_straight_through_every_pose() -> None:
     found = check_poses(ARM, POSES, T, start=Q[0])
     assert found.verdict == "free"
@@ -132,6 +133,7 @@ def test_the_tip_goes_straight_through_every_pose() -> None:
     assert tool.turned <= 1e-4
 
 
+@pytest.mark.slow
 def test_without_a_start_the_posture_that_people_use_is_taken() -> None:
     task = resolve_task(None, ARM)
     known = within_limits(ARM, POSES[0], task)
@@ -144,7 +146,7 @@ def test_without_a_start_the_posture_that_people_use_is_taken() -> None:
     assert branch_chosen(found.tool) == "the posture that people use (one of 8 found)"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_where_it_cannot_be_followed_is_told_with_its_reason() -> None:
     away = POSES.copy()
     away[2, :3, 3] = away[1, :3, 3] + [3.0, 0.0, 0.0]
@@ -165,6 +167,7 @@ def test_where_it_cannot_be_followed_is_told_with_its_reason() -> None:
     assert last[2] == pytest.approx(puma.upper[2], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_straight_move_through_a_singularity_does_not_get_past_it() -> None:
     arm = open_robot("planar3r")
     ends = pose(arm, [[0.5, 0.9, -0.8], [0.0, 0.0, 0.0]])
@@ -190,7 +193,7 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, POSES, [0, 1, 1])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_command_follows_poses(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -67,6 +67,7 @@ def test_the_closest_approach_is_found_between_samples() -> None:
     assert bent.stretches[0].closest.distance == pytest.approx(float(dip.min()), abs=1e-6)
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["planar3r", "puma560", "stanford"])
 def test_a_minimum_distance_is_proven_kept_or_found_violated(name: str) -> None:
     robot = open_robot(name)
@@ -88,6 +89,7 @@ def test_a_minimum_distance_is_proven_kept_or_found_violated(name: str) -> None:
         assert (short.verdict, short.margin) == ("undecided", "not proven")
 
 
+@pytest.mark.slow
 def test_joint_rates_are_held_against_the_limits() -> None:
     robot = open_robot("ur5e")
     q = np.array([[0.0, -1.2, 1.3, -1.0, 0.9, 0.1]] * 3)
@@ -105,6 +107,7 @@ def test_joint_rates_are_held_against_the_limits() -> None:
     np.testing.assert_allclose(found.profile.rates.max(), 10.0 / limit)
 
 
+@pytest.mark.slow
 def test_the_rates_of_a_cubic_are_not_below_those_it_has() -> None:
     robot = open_robot("ur5e")
     rng = np.random.default_rng(5)
@@ -145,7 +148,7 @@ def test_an_arm_in_millimetres_gives_the_same_answer() -> None:
     assert all(not len(s.rates) for s in check_path(other, there).stretches)  # without times there are none to turn
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_arm_without_an_atlas_is_judged_and_its_crossings_are_named() -> None:
     robot = region.coupled(np.random.default_rng(9), "r r r0:1 r1:-1 r r0:1 r r")  # mimic joints
     rng = np.random.default_rng(7)
@@ -189,6 +192,7 @@ def test_one_row_or_an_arm_that_stands_still() -> None:
     assert still.free_share < 1e-9
 
 
+@pytest.mark.slow
 def test_joints_outside_their_limits_are_named() -> None:
     robot = open_robot("panda")
     q = np.tile([0.0, 0.3, 0.0, -1.0, 0.1, 1.9, 0.7], (3, 1))
@@ -248,7 +252,7 @@ def closed(schema):
     return inner | {"additionalProperties": False} if closes else inner
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_record_is_that_of_the_schema_and_all_of_it_is_described() -> None:
     check = Draft202012Validator(closed(load_schema("path")))
     rng = np.random.default_rng(8)
@@ -293,6 +297,7 @@ def test_a_path_that_crosses_is_never_free_on_the_whole_of_its_length() -> None:
     assert (free.verdict, free_words(free)) == ("free", "100 %")
 
 
+@pytest.mark.slow
 def test_a_planned_path_that_halts_a_motoman_is_known_before_it_is_driven() -> None:
     """ros-industrial/motoman 556: the controller halts at singularities that a planner in joint space goes through.
 

@@ -41,7 +41,7 @@ def saved(folder: Path, name: str, q: object) -> Path:
     return folder / name
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """At 80 columns, for two crossings that are described, and for 40 that are listed; --full prints each of them."""
     turn = np.sin(np.linspace(0.0, 40.0 * np.pi, 2001))[:, None]
@@ -76,6 +76,19 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("seconds", "says"), [(2.0, True), (0.05, False)])
+def test_a_joint_path_that_crosses_within_its_rates_may_do_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], seconds: float, says: bool
+) -> None:
+    """Joint 5 of the IRB 120 turns by 0.8 rad through 0; at 0.4 rad/s it is 7 % of its limit of 5.59 rad/s."""
+    rows = f"time,q1,q2,q3,q4,q5,q6\n0,0,0.3,0.2,0,-0.4,0\n{seconds},0,0.3,0.2,0,0.4,0\n"
+    (tmp_path / "joints.csv").write_text(rows, encoding="utf-8")
+    main.run(["path", "irb120", str(tmp_path / "joints.csv"), "--quiet"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert told.startswith("Crosses a singularity once (proven)")
+    assert ("Next: as a joint move nothing needs to be done (at most 7.2 % of its rates);" in told) is says
+
+
 def test_what_is_written_satisfies_the_schemas(tmp_path: Path, run) -> None:
     one, two = saved(tmp_path, "a.npy", CROSSING), saved(tmp_path, "b.npy", FREE)
     code, out, _ = run(one, "--json", tmp_path / "one.json", "--figure", tmp_path / "one.svg")
@@ -117,7 +130,7 @@ def programs(folder: Path, count: int = 12) -> Path:
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_many_paths_are_the_same_here_in_processes_and_after_a_kill(
     tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -184,7 +197,7 @@ def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
     assert run(file, "--deg")[::2] == (0, "")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
@@ -211,7 +224,7 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     assert not (tmp_path / "none.csv").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
 

@@ -164,6 +164,7 @@ def test_an_arm_in_millimetres_goes_the_same_way() -> None:
     np.testing.assert_allclose(one.q, two.q, atol=1e-7)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("puma560", "ur5")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_whatever_the_steps_no_singularity_is_passed_through(name: str) -> None:

@@ -84,6 +84,7 @@ def test_a_planar_tool_turned_over_has_no_heading() -> None:
     assert len(aim.reached(goal[0], q)) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_the_files_of_the_reports_end_and_keep_to_their_poses(name: str, tmp_path: Path) -> None:
     file = tmp_path / "poses.csv"
@@ -127,6 +128,7 @@ def test_no_solution_of_any_arm_misses_an_axis_parallel_pose() -> None:
         check_arm(name, 12, 200)
 
 
+@pytest.mark.slow
 def test_a_bound_that_cannot_fall_costs_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows are put in only while there is hope: where the bound stays, the path ends, and says so."""
     robot = open_robot("ur5")
@@ -156,6 +158,7 @@ def test_a_spent_budget_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert check.verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_half_a_turn_between_two_poses_is_a_choice_and_is_said() -> None:
     """180° about the tool's axis: joint 6 turns by half a turn one way or the other, and both are as short."""
     robot = open_robot("irb120")

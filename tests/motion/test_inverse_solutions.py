@@ -23,6 +23,8 @@ GENERIC = {
 }
 
 
+@pytest.mark.by_hand_at("crx10ia", "stanford", "ur5e")
+@pytest.mark.slow_at("irb120")
 @pytest.mark.slow_at("puma560", "stanford", "ur5e", "crx10ia")
 @pytest.mark.parametrize("name", GENERIC)
 def test_dense_starts_find_nothing_that_was_missed(name: str) -> None:
@@ -56,7 +58,7 @@ def test_each_solution_is_substituted_back(name: str) -> None:
     assert found.inside == sum(not one.beyond for one in found.branches)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_count_of_usual_arms() -> None:
     assert len(inverse(open_robot("puma560"), pose(open_robot("puma560"), GENERIC["puma560"])).branches) == 8
     assert len(inverse(open_robot("planar3r"), pose(open_robot("planar3r"), GENERIC["planar3r"])).branches) == 2
@@ -68,7 +70,7 @@ def test_the_count_of_usual_arms() -> None:
     assert found.sentence.startswith("ur5e: 8 solutions; a 6R arm has at most 16.")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_redundant_arm_has_curves() -> None:
     robot = open_robot("iiwa14")
     found = inverse(robot, [0.5, 0.1, 0.4, np.pi, 0.0, 0.3])
@@ -83,6 +85,7 @@ def test_a_redundant_arm_has_curves() -> None:
     assert "self-motion curve" in found.sentence
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("ur5")
 @pytest.mark.parametrize(("name", "q", "joints"), [
     ("puma560", [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], (4, 6)), ("ur5", [0.1, -1.0, 0.7, 0.3, 0.0, 0.2], (2, 3, 4, 6)),
@@ -133,6 +136,7 @@ def test_out_of_reach_says_by_how_much() -> None:
     assert found.unreached.position <= sampled + 1e-9
 
 
+@pytest.mark.slow
 def test_too_few_joints_are_named_with_the_angle_and_the_distance() -> None:
     robot = open_robot("px150")
     found = inverse(robot, [0.2, 0.1, 0.2, 0.0, 0.0, 0.0], starts=300)
@@ -148,6 +152,7 @@ def test_too_few_joints_are_named_with_the_angle_and_the_distance() -> None:
     assert reached.unreached is None
 
 
+@pytest.mark.slow
 def test_an_orientation_out_of_reach_is_told_from_a_position() -> None:
     robot = open_robot("ur5e")
     edge = pose(robot, [0.2, -0.5, 0.05, -0.3, 0.7, 0.1])

@@ -53,7 +53,7 @@ def test_it_is_a_public_name() -> None:
     assert motion.mend_path is mend_path
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_every_remedy_is_proven_free_and_gains_distance() -> None:
     assert [one.kind for one in wrist().remedies] == ["flip", "tool tilt", "base shift", "retime"]
     for one in wrist().remedies[:3]:
@@ -111,7 +111,7 @@ def test_a_shift_moves_the_base_by_no_more_than_the_bound() -> None:
     np.testing.assert_allclose(moved @ pose(robot, one.trajectory.q[rows]), wanted, atol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> None:
     robot, mended = open_robot("planar3r"), inner()
     one = mended.remedies[0]
@@ -123,7 +123,7 @@ def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> Non
     np.testing.assert_allclose(one.trajectory.times[[0, -1]], [0.0, 3.0])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     robot = open_robot("planar3r")
     found = rankdrop.check_path(robot, CORNER, [0.0, 1.0, 2.0])
@@ -168,6 +168,7 @@ def test_a_mended_path_needs_no_remedy() -> None:
     assert "none is needed" in again.sentence
 
 
+@pytest.mark.slow
 def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
     robot = open_robot("ur5e")
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.9, 0.1], [1.0, -1.0, 1.4, 0.1, 1.3, 0.5], 30)
@@ -177,7 +178,7 @@ def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
     assert one.gains["speed"] == (pytest.approx(robot.variables[0].velocity / 5.0), pytest.approx(1.0))
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
     robot = open_robot("ur5e")
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.4, 0.1], [0.2, -1.1, 1.3, 0.2, 0.06, 0.3], 21)
@@ -200,6 +201,7 @@ def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     assert any(note.startswith("flip: 1 tried") for note in mended.notes)
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow_at("quintic", "cubic")
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
@@ -218,6 +220,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     assert one.off[0] < 1e-5
 
 
+@pytest.mark.slow
 def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     found = wrist().before
     monkeypatch.setattr(module, "check_path", lambda *args, **kwargs: found)
@@ -236,6 +239,7 @@ def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
     assert "cannot be followed: the pose of the tip does not determine" in mended.notes[0]
 
 
+@pytest.mark.slow
 def test_interrupted_it_keeps_what_is_done() -> None:
     told: list[tuple[str, int, int]] = []
 
@@ -275,7 +279,7 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
         trajectory_bytes(made, robot, "a.xls")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)

@@ -95,7 +95,8 @@ def singular_near(robot, q, joint: int) -> np.ndarray:
     return np.concatenate([q[:joint], [low], q[joint + 1:]])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("irb120", "lrmate200id")
 @pytest.mark.parametrize("name", ["irb120", "lrmate200id", "ur5e", "puma560"])
 def test_lines_through_singularities_go_on_or_fold_back_as_a_continuation_does(name: str) -> None:
     robot, rng = open_robot(name), np.random.default_rng(3)
@@ -139,6 +140,7 @@ def test_a_wrist_turned_for_the_line_passes_at_any_speed(rows: int) -> None:
     assert "goes on through it, at any speed" in check.sentence
 
 
+@pytest.mark.slow
 def test_a_start_at_the_singularity_says_which_turn_comes_first() -> None:
     robot = open_robot("lrmate200id")
     poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.1)
@@ -172,6 +174,7 @@ def test_a_corner_at_a_singular_waypoint_needs_the_turn_there() -> None:
     assert abs(np.degrees(check.tool.turn.to - check.tool.turn.q)[3]) == pytest.approx(90.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_start_that_is_not_asked_for_is_turned_already() -> None:
     robot = open_robot("lrmate200id")
     check = check_poses(robot, line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.1))

@@ -64,6 +64,7 @@ def test_a_condition_fitted_on_the_spot_that_fails_its_test_proves_no_crossing(m
     assert whole[0].holds
 
 
+@pytest.mark.slow
 def test_what_is_left_of_an_unfinished_sliver_is_undecided_and_no_part_of_its_crossing() -> None:
     robot = open_robot("puma560")
     task = resolve_task(None, robot)

@@ -72,6 +72,7 @@ def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> 
     assert ((followed.q >= robot.lower) & (followed.q <= robot.upper)).all()
 
 
+@pytest.mark.slow
 def test_where_all_self_motions_are_singular_there_is_no_plan_and_its_place_is_told() -> None:
     robot = open_robot("pa10")
     q = np.linspace([0.1, 0.6, 0.3, 0.3, 0.4, 0.9, 0.2], [0.2, 0.7, 0.2, -0.3, 0.3, 0.8, 0.3], 61)  # the elbow, θ4 = 0

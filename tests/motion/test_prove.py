@@ -130,6 +130,7 @@ def smooth(rng: np.random.Generator, n: int, rows: int) -> np.ndarray:
     return np.asarray(rng.uniform(-2, 2, n) + waves)
 
 
+@pytest.mark.by_hand_at("ur5-12", "puma560-12", "panda-8")
 @pytest.mark.slow_at("panda-8", "ur5-12", "puma560-12", "pa10-8")
 @pytest.mark.parametrize(("name", "count"), [("ur5", 12), ("puma560", 12), ("pa10", 8), ("panda", 8)])
 def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
@@ -194,6 +195,7 @@ def dip(depth: float, seconds: float = 5.0) -> tuple[np.ndarray, np.ndarray, np.
     return q, v, np.array([0.0, seconds])
 
 
+@pytest.mark.slow
 def test_two_crossings_a_thirtieth_of_a_millisecond_apart_are_found_between_two_samples() -> None:
     robot = open_robot("puma560")
     for apart in (1.0, 1e-2, 3.4e-5):
@@ -205,6 +207,7 @@ def test_two_crossings_a_thirtieth_of_a_millisecond_apart_are_found_between_two_
         assert [one.name for one in found.crossings] == ["wrist: axes 4 and 6 aligned"] * 2
 
 
+@pytest.mark.slow
 def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> None:
     robot = open_robot("puma560")
     for depth in (0.0, 1e-14, -1e-14, -1e-11):
@@ -219,6 +222,7 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
 
 
+@pytest.mark.slow_at("ur5-k1.f1", "ur5-k1.f3")
 @pytest.mark.slow_at("panda-k1.f1")
 @pytest.mark.parametrize(
     ("name", "number"), [("ur5", "k1.f1"), ("ur5", "k1.f3"), ("pa10", "k1.f1"), ("panda", "k1.f1")]
@@ -243,6 +247,7 @@ def test_a_path_tangent_to_a_family_is_told_to_touch_or_undecided_and_never_free
         assert any(one.start.time <= -s <= one.end.time for one in met)
 
 
+@pytest.mark.slow
 def test_an_arm_with_fewer_joints_than_rows_and_no_known_family_crosses_and_touches_its_elbow() -> None:
     """No determinant, and nobody has analysed it: the condition is found where the path is singular."""
     table = [DHRow(d=0.3, alpha=pi / 2), DHRow(a=0.25), DHRow(a=0.23), DHRow(a=0.02, alpha=pi / 2), DHRow(d=0.1)]
@@ -268,6 +273,7 @@ def test_every_crossing_of_many_turns_is_told_once() -> None:
     assert sum(abs(np.sin(one.closest.q[2] - 0.3)) < 1e-9 for one in found.crossings) == 48
 
 
+@pytest.mark.slow
 def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:
     robot = open_robot("puma560")
     q = np.linspace([0.1, -1.2, 1.0, 0.5, 0.0, 0.2], [0.5, -1.0, 1.3, 0.2, 0.0, 0.1], 300)
@@ -345,6 +351,7 @@ def without_gaps(stretches) -> bool:
     return all(one[1] == pytest.approx(two[0], abs=1e-9) for one, two in pairwise(ends))
 
 
+@pytest.mark.slow
 def test_a_singularity_of_codimension_two_is_touched() -> None:
     """The Panda's determinant of J Jᵀ does not change its sign; a condition of two equations proves nothing."""
     robot = open_robot("panda")
@@ -392,6 +399,7 @@ def test_work_that_ends_early_leaves_stretches_undecided_and_never_free() -> Non
             assert not any(low < at < high for low, high in spans)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_proven() -> None:
     robot = open_robot("ur5")
     q = smooth(np.random.default_rng(26), 6, 400)
@@ -410,6 +418,7 @@ def test_ctrl_c_keeps_what_is_proven() -> None:
     assert calls[-1][1] == 399
 
 
+@pytest.mark.slow
 def test_every_place_of_the_path_has_one_verdict() -> None:
     """The stretches follow one another without a gap from the first row to the last."""
     for name, seed in (("ur5", 27), ("pa10", 28)):

@@ -23,6 +23,7 @@ def across():
     return check_poses(open_robot("kr3r540"), ACROSS)
 
 
+@pytest.mark.slow
 def test_the_table_has_every_branch_once(across) -> None:
     arm, branches = across.robot, across.tool.branches
     known = within_limits(arm, ACROSS[0], resolve_task(None, arm))
@@ -36,6 +37,7 @@ def test_the_table_has_every_branch_once(across) -> None:
     assert "the verdict is about this one" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 2, 5])
 def test_each_branch_has_its_own_verdict(across, number: int) -> None:
     """What the table says of a branch is what the path is alone, begun there."""
@@ -56,6 +58,7 @@ def test_a_singular_first_pose_is_not_called_free() -> None:
     assert not any(one.free for one in straight)
 
 
+@pytest.mark.slow
 def test_a_start_near_the_first_pose_is_enough() -> None:
     arm = open_robot("ur5e")
     task = resolve_task(None, arm)
@@ -83,6 +86,7 @@ def test_the_posture_that_people_use_has_its_elbow_up() -> None:
         assert fault(arm, known)[0] == 0.0
 
 
+@pytest.mark.slow
 def test_long_files_and_redundant_arms_get_no_table() -> None:
     arm = open_robot("kr3r540")
     many = poses_at(ACROSS, np.linspace(0, 1, 301))

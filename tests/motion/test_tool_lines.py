@@ -110,6 +110,7 @@ def hold(name: str, number: int, seed: int) -> dict[str, int]:
     return verdicts
 
 
+@pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "ur5e")
 @pytest.mark.parametrize("name", ["ur5e", "panda"])
 def test_lines_past_singularities_are_not_called_free(name: str) -> None:
@@ -117,7 +118,8 @@ def test_lines_past_singularities_are_not_called_free(name: str) -> None:
     assert verdicts.get("free", 0) < 3
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("ur5e", "puma560", "panda", "pa10", "gen3", "ur10e", "ur3e", "ur5", "gp7")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_line_that_is_called_free_breaks_a_rate_or_leaves_its_line(name: str) -> None:
     assert sum(hold(name, 10, 2).values()) == 10
@@ -149,6 +151,7 @@ def test_the_line_of_the_issue_is_not_possible_at_the_programmed_speed() -> None
     assert check_poses(robot, ends).holds  # without times nothing is said of rates
 
 
+@pytest.mark.slow
 def test_a_tighter_tolerance_puts_more_rows_and_the_bound_is_above_what_is_measured() -> None:
     robot = open_robot("ur5e")
     ends = pose(robot, [[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [0.9, -1.0, 1.2, -1.2, 1.0, 0.1]])

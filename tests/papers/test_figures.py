@@ -226,7 +226,7 @@ def test_lost_motions_of_jl():
     assert np.allclose(np.cross(shoulder.arrows[0].vector, shoulder.arms[0].drawn.axes[1]), 0.0, atol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_files_are_written_and_hold_the_numbers(tmp_path):
     files = figures.save_figures(("GR", "JL"), str(tmp_path / "new"))
     assert [path.name for path in files] == [

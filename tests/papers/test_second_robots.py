@@ -208,6 +208,7 @@ def test_am_2_3_readable_directions_span_the_same_motions_with_fewer_entries():
     assert (np.abs(told.directions) > 1e-6).sum() <= (np.abs(lost) > 1e-6).sum()
 
 
+@pytest.mark.slow
 def test_am_figure_5_the_singular_set_of_another_4r_arm_is_closed_curves():
     robot, task = regional()
     found = singular_curves(robot, (2, 3, 4), starts=60, step=0.05)
@@ -482,6 +483,7 @@ def test_kg_each_approach_holds_at_singular_configurations_and_at_no_regular_one
     assert not found.holds(regular[singular_values(robot, regular, resolve_task("pose", robot))[:, 5] > 0.02]).any()
 
 
+@pytest.mark.slow
 def test_kg_the_reciprocal_screw_says_nothing_where_its_five_are_dependent():
     what, facts = derive(chain(), "reciprocity", 30.0).notes[0]
     five = [joint - 1 for joint in facts["joints"]]

@@ -12,6 +12,8 @@ from rankdrop.results.known import shipped
 LARGEST = 15_000_000
 
 
+@pytest.mark.by_hand_at("almarkhi4", "iiwa14", "pa10")
+@pytest.mark.by_hand_at("canadarm2", "fetch8", "gen3", "panda", "sawyer", "ur5", "ur5e", "xarm6", "xarm7")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_the_report_of_a_catalogue_arm_has_all_its_families_and_can_be_sent(name: str) -> None:

@@ -37,6 +37,7 @@ def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> No
     assert all(data.startswith(HEAD[format]) for data in drawn.values())
 
 
+@pytest.mark.slow
 @pytest.mark.slow_at("pdf")
 @pytest.mark.parametrize("format", ["pdf", "svg"])
 def test_the_same_figure_is_the_same_file(shown: Content, format: str) -> None:
@@ -85,6 +86,7 @@ def test_without_matplotlib_the_extra_is_named(shown: Content, monkeypatch: pyte
         check_figures(shown.analysis, [])
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "scara.html"
     assert main.run(["report", "scara", "--out", str(target)]) == 0

@@ -35,6 +35,7 @@ def sphere(subdivisions: int, radius: float = 0.3, link: int = 1) -> Mesh:
     return Mesh(link, np.array(made.vertices), np.array(made.faces, dtype=np.uint32), (10, 20, 30))
 
 
+@pytest.mark.slow
 def test_large_meshes_become_few_triangles_near_the_shape() -> None:
     given = (sphere(7), sphere(6, 0.1, 2))  # 327,680 and 81,920 triangles
     few = simplified(given)
@@ -77,6 +78,7 @@ def page(folder: Path, *more: str) -> dict[str, Any]:
     return data
 
 
+@pytest.mark.slow
 def test_the_report_of_a_file_with_shapes_draws_them_unless_told_not_to(tmp_path: Path) -> None:
     drawn = page(tmp_path)["meshes"]
     assert [one["link"] for one in drawn] == [0, 1, 2]
@@ -84,6 +86,7 @@ def test_the_report_of_a_file_with_shapes_draws_them_unless_told_not_to(tmp_path
     assert page(tmp_path, "--no-meshes")["meshes"] == []
 
 
+@pytest.mark.slow
 def test_what_cannot_be_drawn_is_told_unless_it_is_to_be_quiet(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -48,6 +48,7 @@ def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
     assert len(text.encode()) < LARGEST
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["scara", "stanford"])
 def test_the_page_names_every_family_with_its_joints_and_losses(name: str) -> None:
     text = text_of(name)

@@ -72,6 +72,7 @@ def test_stretches_are_listed_with_a_time_where_they_have_one_and_free_ones_as_t
     assert starts[0] == 0.0
 
 
+@pytest.mark.slow
 def test_poses_of_the_tip_are_counted(tmp_path: Path) -> None:
     free = check_poses(ARM, pose(ARM, [[0.3, -1.2, 1.4, -1, 1.2, 0.4], [0.6, -1, 1.2, -1.2, 1, 0.4]]),
                        start=[0.3, -1.2, 1.4, -1, 1.2, 0.4])  # fmt: skip

@@ -110,6 +110,7 @@ def refused(path: Path) -> str:
     return line
 
 
+@pytest.mark.slow_at("height field", "memory", "user data")
 @pytest.mark.slow_at("replicate once", "replicate", "cloth", "keys")
 @pytest.mark.parametrize("kind", MJCF)
 def test_a_small_mjcf_file_costs_little(tmp_path: Path, kind: str) -> None:

@@ -75,6 +75,7 @@ def test_a_long_tolerance_or_name_of_a_column_is_refused() -> None:
         parse_trajectory(f"q1,q2{' ' * 100}{'(' * 300},q3,q4\n0,0,0,0\n", "a.csv", ARM)
 
 
+@pytest.mark.slow
 def test_keys_with_many_dots_never_reach_the_parser(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 kB of them took 1.6 GB."""
     path = tmp_path / "dots.toml"

@@ -50,6 +50,7 @@ def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
         FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
 
 
+@pytest.mark.slow_at("configuration")
 @pytest.mark.slow_at("robot", "quantity")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))

@@ -111,6 +111,7 @@ def test_meshes_actuators_and_constraints_are_neither_needed_nor_followed(tmp_pa
     assert arm.notes[-1] == "joint 'j2' is coupled to 'j1' by a constraint: they are taken as independent"
 
 
+@pytest.mark.slow
 def test_included_files_and_a_scene_around_the_arm_are_read(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     write(tmp_path, USED, "used.xml")
@@ -156,6 +157,7 @@ def test_a_floating_body_is_the_base_and_no_chain_passes_it(tmp_path: Path) -> N
     assert caught.value.on_command_line().endswith("fix: --base pelvis")
 
 
+@pytest.mark.slow
 def test_a_ball_joint_is_refused_with_the_base_below_it(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     lower = f'<body name="lower"><joint name="e"/>{GEOM}</body>'

@@ -54,6 +54,7 @@ def test_every_shape_is_on_its_link(tmp_path: Path) -> None:
     assert np.allclose(finger[:3, 3], [1.3, 0, 1.0])
 
 
+@pytest.mark.slow
 def test_meshes_are_read_with_scale_and_place(tmp_path: Path) -> None:
     pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
     from rankdrop.robot.shapes import meshes_of
@@ -102,6 +103,7 @@ def test_packages_are_given_or_found_above_the_file(tmp_path: Path) -> None:
     assert found[2].file == tmp_path / "elsewhere" / "part.stl"
 
 
+@pytest.mark.slow
 def test_a_damaged_mesh_is_told(tmp_path: Path) -> None:
     pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
     from rankdrop.robot.shapes import meshes_of

@@ -59,6 +59,7 @@ def test_a_path_plays_to_its_end_through_the_singularity(viewer: Viewer) -> None
     until(lambda: not viewer.session.moving)
 
 
+@pytest.mark.slow
 def test_a_walk_goes_on_along_the_family_until_it_is_stopped(viewer: Viewer) -> None:
     viewer.session.set(ELBOW)
     tab = viewer._families

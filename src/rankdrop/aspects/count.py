@@ -19,7 +19,8 @@ Conditions that share no joint are counted apart, and the numbers multiplied. Wh
 counted on cells (`cells.py`).
 
 *Redundant arms.* The regular set of an arm with more joints than rows is what the families of corank 1 leave. A set
-of codimension 2 or more separates nothing: where every family has that, there is one region.
+of codimension 2 or more separates nothing: only conditions that stand alone do, and their signs take the place of the
+factors. Where there is none, there is one region.
 """
 
 from __future__ import annotations
@@ -33,7 +34,11 @@ from rankdrop.aspects.cells import ONE, Condition, Parts, Positive, Shadow, coun
 from rankdrop.aspects.waves import Wave, wave_of
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.aspects import SignedFactor, Signs
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.aspects import SignedFactor, Signs, signed_factors
+from rankdrop.exact.tree import rank_tree
+from rankdrop.local.block import generic_rank
 
 MOST_JOINTS = 3
 """That cells are made of."""
@@ -70,7 +75,7 @@ class AspectCount:
     """How many aspects an arm has, joint limits ignored.
 
     Attributes:
-        factors: of the determinant, as text in s_j = sin θ_j and c_j = cos θ_j.
+        factors: of the determinant, or conditions that stand alone, as text in s_j = sin θ_j and c_j = cos θ_j.
         roles: part of the arm that each factor is of ("shoulder", "elbow", "wrist"); "" where it has no name.
         each: for every sign vector.
         peeled: joints (from 1) that were peeled off.
@@ -111,11 +116,34 @@ class AspectCount:
         return self.exact and all(one.parts.at_most <= 1 for one in self.each)
 
 
-def count_aspects(signs: Signs) -> AspectCount:
-    """Count the aspects of an arm with as many joints as rows.
+def walls_of(chain: Chain, work: Work) -> Signs | None:
+    """The conditions that part the regular configurations of an arm with more joints than rows, by their signs.
+
+    Sets of codimension 1 on which the rank drops; all others separate nothing.
 
     Args:
-        signs: from `signs_of` of a chain with `lengths="numbers"`: the numbers decide.
+        chain: from `exact_chain` with `lengths="numbers"`.
+        work: limit of the derivation.
+
+    Returns:
+        None where the derivation did not end: a condition may be missing.
+    """
+    tree = rank_tree(chain, work, lowest=generic_rank(chain.own, chain.own_task) - 1)
+    if not tree.finished:
+        return None
+    atoms = []
+    for drop in tree.drops:
+        if drop.piece.codimension == 1:
+            atoms += [chain.ring.pin(joint, value) for joint, value in drop.piece.pins.items()]
+            atoms += [chain.ring.atom(f) for f in drop.piece.equations]
+    return Signs(chain, signed_factors(chain.ring, atoms))
+
+
+def count_aspects(signs: Signs) -> AspectCount:
+    """Count the connected regions of regular configurations.
+
+    Args:
+        signs: from `signs_of` of a chain with `lengths="numbers"` (the numbers decide), or from `walls_of`.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain

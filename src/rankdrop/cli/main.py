@@ -71,7 +71,7 @@ GROUPS = {
     },
     "Research": {
         "find": "Find singular configurations of one corank.",
-        "aspects": "Find changes of posture without a singularity.",
+        "aspects": "Count the aspects of an arm, and find changes of posture without a singularity.",
         "through": "Check whether a path through a singularity can be tracked.",
         "tolerant": "Find configurations that tolerate a failed joint best.",
     },

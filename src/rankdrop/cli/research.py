@@ -289,8 +289,8 @@ def aspects(
     """Count the aspects of an arm, and find changes of posture without a singularity.
 
     An aspect is a connected set of regular configurations; their number is told
-    first, joint limits ignored. The inverse of a pose is solved, and its solutions
-    are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
+    first, joint limits ignored. Of arms with as many joints as rows the inverse of
+    a pose is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
     that is proven free, or by the proven number of aspects. Not cuspidal: proven
     from the arm's structure, or because no three solutions meet anywhere.
 
@@ -300,7 +300,8 @@ def aspects(
         rankdrop path crx10ia change.csv
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
-    change of posture was found, which is no proof; 2: bad input.
+    change of posture was found, which is no proof, or the number of aspects is not
+    proven where only that is asked; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -310,7 +311,7 @@ def aspects(
     model, task = open_arm(robot, arm)
     start = None if q is None else parse_configuration(q, model, deg=deg)
     found = motion.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
-    decided = found.verdict != motion.NOT_FOUND
+    decided = found.count.exact if found.verdict == motion.NOT_ASKED else found.verdict != motion.NOT_FOUND
     return _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
 
 

@@ -1,4 +1,5 @@
 from .aspects import CUSPIDAL as CUSPIDAL
+from .aspects import NOT_ASKED as NOT_ASKED
 from .aspects import NOT_CUSPIDAL as NOT_CUSPIDAL
 from .aspects import NOT_FOUND as NOT_FOUND
 from .aspects import Postures as Postures

@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.aspects.count import AspectCount, Left, count_aspects
+from rankdrop.aspects.count import AspectCount, Left, count_aspects, walls_of
 from rankdrop.certify.setting import settings_for
 from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
@@ -48,6 +48,8 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
+NOT_ASKED = "not asked"
+"""Verdict of an arm with more or fewer joints than rows: solutions of a pose are curves, or there are none."""
 _RINGS = (0.05, 0.1, 0.2, 0.3, 0.4)  # distances from a cusp at which poses are tried [rad]
 _AROUND = 4  # poses on each
 
@@ -139,7 +141,11 @@ class Postures(Result):
 
     @property
     def verdict(self) -> str:
-        """`CUSPIDAL` (a path, or two solutions of one pose in one aspect), `NOT_CUSPIDAL` (proven), `NOT_FOUND`."""
+        """`CUSPIDAL` (a path, or two solutions of one pose in one aspect), `NOT_CUSPIDAL` (proven), `NOT_FOUND`;
+        `NOT_ASKED` of an arm with more or fewer joints than rows.
+        """
+        if self.robot.n != self.task.m:
+            return NOT_ASKED
         if self.change is not None or self.shared is not None:
             return CUSPIDAL
         return NOT_CUSPIDAL if self.decision.impossible else NOT_FOUND
@@ -184,7 +190,7 @@ def aspects_of(
     """Whether an arm can change its posture without a singularity, and solutions of poses by their aspects.
 
     Args:
-        robot: the arm, with as many joints as the task has rows.
+        robot: the arm. With more or fewer joints than rows the aspects are counted, and no postures are compared.
         task: name, rows or Task; None is the task the arm is made for.
         q: (n,) configuration whose pose is solved [rad, m]; None: the poses of random configurations.
         options: how hard is searched; its fields are taken as keywords as well.
@@ -210,6 +216,9 @@ def aspects_of(
     check_robot(robot)
     how = AspectsOptions.of(options, given)
     resolved = resolve_task(task, robot)
+    if robot.n != resolved.m and q is None:
+        count, _ = _counted(robot, resolved)
+        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
@@ -315,8 +324,9 @@ def _counted(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
     work = Work(COUNTING)
     try:
         with watched(work.check):
-            signs = signs_of(exact_chain(robot, task, lengths="numbers"))
-            return count_aspects(signs), signs
+            chain = exact_chain(robot, task, lengths="numbers")
+            signs = signs_of(chain) if chain.n == chain.task.m else walls_of(chain, work)
+            return (count_aspects(signs), signs) if signs is not None else (AspectCount(left=Left.WORK), None)
     except OutOfTime:
         return AspectCount(left=Left.WORK), None
     except (RobotError, TaskError, MissingExtraError):

@@ -60,6 +60,7 @@ def freedoms_of_sentences(
 
 def _frame_told(sentence: str) -> str:
     """ "link 5 at its origin" of "cannot translate along Y of link 5 at its origin"."""
+    sentence = sentence.replace("the end effector", "the tool")  # as the tip was called first
     if sentence.startswith(_TIE):  # "can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion …"
         return sentence.partition(" in axes of ")[2].partition(": ")[0]
     return sentence.partition(" of ")[2]

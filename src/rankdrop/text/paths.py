@@ -341,7 +341,16 @@ def _advice(check: Any) -> str:
         return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
         return "a larger --evaluations may decide it"
+    if check.verdict == "crossing" and check.tool is None:
+        return f"{_joint_move(check)}; --remedies computes changes for a tool move"
     return "--remedies computes changes that avoid it; --full prints every stretch"
+
+
+def _joint_move(check: Any) -> str:
+    """What a joint path that crosses needs: nothing, where the controller moves the joints and not the tool."""
+    shares = check.profile.rates[np.isfinite(check.profile.rates)]
+    rates = f" (at most {100 * shares.max():.2g} % of its rates)" if len(shares) else ""
+    return f"as a joint move nothing needs to be done{rates}"
 
 
 def free_words(check: Any) -> str:
@@ -728,21 +737,27 @@ def aspects_number(found: Any) -> str:
         upper = f"; at most {most} (proven)" if count.proven else seen
         return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
     each = {one.parts.at_least for one in count.each}
-    whose = _signs_of_what(count)
+    whose = _signs_of_what(count, square=found.robot.n == found.task.m)
     how = f": one for each sign of {whose}" if each == {1} and whose else ""
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
-def _signs_of_what(count: Any) -> str:
-    """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name."""
+def _signs_of_what(count: Any, *, square: bool) -> str:
+    """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name; "" where nothing is."""
+    if not count.factors:
+        return ""
     if all(count.roles) and len(set(count.roles)) == len(count.roles):
         order = ["shoulder", "elbow", "wrist"]
         return listing(sorted(count.roles, key=lambda role: order.index(role) if role in order else len(order)))
+    if not square:
+        return listing(count.factors)
     return "det J" if len(count.factors) == 1 else f"the {len(count.factors)} factors of det J"
 
 
 def aspects_sentence(found: Any) -> str:
     """The verdict on changes of posture, and what it rests on."""
+    if found.robot.n != found.task.m:
+        return "Postures are compared for arms with as many joints as rows only."
     if found.change is not None:
         corners, spent = len(found.change.q), found.change.evaluations
         return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
@@ -767,6 +782,9 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     yield Section(f"{aspects_number(found)} {found.sentence}")
     counting = _counting_line(found.count)
     lines = [counting] if counting else []
+    if found.robot.n != found.task.m:
+        yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
+        return
     if not found.decision.impossible:
         lines.append(f"without a search: {decision_text(found.decision)}")
     lines.append(f"solutions of the inverse: Newton's method from {found.options.starts:,} starts for each pose, seed "
@@ -804,7 +822,10 @@ def _counting_line(count: Any) -> str:
         how.append(f"{_numbered(count.peeled)} peeled off")
     if count.cells:
         how.append(f"cells in {_numbered(count.cells)}")
-    factors = f"{len(count.factors)} {plural('factor', len(count.factors))} of det J"
+    number = len(count.factors)
+    factors = f"{number} {plural('condition', number)} whose sign parts regular configurations"
+    if not number:
+        factors = "no condition stands alone, and sets of codimension 2 separate nothing"
     return "; ".join((f"aspects: {factors}", *how, "joint limits ignored"))
 
 

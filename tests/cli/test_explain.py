@@ -34,7 +34,8 @@ def test_the_exit_code_tells_the_verdict(run, words: tuple[str, ...], code: int)
 
 def test_what_is_printed_at_a_singularity(run) -> None:
     text = run("explain", *SINGULAR).out
-    for part in ("puma560 is singular: wrist: axes 4 and 6 aligned", "θ5 = 0 or π", "What is lost", "can only move",
+    for part in ("puma560 is singular: wrist: joint 5 at 0°", "wrist: axes 4 and 6 aligned", "θ5 = 0 or π",
+                 "What is lost", "can only move",
                  "How to get out", "5 joint5", "How"):  # fmt: skip
         assert part in text
     assert "Every circuit" not in text

@@ -10,7 +10,7 @@ BOUNDS = {
     "analyze planar3r --starts 300 --quiet --threads 1": (41, 44),
     "conditions puma560 --quiet": (31, 23),
     "conditions puma560 --quiet --fresh --coranks 1 --points 100": (54, 58),
-    "explain puma560 --q 0.1,0.2,0.3,0.4,0.5,0.6": (43, 39),
+    "explain puma560 --q 0.1,0.2,0.3,0.4,0.5,0.6": (46, 42),
     "cover ur5 --width 0.4 --quiet": (35, 28),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""

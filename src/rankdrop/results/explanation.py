@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from operator import itemgetter
 from typing import ClassVar
 
 import numpy as np
@@ -53,6 +54,7 @@ from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
+from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
@@ -91,6 +93,8 @@ class Summary:
         next_searches: how many searches looked for it; 0 for none.
         source: where the families come from; `exact`: exact conditions of this arm are shipped.
         radius: proven free of singularities [rad]; None where that is not known.
+        place, next_place: the parts of the arm that are special at the singular configuration that the answer is about,
+            and those that the next one adds; where it adds none, those of the next one.
     """
 
     verdict: str
@@ -113,6 +117,8 @@ class Summary:
     source: str
     exact: bool
     radius: float | None
+    place: tuple[Special, ...] = ()
+    next_place: tuple[Special, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,8 +317,9 @@ VERDICTS = {
 """What decides -> the verdict."""
 
 
-SlowFamily = tuple[Family, float, Near | None]
-"""The family that makes a motion slow, the distance to it, and the ideal arm nearby where it is that arm's family."""
+SlowFamily = tuple[Family, float, Near | None, Array]
+"""The family that makes a motion slow, the distance to it, the ideal arm nearby where it is that arm's family, and the
+nearest configuration of the family (n,)."""
 _ALIGNED = 0.7  # cosine between a slow motion and what a family loses from which the family explains it
 
 
@@ -336,11 +343,19 @@ class Next:
     Attributes:
         family, distance: of the nearest other singular configuration [rad; slides in length scales]; None: none found.
         searches: how many searches looked for it; 0 for none.
+        q: (n,) that configuration; None: none found.
     """
 
     family: Family | None
     distance: float | None
     searches: int
+    q: Array | None = None
+
+    def place(self, here: Configuration) -> tuple[Special, ...]:
+        """The parts of the arm that are special there."""
+        if self.family is None or self.q is None:
+            return ()
+        return specials_at(here.robot, here.task, self.q, self.family.corank)
 
 
 _SHEETS = 1e-3  # distances that differ by less belong to the same sheet [rad]
@@ -483,8 +498,8 @@ class Explanation(Result):
         nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
         candidates = [nearest, *((one.distance, one.q, one.family.corank, one.family) for one in far.families)]
         explains = (one for one in candidates if any(_loses_along(here, one[1], one[2], y) for y in slow))
-        distance, _, _, family = next(explains, nearest)
-        return family, distance, None
+        distance, there, _, family = next(explains, nearest)
+        return family, distance, None, np.array(there)
 
     def _slow_ideal_family(self) -> SlowFamily | None:
         """The nearest family of the ideal arm nearby; None where there is no such arm, or the arm's own are nearer."""
@@ -502,7 +517,8 @@ class Explanation(Result):
             return None
         families, source = known_families(model, task, None, here.tolerances)
         other = replace(self, here=at(model, here.q, task, here.tolerances), families=families, source=source)
-        return other.incidences_at(np.array(there.q), there.corank)[0].family, there.distance, near
+        place = np.array(there.q)
+        return other.incidences_at(place, there.corank)[0].family, there.distance, near, place
 
     @property
     def distance(self) -> float | None:
@@ -517,10 +533,14 @@ class Explanation(Result):
         here, slow = self.here, self.slow_family
         about = self.met[0].family if self.met and slow is None else None
         base = self.lost.seen.get("base")
-        family, distance, near = slow or (about, self.distance, None)
+        family, distance, near, there = slow or (about, self.distance, None, self.focus)
         following = self.next.family
         turned = self.q if about is None else self.focus
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
+        place = () if family is None else specials_at(here.robot, here.task, there, family.corank)
+        next_place = self.next.place(here)
+        told = {(one.part, one.joint) for one in place}
+        added = tuple(one for one in next_place if (one.part, one.joint) not in told)
         return Summary(
             verdict=self.verdict, cause=self.cause, family=family.name if family else "",
             family_id=family.id if family else "", distance=distance, ideal=near is not None,
@@ -533,6 +553,7 @@ class Explanation(Result):
             next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
+            place=place, next_place=added or next_place,
         )  # fmt: skip
 
     @cached_property
@@ -551,7 +572,7 @@ class Explanation(Result):
         if self.cause in (Cause.NONE, Cause.NEVER, Cause.NEAR_MISS):
             if far.nearest is None or far.nearest_family is None:
                 return Next(None, None, 0 if far.unasked else STARTS[0])
-            return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts)
+            return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
         found = [*self._other_families(), *self._other_values()]
         searches = 0
         known = far.nearest.q if far.nearest is not None and not ideal_arm else None
@@ -560,22 +581,25 @@ class Explanation(Result):
                 self.here, known, limits=self.options.limits, seed=self.options.seed,
                 seeds=tuple(one.q for one in far.families[:_SEEDS]),
             )  # fmt: skip
-            least = min((distance for _, distance in found), default=np.inf)
+            least = min((distance for _, distance, _ in found), default=np.inf)
             for one in sheets:
                 if one.distance < least - _SHEETS and not self._told(one.q, one.corank, one.distance):
-                    found.append((self.incidences_at(np.array(one.q), one.corank)[0].family, one.distance))
+                    place = np.array(one.q)
+                    found.append((self.incidences_at(place, one.corank)[0].family, one.distance, place))
                     break
-        family, distance = min(found, key=lambda both: both[1], default=(None, None))
-        return Next(family, distance, searches)
+        if not found:
+            return Next(None, None, searches)
+        family, distance, q = min(found, key=itemgetter(1))
+        return Next(family, distance, searches, q)
 
-    def _other_families(self) -> Iterator[tuple[Family, float]]:
+    def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
         """Known families that do not hold here, but for what the answer is about."""
         about = self.met[0].family.name if self.met and self.slow_family is None else None
         for one in self.far.families:
             if one.family.name != about and not self._told(one.q, one.family.corank, one.distance):
-                yield one.family, one.distance
+                yield one.family, one.distance, np.array(one.q)
 
-    def _other_values(self) -> Iterator[tuple[Family, float]]:
+    def _other_values(self) -> Iterator[tuple[Family, float, Array]]:
         """Families that hold here and pin a single joint, at their other values."""
         for family in (one.family for one in self.met if self.slow_family is None):
             if family.coupled or len(family.pinned) != 1 or family.corank != 1:
@@ -587,14 +611,16 @@ class Explanation(Result):
             ends = self.q[joint] + ways
             if self.options.limits:
                 ways = ways[(ends >= self.robot.lower[joint]) & (ends <= self.robot.upper[joint])]
-            ways = np.sort(np.abs(ways / self.here.scale[joint]))
-            yield from ((family, float(way)) for way in ways[1:2])
+            for way in ways[np.argsort(np.abs(ways))][1:2]:
+                place = self.q.copy()
+                place[joint] += way
+                yield family, float(abs(way) / self.here.scale[joint]), place
 
     def _told(self, q: Sequence[float], corank: int, distance: float) -> bool:
         """Whether a singular configuration is what the answer is about already: near because slow."""
         if self.slow_family is None:
             return False
-        _, slow_distance, near = self.slow_family
+        _, slow_distance, near, _ = self.slow_family
         if near is None:
             return abs(distance - slow_distance) < _SHEETS
         slow = (one.normal[0] for one in slowest_motions(self.here.robot, self.here.q[None], self.here.task))

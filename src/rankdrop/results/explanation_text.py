@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ from rankdrop.task import BASE, TIP, Task
 from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
+from rankdrop.text.special import parts_words, special_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
     NEVER_HERE,
@@ -55,6 +57,7 @@ from rankdrop.text.words import (
     hunt_words,
     jog_step,
     joint_word,
+    lost_count,
     lost_type,
     minus,
     motion,
@@ -167,11 +170,23 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
         way = _NO_JOG.get(way, way)
     following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
     if summary.next_distance is not None:
-        following = f"Next: {short_name(summary.next_family)}, {_degrees(summary.next_distance)} of joint motion away."
+        other = parts_words(summary.next_place) or short_name(summary.next_family)
+        following = f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
     facts = _summarised(explanation, summary)
-    what, lost, way, sure = (text.format_map(facts) for text in (what, lost, way, sure))
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
-    return (f"{explanation.robot.name} is {what}.", f"{lost}.", f"{way}.", following, f"Verified: {size}{sure}.")
+    name, parts = facts["name"], parts_words(summary.place)
+    for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
+        facts["name"] = here
+        facts["lost"] = _motions_words(summary.lost, shown) if summary.lost else "see --full"
+        words = [text.format_map(facts) for text in (what, lost, way, sure)]
+        lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
+                 f"Verified: {size}{words[3]}.")  # fmt: skip
+        if sum(len(wrap(line, _COLUMNS)) for line in lines) <= _LINES:
+            break
+    return lines
+
+
+_COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented by two
 
 
 def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]:
@@ -185,10 +200,9 @@ def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]
         after = f"; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
     place, offsets = f", {_degrees(summary.distance or 0.0)} away", _offset_words(summary)
     return _measured(explanation) | {
-        "name": summary.family or "family unknown",
-        "pinned": f" ({', '.join(pinned)})" if pinned else "",
+        "name": special_words(summary.place) or summary.family or "family unknown",
+        "pinned": f" ({', '.join(pinned)})" if pinned and not summary.place else "",
         "place": f"; offsets of {offsets} keep it from being exact" if summary.ideal else place,
-        "lost": _motions_words(summary.lost) if summary.lost else "see --full",
         "never": _motions_words(explanation.lost.never.tolist()),
         "slowest": "" if summary.slowest is None else _speed_words(summary.slowest),
         "jog": f"jog {', then '.join(jog)}{after}",
@@ -222,10 +236,12 @@ def speed_text(speed: float, unit: str) -> str:
     return f"{short(1e3 * speed, 3 if speed >= 0.1 else 2)} mm/s"
 
 
-def _motions_words(directions: Sequence[Sequence[float]]) -> str:
-    """Lost directions in base axes: "motion along (−0.49, −0.20, 0.85); turning about Z"."""
-    shown = "; ".join(_motion_words(np.array(row)) for row in directions[:2])
-    return f"{shown}{f'; {len(directions) - 2} more' if len(directions) > 2 else ''} in base axes"
+def _motions_words(directions: Sequence[Sequence[float]], most: int = 2) -> str:
+    """Lost directions in base axes: "motion along (−0.49, −0.20, 0.85); turning about Z"; their number for none."""
+    if not most:
+        return lost_count(len(directions))
+    shown = "; ".join(_motion_words(np.array(row)) for row in directions[:most])
+    return f"{shown}{f'; {len(directions) - most} more' if len(directions) > most else ''} in base axes"
 
 
 def _motion_words(direction: Array) -> str:
@@ -349,7 +365,7 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
     for one in own[: None if full else 2]:
         family, conditions = one.family, condition_sentences(explanation.robot, explanation.task, one.family)
         of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})" if full else ""
-        lines += [f"{family.name}{of}"] * (full or len(own) > 1)
+        lines.append(f"{family.name}{of}")
         lines.append(Formula(f"{'    ' * full}{'; '.join(conditions)}"))
     if full:
         lines += _listed("lies on", (one.family.name for one in met if one not in own))

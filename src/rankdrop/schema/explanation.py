@@ -17,6 +17,7 @@ from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
 from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
+from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation import Summary
 from rankdrop.results.explanation_text import lost_text, sentence_of, summary_lines
@@ -139,6 +140,13 @@ STRAIGHT_MOTION = table(
     direction=row(num("1"), 3),
     number=Positive,
 )
+SPECIAL = table(
+    "special",
+    of=Special,
+    joint=Positive,
+    value=num("rad"),
+    off=num("rad", ge=0),
+)
 SUMMARY = table(
     "summary",
     of=Summary,
@@ -155,6 +163,8 @@ SUMMARY = table(
     next_searches=(optional(Count), "searches for it; 0 for none"),
     source=Literal["catalogue", "analysis", "on the spot"],
     radius=num("distance", ge=0) | None,
+    place=(optional(many(SPECIAL)), "parts of the arm that are special at the singularity"),
+    next_place=(optional(many(SPECIAL)), "the same at the next one"),
     text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),
 )
 _SUMMARY = {

@@ -185,6 +185,11 @@ def plural(word: str, count: int) -> str:
     return word if count == 1 else f"{word}s"
 
 
+def lost_count(count: int) -> str:
+    """How many directions are lost, where a line has no room for them."""
+    return f"{count} {plural('direction', count)} of the tool, see below"
+
+
 _NEARBY = "q is only near a singularity; if it were one"
 _STILL = {
     "always moves": "every joint motion moves the tool",

@@ -1,0 +1,268 @@
+"""The part of the arm that is special at a singular configuration: shoulder, elbow or wrist, as facts.
+
+Each part has one condition, measured as an angle that is 0 where the condition holds exactly:
+
+- wrist: the directions of the last three axes lie in one plane; the middle joint of the three is at 0 or π from it;
+- elbow: the arm is stretched or folded; the angle at the elbow axis between shoulder point S and wrist point W, which
+  is the tip for a task without rotation; or the axes before and behind the elbow are one line;
+- shoulder: W lies in the plane through axis 1 along axis 2 (distance to the plane over the distance of W from axis 2);
+  with seven axes, the directions of the first three lie in one plane.
+
+An arm of ideal geometry satisfies such a condition exactly. An arm with offsets has one long condition instead, whose
+sheets pass near those of the ideal arm: the smallest angle says which sheet is at hand. `text/special.py` words it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from math import atan2, pi, sqrt
+
+import numpy as np
+
+from rankdrop.local.axes import Scene
+from rankdrop.robot.model import Array, Robot, once
+from rankdrop.robot.numbers import wrapped
+from rankdrop.task import Task
+
+Vector = tuple[float, float, float]
+
+
+class Part(StrEnum):
+    """A part of the arm, from the base outwards."""
+
+    SHOULDER = "shoulder"
+    ELBOW = "elbow"
+    WRIST = "wrist"
+
+
+class Shape(StrEnum):
+    """What is special about a part: a joint at a value, the arm stretched or folded, the wrist in the plane through
+    axis 1 along axis 2."""
+
+    JOINT = "joint"
+    STRETCHED = "stretched"
+    FOLDED = "folded"
+    ABOVE_AXIS = "above-axis"
+
+
+@dataclass(frozen=True, slots=True)
+class Special:
+    """One part of the arm and what is special about it.
+
+    Attributes:
+        part, shape: the part, and its condition.
+        joint: from 1, the joint that measures the condition; 1 for `ABOVE_AXIS`.
+        value: of that joint where the condition holds exactly, the nearest one [rad].
+        off: how far the configuration is from the condition, in [0, π/2] [rad].
+        exact: `off` is 0 to 1e-6.
+    """
+
+    part: Part
+    shape: Shape
+    joint: int
+    value: float
+    off: float
+    exact: bool
+
+
+EXACT = 1e-6
+"""An angle up to this is 0 [rad]."""
+_STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
+_FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
+
+
+def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Special, ...]:
+    """The parts of the arm that are special at a singular configuration.
+
+    They are all whose condition holds exactly; else those nearest to their conditions, as many as rank is lost.
+
+    Args:
+        robot: the arm.
+        task: the rows that matter; without rotation the wrist does not, without translation only joints do.
+        q: (n,) singular configuration [rad, m].
+        corank: at q.
+
+    Returns:
+        From the base outwards; empty for an arm with fewer than two axes.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("ur5e")
+        >>> found = specials_at(arm, resolve_task(None, arm), np.array([0.0, -1.0, 1.0, 0.5, 0.0, 0.0]), 1)
+        >>> [(one.part.value, one.joint, one.exact) for one in found]
+        [('wrist', 5, True)]
+    """
+    turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
+    always = _always(robot, turns, moves)
+    found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in always]
+    exact = [one for one in found if one.exact]
+    chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
+    return tuple(one for part in Part for one in chosen if one.part is part)
+
+
+@once
+def _always(robot: Robot, turns: bool, moves: bool) -> frozenset[tuple[Part, int]]:
+    """Conditions that hold at every configuration."""
+    draws = np.random.default_rng(3).uniform(-pi, pi, (_STRUCTURE, robot.n))
+    seen = [{(one.part, one.joint) for one in _candidates(robot, q, turns, moves) if one.exact} for q in draws]
+    return frozenset(set.intersection(*seen))
+
+
+def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Special]:
+    """Every condition of the arm, measured at q (n,); `turns`, `moves`: rotation and translation matter."""
+    scene = Scene(robot, q[None])
+    axes = scene.axes
+    if len(axes) < 2:
+        return
+    arm = _Axes(
+        [_vector(row) for row in scene.z[list(axes), 0].tolist()],
+        [_vector(row) for row in scene.p[list(axes), 0].tolist()],
+        None if turns else _vector(scene.tip[0].tolist()), scene.length,
+    )  # fmt: skip
+    joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
+    elbow = arm.elbow
+    turn = arm.elbow_turn(_vector(scene.tip[0].tolist())) if moves else None
+    if turns and arm.aligned(elbow - 1, elbow + 1):
+        yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrapped(values[elbow]), 0.0, exact=True)
+    elif turn is not None:
+        shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
+        yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
+    ends = [(Part.WRIST, len(axes) - 2)] * (turns and len(axes) >= 5)
+    ends += [(Part.SHOULDER, 1)] * (len(axes) >= 7)
+    for part, middle in ends:
+        turn = arm.turn(middle)
+        if turn is not None:
+            yield _measured(part, Shape.JOINT, joints[middle], values[middle], turn)
+    if moves and 4 <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
+        gap, lever = arm.from_shoulder_plane(_vector(scene.tip[0].tolist()))
+        yield Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, atan2(gap, max(lever, _FLAT * arm.reach)),
+                      gap <= EXACT * arm.reach)  # fmt: skip
+
+
+def _measured(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
+    """A condition of one joint that its angle misses by `turn` modulo π."""
+    off = turn - pi * round(turn / pi)
+    return Special(part, shape, joint, wrapped(value - off), abs(off), abs(off) <= EXACT)
+
+
+@dataclass(frozen=True, slots=True)
+class _Axes:
+    """The axes of an arm at one configuration, from the base outwards.
+
+    Attributes:
+        z: unit directions.
+        p: a point on each [m].
+        tip: where the tip plays the part of the wrist, its position [m]; else None.
+        reach: of the arm [m].
+    """
+
+    z: list[Vector]
+    p: list[Vector]
+    tip: Vector | None
+    reach: float
+
+    @property
+    def elbow(self) -> int:
+        """Number from 0 of the elbow among the axes: second in a planar arm, fourth of seven, else third."""
+        if len(self.z) <= 3 or _parallel(self.z[0], self.z[1]):
+            return 1
+        return 3 if len(self.z) >= 7 else 2
+
+    def aligned(self, i: int, j: int) -> bool:
+        """Whether two axes are one line; False where there is no second."""
+        if j >= len(self.z) or not _parallel(self.z[i], self.z[j]):
+            return False
+        return _length(_across(_less(self.p[j], self.p[i]), self.z[i])) <= EXACT * self.reach
+
+    def elbow_turn(self, tip: Vector) -> float | None:
+        """Angle from the upper arm to the forearm about the elbow axis [rad]; None where one has no length there."""
+        elbow = self.elbow
+        axis, at = self.z[elbow], self.p[elbow]
+        parallel = _parallel(self.z[elbow - 1], axis)
+        start = self.p[elbow - 1] if parallel else self.between(max(elbow - 2, 0), elbow - 1)
+        upper, lower = _across(_less(at, start), axis), _across(_less(self.wrist_point(tip), at), axis)
+        if min(_length(upper), _length(lower)) <= _FLAT * self.reach:
+            return None
+        return _angle(upper, lower, axis)
+
+    def turn(self, middle: int) -> float | None:
+        """Angle between two axes about the one between them [rad]; None where one is parallel to that."""
+        axis = self.z[middle]
+        first, last = _across(self.z[middle - 1], axis), _across(self.z[middle + 1], axis)
+        return None if min(_length(first), _length(last)) < EXACT else _angle(first, last, axis)
+
+    def from_shoulder_plane(self, tip: Vector) -> tuple[float, float]:
+        """Distances of the wrist from the plane through axis 1 along axis 2, and from axis 2 [m]."""
+        bundle = len(self.z) == 6 and _parallel(self.z[self.elbow], self.z[self.elbow + 1])
+        point = self.between(4, 5) if bundle and self.tip is None else self.wrist_point(tip)
+        normal = _cross(self.z[0], self.z[1])
+        gap = abs(_dot(_less(point, self.p[0]), normal)) / _length(normal)
+        return gap, _length(_across(_less(point, self.p[1]), self.z[1]))
+
+    def wrist_point(self, tip: Vector) -> Vector:
+        """The point that the axes behind the elbow turn about; the tip where there is none."""
+        after = self.elbow + 1
+        if self.tip is not None:
+            return self.tip
+        if after < len(self.z) and _parallel(self.z[after - 1], self.z[after]):
+            return self.p[after]
+        if after >= len(self.z) - 1:
+            return tip
+        first = max(after, len(self.z) - 3)
+        return self.between(first, first + 1)
+
+    def between(self, i: int, j: int) -> Vector:
+        """Middle of the common perpendicular of two axes; a point on the second where they are parallel."""
+        skew = _cross(self.z[i], self.z[j])
+        square = _dot(skew, skew)
+        if square < EXACT:
+            return self.p[j]
+        apart = _less(self.p[j], self.p[i])
+        s = _dot(_cross(apart, self.z[j]), skew) / square
+        t = _dot(_cross(apart, self.z[i]), skew) / square
+        a, b = (_plus(self.p[k], self.z[k], along) for k, along in ((i, s), (j, t)))
+        return ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2)
+
+
+# Vectors as tuples: of three numbers they take a tenth of the time of arrays.
+
+
+def _vector(row: list[float]) -> Vector:
+    return row[0], row[1], row[2]
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _plus(a: Vector, b: Vector, times: float) -> Vector:
+    return a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]
+
+
+def _less(a: Vector, b: Vector) -> Vector:
+    return _plus(a, b, -1.0)
+
+
+def _length(a: Vector) -> float:
+    return sqrt(_dot(a, a))
+
+
+def _parallel(a: Vector, b: Vector) -> bool:
+    return _length(_cross(a, b)) < EXACT
+
+
+def _across(vector: Vector, axis: Vector) -> Vector:
+    """The part of a vector that is normal to an axis."""
+    return _plus(vector, axis, -_dot(axis, vector))
+
+
+def _angle(a: Vector, b: Vector, axis: Vector) -> float:
+    """From a to b about an axis that is normal to both, in (−π, π] [rad]."""
+    return atan2(_dot(_cross(a, b), axis), _dot(a, b))

@@ -1,0 +1,81 @@
+"""The first lines of `explain` name the part of the arm: random singular configurations of catalogue arms."""
+
+from __future__ import annotations
+
+import re
+from textwrap import wrap
+
+import numpy as np
+import pytest
+
+from rankdrop.families.points import members
+from rankdrop.local.special import Part, Shape, specials_at
+from rankdrop.results.explanation_text import summary_lines
+from rankdrop.results.known import shipped
+from rankdrop.robot.model import Array
+from rankdrop.verbs.explain import explain
+
+SOME = ("ur5e", "crx10ia", "gen3", "panda", "sawyer", "j2n6s300", "scara", "pa10")
+MORE = ("xarm6", "crb15000", "hc10", "gen3_lite", "cobotta", "baxter", "rizon4", "m1n6s200", "yumi", "tiago", "so101",
+        "open_manipulator", "canadarm2", "rcrrrr", "fetch8", "puma560", "planar3r", "almarkhi4")  # fmt: skip
+
+
+def check(name: str, each: int) -> None:
+    """The first line names a part, the answer has at most six lines of 80 columns, and says nothing of screws."""
+    found = shipped(name)
+    for family in found.families:
+        points = members(found.robot, found.task, family, 8, seed=5)[:each]
+        for q in points if len(points) else np.array([family.witness]):
+            if family.corank > 3:
+                continue
+            lines = summary_lines(explain(found.robot, q, found.task))
+            assert re.search(r"shoulder|elbow|wrist", lines[0]), (q, lines[0])
+            assert "screw" not in " ".join(lines), lines
+            assert len(wrap(lines[0], 80)) + sum(len(wrap(line, 78)) for line in lines[1:]) <= 6, (q, lines)
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_the_answer_names_a_part_of_the_arm(name: str) -> None:
+    check(name, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MORE)
+def test_the_answer_names_a_part_of_more_arms(name: str) -> None:
+    check(name, 4)
+
+
+@pytest.mark.parametrize(
+    ("q", "part", "shape", "joint"),
+    [
+        ([0.3, -0.7, 0.5, 0.2, 0.0, 0.4], Part.WRIST, Shape.JOINT, 5),
+        ([0.3, -0.7, 0.0, 0.2, 0.9, 0.4], Part.ELBOW, Shape.STRETCHED, 3),
+        ([0.3, -0.7, np.pi, 0.2, 0.9, 0.4], Part.ELBOW, Shape.FOLDED, 3),
+    ],
+)
+def test_the_parts_of_an_arm_of_universal_robots(q: list[float], part: Part, shape: Shape, joint: int) -> None:
+    arm = shipped("ur5e")
+    (one,) = specials_at(arm.robot, arm.task, np.array(q), 1)
+    assert (one.part, one.shape, one.joint, one.exact) == (part, shape, joint, True)
+
+
+def test_parts_agree_with_the_conditions_of_the_families() -> None:
+    """What the geometry says is what the families of an arm of ideal geometry are named after."""
+    for name in ("puma560", "ur5e", "panda", "pa10"):
+        found = shipped(name)
+        for family in found.families[:3]:
+            head = set(re.findall(r"shoulder|elbow|wrist(?! centre)", family.name))
+            if "axes 3 and 5 aligned" in family.name:  # about joint 4 of the Panda, the elbow
+                head = {"elbow"}
+            q: Array = members(found.robot, found.task, family, 8, seed=2)[0]
+            here = {one.part.value for one in specials_at(found.robot, found.task, q, family.corank)}
+            assert head <= here, (name, family.name, here)
+
+
+def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:
+    """On the one sheet of a CRX the nearest condition of the ideal arm is named, with the angle that is missing."""
+    found = shipped("crx10ia")
+    for q in members(found.robot, found.task, found.families[0], 8, seed=3)[:3]:
+        (one,) = specials_at(found.robot, found.task, q, 1)
+        assert not one.exact
+        assert 0 < one.off < np.radians(45)

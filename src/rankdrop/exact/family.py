@@ -93,7 +93,7 @@ class ExactFamily:
 
     @cached_property
     def slides(self) -> tuple[int, ...]:
-        """Numbers of the sliding joints that a condition of its own, q = 0, holds: the first of `conditions`."""
+        """Numbers of the sliding joints at rest by a condition q = 0 of their own, the first of `conditions`."""
         alone = (one.joints[0] for one in self.conditions if len(one.polynomial) == 1 and len(one.joints) == 1)
         return tuple(joint for joint in alone if joint in self.conditions[0].ring.prismatic)
 

@@ -165,7 +165,9 @@ def sentence(check: Any) -> str:
     if check.holds:
         kept = f", and farther than {angle(check.options.min_distance)} from any" if check.margin == "kept" else ""
         limits = "; joint limits and rates kept" if check.curve.times is not None else ""
-        return f"Free: proven for every point of the path{kept}{limits}."
+        passed = "" if check.tool is None or not check.tool.passed else f"; {passing_words(check.tool.passed)}"
+        beside = " that the joints take" if passed else ""  # a start on a singularity is found to half the digits
+        return f"Free: proven for every point of the path{beside}{kept}{limits}{passed}."
     parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
     if check.clear:
         parts.append("free of singularities (proven)")

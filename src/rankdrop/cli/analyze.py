@@ -7,7 +7,7 @@ list.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import radians
 from time import monotonic
@@ -35,7 +35,7 @@ from rankdrop.cli.command import (
     starts_line,
     subject,
 )
-from rankdrop.cli.terminal import BAD, answer_lines, screen
+from rankdrop.cli.terminal import BAD, answer_lines, fitted, screen
 from rankdrop.options import option
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.sections import Section
@@ -59,7 +59,8 @@ OWN = "--ideal off analyses it alone"
 class Tables(Output):
     """Which rows of the tables are shown, and where they go."""
 
-    all: Annotated[bool, option("Show every row of calibrated arms, not a few of each kind")] = False
+    full: Annotated[bool, option("Print all tables: every joint, conditions, lost motions, tests")] = False
+    all: Annotated[bool, option("As --full, with every row of calibrated arms, not a few of each kind")] = False
     latex: Annotated[str | None, option("Write the tables as LaTeX to this file; - for stdout", writes=())] = None
 
 
@@ -75,12 +76,14 @@ def analyze(
 ) -> Done:
     """Find every family of singularities of an arm.
 
-    Per family: the values of its pinned joints, × for a free joint, c for a coupled one (the condition follows the
-    table), its dimension, the directions lost, the share of points solved from its conditions that are singular, and
-    the share of fresh singular points that it explains.
+    Per family: the rank on it, its name, and what it asks of the joints; then the motions lost on the largest families.
+    With --full also: × for a free joint, c for a coupled one (the condition follows the table), the dimension, the
+    directions lost, the share of points solved from its conditions that are singular, and the share of fresh singular
+    points that it explains.
 
     For example:
         rankdrop analyze pa10
+        rankdrop analyze pa10 --full
         rankdrop analyze arm.urdf --tip flange --json arm.json
         rankdrop analyze pa10 --latex pa10.tex
 
@@ -104,11 +107,37 @@ def analyze(
         verdict = of_ideal(analysis.verdict, made).to_dict()
         return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
 
+    def blocks() -> Iterable[Block]:
+        if output.full or output.all:
+            return _blocks(analysis, task, made, about_ideal, own, seconds=seconds, every=output.all)
+        return _brief(analysis, task, made, own, seconds=seconds)
+
     return Done(
-        lambda: _blocks(analysis, task, made, about_ideal, own, seconds=seconds, every=output.all),
+        blocks,
         {"json": record, "latex": analysis.latex}, holds=analysis.verdict.holds,
         complete=analysis.complete and not (analysis.exact is not None and analysis.exact.interrupted),
     )  # fmt: skip
+
+
+def _brief(
+    analysis: results.Analysis, task: Task, made: verbs.Idealised | None, own: results.Analysis | None, *,
+    seconds: float,
+) -> list[Block]:  # fmt: skip
+    """The answer, one row per family, and what the largest families lose, in at most 40 lines."""
+    near = near_line(analysis.robot, made).get("near", "")
+    about = [text.arm_line(analysis.robot, task, analysis.generic_rank, limits=analysis.settings.limits)]
+    about += [f"Near: {near}"] if near else []
+    blocks: list[Block] = [
+        answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made)),
+        [*about, *(Text(note, style="bold yellow") for note in analysis.notes)],
+    ]
+    table, lost = text.analysis_table(analysis), text.lost_section(analysis.robot, analysis.generic_rank, analysis.families)
+    blocks += [table] if table.rows else []
+    blocks += [lost] if lost is not None else []
+    if own is not None:
+        blocks.append([f"The arm with the file's own numbers ({OWN}): {own.answer}"])
+    blocks.append([text.more_line(seconds)])
+    return fitted(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
 
 def _blocks(

@@ -5,7 +5,7 @@ And what a user asks beside them: is mine right, which aspect is this, what part
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import degrees
 from typing import TYPE_CHECKING, Annotated
@@ -28,7 +28,7 @@ from rankdrop.cli.command import (
     parse_configuration,
     subject,
 )
-from rankdrop.cli.terminal import answer_lines
+from rankdrop.cli.terminal import answer_lines, fitted
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.options import option
 from rankdrop.questions import ConditionsOptions
@@ -43,6 +43,7 @@ class Question(Output):
     """What is asked of the conditions, and where they go."""
 
     TITLE = "Questions and output"
+    full: Annotated[bool, option("Print every condition, lost motion, assumption and check")] = False
     test: Annotated[str | None, option("A condition: is it exactly the singular set, too small, or too large?")] = None
     flags: Annotated[
         str | None, option("A configuration: signs of the determinant's factors there (arms without redundancy)")
@@ -99,7 +100,7 @@ class Question(Output):
             between = conditions.between(self._q(robot, self.start), self._q(robot, self.end))
             record["between"] = results.plain(between)
             sections += [self._flags(robot, "From", between.first), self._flags(robot, "To", between.second)]
-            sections.append(Section("What parts them", "", between.sentences()))
+            sections.append(Section("What separates the two", "", between.sentences()))
         verdict = text.of_conditions(conditions, tested)
         return sections, {**record, **verdict.to_dict()}, verdict
 
@@ -132,6 +133,7 @@ def conditions(
 
     For example:
         rankdrop conditions pa10
+        rankdrop conditions pa10 --full
         rankdrop conditions canadarm2 --steps --lengths "a=0.635,c=0.504,d=6.85"
         rankdrop conditions canadarm2 --steps --method suppression --basic 2-7 --frame 5
         rankdrop conditions puma560 --test "sin(q5)*(a3*sin(q3)+d4*cos(q3))"
@@ -158,7 +160,24 @@ def conditions(
         }  # fmt: skip
         return {**found.to_dict(), **answered, **nearby}
 
-    def blocks() -> Iterator[Block]:
+    def blocks() -> Iterable[Block]:
+        return whole() if output.full or steps else brief()
+
+    def brief() -> list[Block]:
+        near = near_line(model, made).get("near", "")
+        about = [text.arm_line(model, task, found.generic_rank), *([f"Near: {near}"] if near else [])]
+        table = text.conditions_table(found)
+        lost = text.lost_section(model, found.generic_rank, found.families)
+        left = Section("Not finished", lines=found.left) if found.left else None
+        blocks: list[Block] = [answer_lines(found.answer, verdict, subject(model, made)), *answers, about]
+        blocks += [table] if table.rows else []
+        blocks += [one for one in (lost, left) if one is not None]
+        notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
+        blocks.append(list(filter(None, notes)))
+        cut = [one for one in (left, *answers[::-1], table) if one is not None and (one.rows or one.lines)]
+        return fitted(blocks, optional=[] if lost is None else [lost], cut=cut)
+
+    def whole() -> Iterator[Block]:
         answer = answer_lines(found.answer, verdict, subject(model, made))
         yield answer
         yield arm_section(model, task, found.generic_rank, text.arm_lines(found) | near_line(model, made))

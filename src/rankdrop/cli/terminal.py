@@ -12,8 +12,9 @@ import codecs
 import os
 import sys
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
 from time import monotonic
@@ -194,6 +195,59 @@ def print_blocks(blocks: Iterable[Block]) -> None:
     for number, block in enumerate(blocks):
         parts = section_parts(block, console.width) if isinstance(block, Section) else block
         show(console, [*([""] if number else []), *parts])
+
+
+BRIEF = 40
+"""Lines of an output without --full."""
+
+
+def fitted(blocks: Sequence[Block], optional: Sequence[Section] = (), cut: Sequence[Section] = ()) -> list[Block]:
+    """Blocks in at most `BRIEF` lines of the console, as far as what may be left out allows.
+
+    Args:
+        blocks: to print.
+        optional: of these, what goes first, the last one first.
+        cut: of these, sections that lose rows or lines at their end after that, the last one first; the rows and lines
+            left out are counted below the others.
+    """
+    console = screen()
+    kept: list[Block] = [one if isinstance(one, Section) else list(one) for one in blocks]
+
+    def lines() -> int:
+        return sum(_height(console, one) for one in kept) + len(kept) - 1
+
+    for section in reversed(optional):
+        if lines() > BRIEF:
+            kept = [one for one in kept if one is not section]
+    for section in reversed(cut):
+        place = next(i for i, one in enumerate(kept) if one is section)
+        most = len(section.rows or section.lines)
+        if lines() <= BRIEF:
+            break
+        low, high = 0, most - 1  # the largest number of rows that fits, 0 where none does
+        while low < high:
+            middle = (low + high + 1) // 2
+            kept[place] = _cut(section, middle)
+            low, high = (middle, high) if lines() <= BRIEF else (low, middle - 1)
+        kept[place] = _cut(section, low)
+    return kept
+
+
+def _cut(section: Section, number: int) -> Section:
+    """The first rows of a section, or its first lines where it has no rows; the others counted."""
+    left = f"and {len(section.rows or section.lines) - number} more: --full"
+    if section.rows:
+        return replace(section, rows=section.rows[:number], after=(left, *section.after))
+    return replace(section, lines=section.lines[:number], after=(left, *section.after))
+
+
+def _height(console: Console, block: Block) -> int:
+    """Lines of a block on a console."""
+    parts = section_parts(block, console.width) if isinstance(block, Section) else block
+    with console.capture() as capture:
+        for part in parts:
+            console.print(part)
+    return len(capture.get().splitlines())
 
 
 def section_parts(section: Section, width: int) -> Iterable[RenderableType]:

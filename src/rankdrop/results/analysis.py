@@ -23,6 +23,7 @@ from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
+from rankdrop.family.summary import FamilySummary
 from rankdrop.local.block import singular_values
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
@@ -32,7 +33,7 @@ from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.conditions import Verdict, of_analysis, opening
+from rankdrop.text.conditions import Verdict, of_analysis, opening, summary_of_analysis
 from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
 
@@ -76,9 +77,14 @@ class Analysis(Result):
         return of_analysis(self)
 
     @property
+    def summary(self) -> FamilySummary:
+        """Facts of the answer: families by rank, and how they were verified."""
+        return summary_of_analysis(self)
+
+    @property
     def answer(self) -> str:
         """What the arm has, in one sentence."""
-        return opening(self.robot, self.generic_rank, self.families)
+        return opening(self.summary)
 
     @property
     def verified(self) -> bool:

@@ -20,6 +20,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import Step
 from rankdrop.family.record import Check
+from rankdrop.family.summary import FamilySummary
 from rankdrop.questions import ConditionsOptions
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
@@ -107,9 +108,14 @@ class Conditions(Result):
         return text.of_conditions(self)
 
     @property
+    def summary(self) -> FamilySummary:
+        """Facts of the answer: families by rank, and how they were verified."""
+        return text.summary_of_conditions(self)
+
+    @property
     def answer(self) -> str:
         """What the arm has, in one sentence."""
-        return text.opening(self.robot, self.generic_rank, self.families)
+        return text.opening(self.summary)
 
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
         """The families of one corank."""

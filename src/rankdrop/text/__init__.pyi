@@ -1,3 +1,10 @@
+from .brief import FULL as FULL
+from .brief import analysis_table as analysis_table
+from .brief import arm_line as arm_line
+from .brief import assumed_line as assumed_line
+from .brief import conditions_table as conditions_table
+from .brief import lost_section as lost_section
+from .brief import more_line as more_line
 from .by_hand import conditions_text as conditions_text
 from .by_hand import notes_of as notes_of
 from .by_hand import steps_of as steps_of
@@ -10,6 +17,8 @@ from .conditions import of_conditions as of_conditions
 from .conditions import opening as opening
 from .conditions import sampled as sampled
 from .conditions import steps_text as steps_text
+from .conditions import summary_of_analysis as summary_of_analysis
+from .conditions import summary_of_conditions as summary_of_conditions
 from .conditions import unseen as unseen
 from .families import COUPLED as COUPLED
 from .families import FREE as FREE

@@ -21,7 +21,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import typeset
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.record import Family, short_name
+from rankdrop.family.summary import Evidence, FamilySummary, RankSummary, summarised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
@@ -304,6 +304,12 @@ FAILURES = {
 Failure = tuple[Any, ...]
 """A key of `FAILURES` and what goes into its words."""
 _NAMED = 6  # short names of families in the first line
+_EXACTLY = "exact derivation"
+_EVIDENCE: dict[tuple[str, ...], Evidence] = {
+    (): Evidence.NONE, (SAMPLED,): Evidence.TESTED, (EXACT,): Evidence.DERIVED,
+    (SAMPLED, EXACT): Evidence.DERIVED_AND_TESTED, (EXACT, SAMPLED): Evidence.DERIVED_AND_TESTED,
+}  # fmt: skip
+"""Claims of a verdict -> how the families were verified."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,18 +342,55 @@ class Verdict:
         return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
 
 
-def opening(robot: Robot, generic_rank: int, families: Sequence[Family | ExactFamily]) -> str:
-    """What an arm has: "pa10 has 9 families of singularities: elbow, shoulder, wrist, …; ranks 5, 4 and 3."."""
-    if not families:
-        return f"{robot.name}: no family of singularities was found."
-    ranks = sorted({generic_rank - one.corank for one in families}, reverse=True)
-    names = list(dict.fromkeys(short_name(one.name) for one in families))
+def opening(summary: FamilySummary) -> str:
+    """What an arm has: "ur5e has 9 families of singularities: shoulder, elbow, wrist (rank 5); 5 combinations (rank 4);
+    1 (rank 3)."
+    """
+    if not summary.ranks:
+        return f"{summary.arm}: no family of singularities was found."
+    first, *others = summary.ranks
+    parts = [f"{_names(first)} (rank {first.rank})"]
+    for before, one in zip(summary.ranks, others, strict=False):
+        words = str(one.families) if _alike(before, one, first) else _counted(one)
+        parts.append(f"{words} (rank {one.rank})")
+    return f"{summary.arm} has {count(summary.families, 'family', 'families')} of singularities: {'; '.join(parts)}."
+
+
+def _alike(before: RankSummary, one: RankSummary, first: RankSummary) -> bool:
+    """Whether the noun of the rank before holds for this rank too: all are combinations, or none is."""
+    alike = all(rank.combinations == rank.families for rank in (before, one))
+    return before is not first and (alike or before.combinations == one.combinations == 0)
+
+
+def _names(ranked: RankSummary) -> str:
+    """Names of the families of one rank: "shoulder, elbow, wrist", "wrist (2 families), elbow"."""
+    names = [name if many == 1 else f"{name} ({many} families)" for name, many in ranked.names.items()]
     comma = "; " if any("," in name for name in names) else ", "
-    return (
-        f"{robot.name} has {count(len(families), 'family', 'families')} of singularities: "
-        f"{comma.join(names[:_NAMED])}{f'{comma}…' if len(names) > _NAMED else ''}; "
-        f"{'rank' if len(ranks) == 1 else 'ranks'} {', '.join(map(str, ranks))} of {generic_rank}."
-    )
+    if len(names) <= _NAMED:
+        return comma.join(names)
+    left = ranked.families - sum(list(ranked.names.values())[:_NAMED])
+    return f"{comma.join(names[:_NAMED])}{comma}{left} more"
+
+
+def _counted(ranked: RankSummary) -> str:
+    """Families of a lower rank, counted: "5 combinations", "2 more", "1 combination and 3 more"."""
+    others = ranked.families - ranked.combinations
+    parts = [count(ranked.combinations, "combination")] if ranked.combinations else []
+    parts += [f"{others} more"] if others else []
+    return " and ".join(parts)
+
+
+def summary_of_analysis(analysis: Any) -> FamilySummary:
+    """Facts of an analysis: families by rank, and how they were verified."""
+    tests = sum(one.completeness.tested for one in analysis.coranks)
+    evidence = _EVIDENCE[of_analysis(analysis).claims]
+    return summarised(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests)
+
+
+def summary_of_conditions(derived: Any) -> FamilySummary:
+    """Facts of an exact derivation: families by rank, and how they were verified."""
+    tests, evidence = derived.explained.tested, _EVIDENCE[of_conditions(derived).claims]
+    return summarised(derived.robot.name, derived.generic_rank, derived.families, evidence, tests)
 
 
 def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
@@ -369,17 +412,34 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         failures += [("disagreement", text) for text in derived.disagreements]
     if failures:
         return _failed(failures, claims)
-    if agrees:
-        exactly = "all conditions are exact" if analysis.families else "the exact derivation has none either"
-    elif derived is not None:
+    sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
+    return Verdict(VERIFIED, claims, sentence)
+
+
+def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
+    """How the families of an analysis were verified, in words without the full stop."""
+    starts = sum(one.starts for one in analysis.coranks)
+    tests = count(sum(one.completeness.tested for one in analysis.coranks), "random test")
+    how = _EXACTLY if exact else "a derivation for rounded numbers"
+    if analysis.families:
+        return f"Verified by {how} and {tests}" if derived else f"Verified by {tests}"
+    if derived:
+        return f"Verified by {how}; {count(starts, 'random search', 'random searches')} found no singularity"
+    return f"Sampled: no singular configuration from {count(starts, 'start')}, which is no proof of absence"
+
+
+def _apart(analysis: Any, derived: Any) -> str:
+    """What is added to the verdict on an analysis about conditions derived apart from it, or not derived."""
+    if analysis.exact is not None and analysis.exact.agrees:
+        return ""
+    if derived is not None:
         on = derived.explained
-        exactly = (f"{on.agree:,} of {on.tested:,} configurations found lie on exact families" if exact
-                   else "the exact conditions are not complete")  # fmt: skip
-    else:
-        exactly = "exact conditions were not asked for"
-        if analysis.exact is not None:
-            exactly = f"exact conditions were not derived, {analysis.exact.reason.rstrip('.')}"
-    return Verdict(VERIFIED, claims, f"Verified, {' and '.join(claims)}: {_sampled(analysis)}; {exactly}.")
+        if of_conditions(derived).holds:
+            return f"; {on.agree:,} of {on.tested:,} configurations found lie on exact families"
+        return "; the exact conditions are not complete"
+    if analysis.exact is None:
+        return "; exact conditions were not asked for"
+    return f"; exact conditions were not derived, {analysis.exact.reason.rstrip('.')}"
 
 
 def _failures(analysis: Any) -> Iterator[Failure]:
@@ -397,16 +457,6 @@ def _failures(analysis: Any) -> Iterator[Failure]:
     yield from (("unnamed", row.id) for row in analysis.families if not row.named)
     if exact is not None and not exact.derived and not exact.holds:
         yield "not derived", exact.reason
-
-
-def _sampled(analysis: Any) -> str:
-    if not analysis.families:
-        starts = sum(one.starts for one in analysis.coranks)
-        return f"no singular configuration met from {starts:,} starts, which is no proof of absence"
-    fresh = sum(one.completeness.tested for one in analysis.coranks)
-    rows = count(len(analysis.families), "family", "families")
-    explain = "explains" if len(analysis.families) == 1 else "explain"
-    return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points"
 
 
 def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
@@ -428,16 +478,15 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
     if failures:
         return _failed(failures, claims)
-    families = count(len(derived.families), "family", "families")
     tail = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for" if derived.lowest else ""
+    how = exactly if rounded else _EXACTLY
     if points:
-        on = f"{points:,} of {points:,} singular configurations found lie on them"
-        return Verdict(VERIFIED, claims, f"Verified, {exactly} and sampled: {families}; {on}{tail}{rounded}.")
-    tail = f"not tried on configurations found numerically{tail}{rounded}."
+        return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{tail}{rounded}.")
+    tail = f"not tested on singular configurations found numerically{tail}{rounded}."
     if ranks := sum(family.rank_check.tested for family in derived.families):
-        on = f"the rank is as claimed at {ranks:,} random points of them"
-        return Verdict(VERIFIED, claims, f"Verified, {exactly}: {families}; {on}; {tail}")
-    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {families}; {tail}")
+        on = f"the rank is as derived at {count(ranks, 'random point')} of the families"
+        return Verdict(VERIFIED, claims, f"Verified by {how}: {on}; {tail}")
+    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {tail}")
 
 
 def _contradictions(derived: Any) -> Iterator[Failure]:
@@ -459,7 +508,7 @@ def _exactness(chain: Chain) -> tuple[str, str]:
         return EXACT, ""
     texts = [one.text for one in chain.rounded]
     more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
-    return "derived for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
+    return "a derivation for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
 
 
 def _failed(failures: Sequence[Failure], claims: tuple[str, ...]) -> Verdict:

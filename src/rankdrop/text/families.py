@@ -573,6 +573,17 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     )  # fmt: skip
 
 
+def share_cell(share: NearShare) -> str:
+    """A share of the joint space in a table: "7.75 %", "≥ 5.7 %"."""
+    return _percent(share)
+
+
+def near_total(near: Near) -> str:
+    """The share near any family, and the share where the tool is slow."""
+    total = f"any: {_percent(near.any)} ± {100 * near.any.error:.2g} %"
+    return total if near.slow is None else f"{total}; tool slower than 25 mm/s or 5°/s: {_percent(near.slow)}"
+
+
 def _percent(share: NearShare) -> str:
     return f"{AT_LEAST if share.bound else ''} {100 * share.share:.3g} %".strip()
 

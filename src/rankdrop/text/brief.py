@@ -1,0 +1,145 @@
+"""The short form of an analysis and of exact conditions: one row per family, and what the largest families lose.
+
+`--full` prints the long form: tables of every joint, conditions, tests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import degrees
+from typing import Any
+
+from rankdrop.exact.family import ExactFamily
+from rankdrop.families.share import Near
+from rankdrop.family.equation import pretty_angle
+from rankdrop.family.lost import LostFreedom
+from rankdrop.family.record import Family, Pin, short_name
+from rankdrop.robot.model import Robot
+from rankdrop.robot.quantities import count
+from rankdrop.sections import Section
+from rankdrop.task import Task
+from rankdrop.text.conditions import condition_lines, values_in_degrees
+from rankdrop.text.families import (
+    exact_conditions,
+    letters_text,
+    near_total,
+    share_cell,
+    share_text,
+    symbols,
+    values_text,
+    within,
+)
+from rankdrop.text.lost import lost_note, lost_sentences
+
+FULL = "--full"
+_SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
+
+
+def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = False) -> str:
+    """The arm and its task in a line, with the notes on its file."""
+    about = f": {robot.about}" if robot.about else ""
+    where = "; within the joint limits" if limits else ""
+    line = f"{robot.name}{about}; task {task.name}, rank {generic_rank} almost everywhere{where}."
+    return "\n".join((line, *(f"Note: {note}" for note in robot.notes)))
+
+
+def analysis_table(analysis: Any) -> Section:
+    """One row per family of an analysis: rank, name, what it asks of the joints; the share near it where it is known."""
+    robot, near = analysis.robot, analysis.near
+    shares = {} if near is None else {one.id: share_cell(one) for one in near.families}
+    rows, letters = [], False
+    for family in analysis.families:
+        shown, outside = within(family, robot, limits=analysis.settings.limits)
+        exact = exact_conditions(family, analysis.exact)
+        short = bool(exact) and len(exact) <= _SHORT
+        letters |= short
+        asked = _asked(robot, shown, exact if short else "")
+        failed = family.soundness.agree < family.soundness.tested
+        asked += f"; outside the limits: {outside}" if outside else ""
+        asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}" if failed else ""
+        rank = str(analysis.generic_rank - family.corank)
+        rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
+    return _table(rows, analysis.exact.letters if letters else {}, near)
+
+
+def conditions_table(conditions: Any) -> Section:
+    """One row per family of an exact derivation: rank, name, conditions."""
+    rows, letters = [], False
+    for family in conditions.families:
+        text = "; ".join(condition_lines(family))
+        short = len(text) <= _SHORT
+        letters |= short and bool(family.conditions)
+        rank = str(conditions.generic_rank - family.corank)
+        rows.append((rank, family.name, text if short else _of_joints(conditions.robot, family)))
+    return _table(rows, conditions.letters if letters else {}, None)
+
+
+def _table(rows: Sequence[tuple[str, ...]], letters: Any, near: Near | None) -> Section:
+    columns: tuple[str, ...] = ("rank", "family", "condition")
+    after = []
+    if letters:
+        after.append(f"s2 = sin θ2, c23 = cos(θ2 + θ3); {letters_text(letters)}")
+    if near is not None:
+        columns = (*columns, "near")
+        where = "joint space inside the limits" if near.limits else "joint space"
+        after.append(f"near: share of the {where} within {degrees(near.within):.4g}° of the family; {near_total(near)}")
+    return Section("", columns=columns, rows=tuple(rows), texts=(1, 2), after=tuple(after))
+
+
+def _asked(robot: Robot, family: Family, exact: str) -> str:
+    """What a family asks of the joints: values of pinned joints in degrees, then the condition or the joints in it."""
+    if not family.named:
+        return "no condition found"
+    names = symbols(robot)
+    parts = [f"{names[one.number - 1]} = {_values(robot, one)}" for one in family.pinned]
+    if exact:
+        parts = [exact] if family.coupled else parts
+    elif family.coupled:
+        parts.append(_function(names[number - 1] for number in family.coupled))
+    return "; ".join(parts) or "every configuration"
+
+
+def _function(names: Iterable[str]) -> str:
+    """A condition that is too long for the table: "f(θ2, θ4, θ5) = 0"."""
+    return f"f({', '.join(names)}) = 0"
+
+
+def _values(robot: Robot, pin: Pin) -> str:
+    """Values of a pinned joint: "0, π", "±π/2", "−95.19° or 84.81°", "0.25 m"."""
+    exact = all("π" in text or text == "0" for text in map(pretty_angle, pin.values))
+    simple = exact and robot.variables[pin.number - 1].unit == "rad"
+    return values_text(pin.values) if simple else values_in_degrees(robot, pin.number, pin.values)
+
+
+def _of_joints(robot: Robot, family: ExactFamily) -> str:
+    names = symbols(robot)
+    parts = [pin.text() for pin in family.pins]
+    coupled = sorted({joint for one in family.conditions for joint in one.joints})
+    return "; ".join([*parts, _function(names[joint - 1] for joint in coupled)] if coupled else parts)
+
+
+def lost_section(robot: Robot, generic_rank: int, families: Sequence[Family | ExactFamily]) -> Section | None:
+    """What is lost on the families of the highest rank; None where there is none."""
+    first = min((one.corank for one in families), default=0)
+    mine = [one for one in families if one.corank == first]
+    if not mine:
+        return None
+    lines = tuple(f"{short_name(one.name)}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine)
+    freedoms: list[LostFreedom] = [lost for one in mine for lost in one.lost_freedoms]
+    note = lost_note(robot, freedoms)
+    return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
+
+
+def assumed_line(conditions: Any) -> str:
+    """How many assumptions on the lengths were made, and which of them does not hold."""
+    wrong = [one.text for one in conditions.assumptions if not one.holds]
+    if not conditions.assumptions:
+        return ""
+    held = f"NOT true of this arm: {', '.join(wrong)}" if wrong else "all true of this arm"
+    return f"Derived under {count(len(conditions.assumptions), 'assumption')} on the lengths, {held}."
+
+
+def more_line(seconds: float | None = None) -> str:
+    """How to print the long form, and the time that the work took [s]."""
+    more = f"All conditions, lost motions and tests: {FULL}."
+    return more if seconds is None else f"{more} Time taken: {seconds:.1f} s."

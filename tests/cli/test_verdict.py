@@ -28,7 +28,7 @@ def derived():
     return conditions(open_robot("scara"), points=100)
 
 
-HAS = "scara has 1 family of singularities: elbow; rank 3 of 4."
+HAS = "scara has 1 family of singularities: elbow (rank 3)."
 
 
 def first_and_last(text: str) -> tuple[str, str]:
@@ -69,7 +69,7 @@ def test_analyze_calls_nothing_verified_where_it_ends_with_three(
     run, sampled: Analysis, monkeypatch: pytest.MonkeyPatch, change, word: str, begins: str
 ) -> None:
     monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: change(sampled))
-    ended = run("analyze", "scara", "--quiet")
+    ended = run("analyze", "scara", "--quiet", "--full")
     first, last = first_and_last(ended.out)
     assert first == last
     assert first.startswith(begins)
@@ -83,10 +83,10 @@ def test_analyze_says_what_was_done(run, sampled: Analysis, monkeypatch: pytest.
     claims = {"both": ["sampled", "derived exactly"], "alone": ["sampled"]}
     for name, analysis in shown.items():
         monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: analysis)  # noqa: B023
-        ended = run("analyze", "scara", "--quiet")
+        ended = run("analyze", "scara", "--quiet", "--full")
         first, last = first_and_last(ended.out)
         assert first == last
-        sure = f"Verified, {' and '.join(claims[name])}: 1 family explains 1,150 of 1,150 fresh"
+        sure = f"Verified by {'exact derivation and ' * (name == 'both')}1,150 random tests"
         assert first.startswith(f"{HAS} {sure}")
         assert ("exact conditions were not asked for" in first) == (name == "alone")
         assert ended.code == exits.FINE
@@ -114,7 +114,7 @@ def test_conditions_calls_nothing_verified_where_it_ends_with_three(
 ) -> None:
     wrong = replace(derived, **change)
     monkeypatch.setattr(rankdrop, "conditions", lambda *args, **options: wrong)
-    ended = run("conditions", "scara", "--quiet")
+    ended = run("conditions", "scara", "--quiet", "--full")
     first, last = first_and_last(ended.out)
     assert first == last
     assert first.startswith(begins)
@@ -127,7 +127,7 @@ def test_conditions_calls_nothing_verified_where_it_ends_with_three(
 
 
 def test_a_condition_that_is_not_exact_ends_with_three_and_says_so_first_and_last(run) -> None:
-    ended = run("conditions", "scara", "--test", "sin(q2/2)", "--quiet")
+    ended = run("conditions", "scara", "--test", "sin(q2/2)", "--quiet", "--full")
     first, last = first_and_last(ended.out)
     assert first == last == f"Not exact: the condition asked about is too small. {HAS}"
     assert ended.code == exits.UNEXPLAINED
@@ -136,8 +136,8 @@ def test_a_condition_that_is_not_exact_ends_with_three_and_says_so_first_and_las
 
 def test_what_was_tried_on_no_configuration_does_not_claim_it(run) -> None:
     sentence = first_and_last(run("conditions", "scara", "--points", "0", "--quiet").out)[0]
-    assert sentence.startswith(f"{HAS} Verified, derived exactly: 1 family; the rank is as claimed at 6 random points")
-    assert "not tried on configurations found numerically" in sentence
+    assert sentence.startswith(f"{HAS} Verified by exact derivation: the rank is as derived at 6 random points")
+    assert "not tested on singular configurations found numerically" in sentence
     none = conditions(open_robot("planar2r"), points=0, coranks=1)
     bare = replace(none, families=())
     assert bare.verdict.word == "unchecked"

@@ -189,12 +189,23 @@ def test_a_file_that_changes_while_others_are_judged_is_told(tmp_path: Path) -> 
         check_chunk(plan, 0)
 
 
-def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
+def test_degrees_read_as_radians_are_refused_with_their_row(tmp_path: Path, run) -> None:
     file = tmp_path / "deg.csv"
-    file.write_text("q1,q2,q3\n0,40,5\n10,60,5\n")
-    _, _, err = run(file)
-    assert "warning: deg.csv: angles up to 60 look like degrees" in err
+    file.write_text("q1,q2,q3\n0,4,5\n10,60,5\n")
+    code, out, err = run(file)
+    assert (code, out) == (2, "")
+    line = f'{file}, row 2: angles look like degrees; got 60; allowed: radians; fix: add --deg, or name the column "'
+    assert err.startswith(f"rankdrop: error: {line}")
+    assert len(err.splitlines()) == 1
     assert run(file, "--deg")[::2] == (0, "")
+
+
+def test_radians_stated_in_the_file_are_only_warned_of(tmp_path: Path, run) -> None:
+    file = tmp_path / "rad.csv"
+    file.write_text("q1 [rad],q2 [rad],q3 [rad]\n0,40,5\n10,60,5\n")
+    code, _, err = run(file)
+    assert code != 2
+    assert "warning: rad.csv: angles up to 60 look like degrees" in err
 
 
 @pytest.mark.by_hand

@@ -127,11 +127,13 @@ def _brief(
     near = near_line(analysis.robot, made).get("near", "")
     about = [text.arm_line(analysis.robot, task, analysis.generic_rank, limits=analysis.settings.limits)]
     about += [f"Near: {near}"] if near else []
+    about += [f"{made.moved}."] if made is not None and not made.changes else []
     blocks: list[Block] = [
         answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made)),
         [*about, *(Text(note, style="bold yellow") for note in analysis.notes)],
     ]
-    table, lost = text.analysis_table(analysis), text.lost_section(analysis.robot, analysis.generic_rank, analysis.families)
+    table = text.analysis_table(analysis)
+    lost = text.lost_section(analysis.robot, analysis.generic_rank, analysis.families)
     blocks += [table] if table.rows else []
     blocks += [lost] if lost is not None else []
     if own is not None:

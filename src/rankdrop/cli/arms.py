@@ -24,14 +24,17 @@ from rankdrop.cli.command import (
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.terminal import check_target, write_text
+from rankdrop.cli.terminal import check_target, fitted, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rankdrop.cli.terminal import Block
+
 _NO_MAKER = "Documents"
+_FEW = 6  # lines of a section that is printed whole
 
 
 @command
@@ -150,6 +153,7 @@ class JacobianOptions(Options):
     deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
     symbolic: Annotated[bool, option("The closed form beside the numbers of --q")] = False
     inverse: Annotated[bool, option("The inverse as well, for as many rows as joints")] = False
+    full: Annotated[bool, option("Print every entry, however many lines they take")] = False
     lengths: Annotated[str, option('auto, letters, numbers, or letters with their values: "a=0.635,d=120mm"')] = "auto"
     time_limit: Annotated[float, option("Limit for the closed inverse", unit="s", gt=0)] = 60.0
     latex: Annotated[
@@ -194,4 +198,9 @@ def jacobian(
         lengths=catalogue.read_lengths(options.lengths), seconds=options.time_limit / 3.0,
     )  # fmt: skip
     missing = options.inverse and found.numbers is not None and found.numbers.inverse is None
-    return Done(found.sections, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)
+
+    def blocks() -> Sequence[Block]:
+        sections = found.sections()
+        return sections if options.full else fitted(sections, cut=[one for one in sections if len(one.lines) > _FEW])
+
+    return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)

@@ -166,6 +166,7 @@ def conditions(
     def brief() -> list[Block]:
         near = near_line(model, made).get("near", "")
         about = [text.arm_line(model, task, found.generic_rank), *([f"Near: {near}"] if near else [])]
+        about += [f"{made.moved}."] if made is not None and not made.changes else []
         table = text.conditions_table(found)
         lost = text.lost_section(model, found.generic_rank, found.families)
         left = Section("Not finished", lines=found.left) if found.left else None

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rankdrop import designs, jobs
 from rankdrop.cli import exits
 from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, TASKS, Done, Output, command
-from rankdrop.cli.terminal import STDOUT, kept, say, write_text
+from rankdrop.cli.terminal import STDOUT, fitted, kept, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
+
+if TYPE_CHECKING:
+    from rankdrop.cli.terminal import Block
 
 
 @dataclass(frozen=True)
@@ -127,6 +131,7 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
 class CompareOptions(Options):
     """By which measures arms are compared."""
 
+    full: Annotated[bool, option("Print every family of every arm")] = False
     task: Annotated[str | None, option(f"{TASKS}; else the first arm's")] = None
     within: Annotated[str, option("Report the share of the joint space within this distance of singularities")] = "5deg"
     speed: Annotated[
@@ -202,7 +207,11 @@ def compare(
     """
     found = designs.side_by_side(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
                                  report=report)  # fmt: skip
-    return Done(found.sections, {"json": found.to_dict}, holds=found.holds)
+    def blocks() -> Iterable[Block]:
+        sections = list(found.sections(full=options.full))
+        return sections if options.full else fitted(sections, cut=[sections[-1]])
+
+    return Done(blocks, {"json": found.to_dict}, holds=found.holds)
 
 
 def _three(text: str | None, option: str) -> list[float | str]:

@@ -26,7 +26,7 @@ from rankdrop.cli.command import (
     parse_pose,
 )
 from rankdrop.cli.proof import in_words, model_tolerance, of_place
-from rankdrop.cli.terminal import say
+from rankdrop.cli.terminal import fitted, say
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions
@@ -162,9 +162,11 @@ def stopped_early(found: results.Explanation) -> bool:
 
 def _sections(
     found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, output: Parts
-) -> Iterable[Section]:
+) -> Iterable[Block]:
     if output.only == "nearest":
-        return found.sections(parts=("summary", "far", "numbers"), full=True)
+        rest = ("numbers",) if output.full else ()
+        sections = found.sections(parts=("summary", "nearest", *rest), full=output.full)
+        return sections if output.full else fitted(sections, cut=[one for one in sections if one.rows])
     if output.only == "escape":
         rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
         return found.sections(parts=("summary", "escape", *rest), full=output.full)

@@ -104,6 +104,7 @@ def find(
     seconds = monotonic() - begun
 
     def blocks() -> Iterator[Block]:
+        yield [_answer(found)]
         yield arm_section(model, task, found.rank + found.corank, _starts(found, where.start) | _method(found))
         yield _outcome(found, seconds) if found.stratum is None else _drawn(found, seconds)
 
@@ -113,6 +114,17 @@ def find(
          "history": lambda: _history(found, str(where.history))},
         complete=found.complete,
     )  # fmt: skip
+
+
+def _answer(search: families.Search) -> str:
+    """Whether there are configurations of this corank, as far as the search shows."""
+    name, where = search.robot.name, f"corank {search.corank} (rank {search.rank} of {search.rank + search.corank})"
+    if search.stratum is not None:
+        return f"{name}: {len(search.q):,} singular configurations of {where} or lower were drawn exactly."
+    converged, starts = search.count(families.Outcome.CONVERGED), len(search.q)
+    if converged:
+        return f"{name} has singular configurations of {where}: {converged:,} of {starts:,} searches end at one."
+    return f"{name}: no configuration of {where} in {starts:,} searches. Not finding one proves nothing."
 
 
 def _search(robot: Robot, task: Task, options: SearchOptions, where: Where, report: Any) -> families.Search:
@@ -217,8 +229,6 @@ def _outcome(search: families.Search, seconds: float) -> Section:
     rest = f"{counts[Outcome.NEAR_MISS]:,} near misses{stuck}, {counts[Outcome.SLOW]:,} slow."
     if search.smallest_near_miss is not None:
         rest += f" Smallest near miss: σ{search.rank + 1} = {search.smallest_near_miss:.4g}, not singular."
-    if not counts[Outcome.CONVERGED]:
-        rest += " Not finding one proves nothing."
     if not search.complete:
         rest += f" Interrupted: {counts[Outcome.NOT_RUN]:,} starts were not run."
     title = f"Corank {search.corank} (rank {search.rank} of {search.rank + search.corank}): "
@@ -378,6 +388,7 @@ def tolerant(
     found = families.most_tolerant(model, task, options, progress=partial(report, "climb"))
     lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
     return Done(
-        lambda: [arm_section(model, task, found.generic_rank, lines), *text.tolerant_sections(found)],
+        lambda: [[text.tolerant_sentence(found)], arm_section(model, task, found.generic_rank, lines),
+                 *text.tolerant_sections(found)],
         {"json": lambda: record_of("tolerant", found)}, holds=bool(found.places), complete=found.complete,
     )  # fmt: skip

@@ -32,6 +32,7 @@ from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
+from rankdrop.text.brief import compared_arms, compared_sentence
 from rankdrop.text.words import SWEEP_NEXT
 
 SHOWN = 20
@@ -127,25 +128,26 @@ class Designs(Result):
             return f"Incomplete: {len(self.failed):,} of {count} could not be measured as a whole."
         if self.unverified:
             return f"Incomplete: the families of {len(self.unverified):,} of {count} do not hold."
-        parts = []
+        parts = [self._best()] if self.pareto or self.spec.goals else [f"{count} were measured"]
         if self.structures:
             sets = len(self.structures)
-            parts.append("all have the same families" if sets == 1 else f"{sets} different sets of families")
-        if self.pareto or self.spec.goals:
-            parts.append(self._best())
-        verified = ", the families of each verified by sampling" if self.structures else ""
-        return f"{count}{verified}: {'; '.join(parts)}." if parts else f"{count} measured."
+            parts.append("all have the same families" if sets == 1 else f"they have {sets} different sets of families")
+            parts.append("the families of each were verified by sampling")
+        return f"{'; '.join(parts)}."
 
     def _best(self) -> str:
-        best = len(self.pareto)
+        best, variants = len(self.pareto), len(self.records)
+        count = f"{variants:,} variants of {self.robot}"
         if not best:
             missing = [name for name in self.spec.goals if all(value is None for value in self.values(name))]
-            return f"none is ranked, since none has {' and '.join(missing) or 'every measure'}"
+            return f"None of {count} is ranked: none has {' and '.join(missing) or 'every measure'}"
         if best == 1:
-            return f"variant {self.pareto[0] + 1} is better than every other one"
+            return f"Variant {self.pareto[0] + 1} is the best of {count}"
         if self.ranking.differ:
-            return f"{best:,} Pareto-optimal variants"
-        return f"{best:,} of {len(self.records):,} cannot be distinguished by their measures"
+            others = variants - best
+            worse = f", {others:,} {'is' if others == 1 else 'are'} worse by more than the error" if others else ""
+            return f"{best:,} of {count} are Pareto-optimal{worse}"
+        return f"{best:,} of {count} cannot be distinguished by their measures"
 
     @property
     def summary(self) -> tuple[str, ...]:
@@ -427,7 +429,7 @@ _BEST = {
     "sigma": "largest σ over the region",
     "reached": "most poses of the region reached",
     "path_sigma": "largest σ on the paths",
-    "path_distance": "farthest from singularities on the paths",
+    "path_distance": "largest distance from singularities on the paths",
     "paths_free": "most paths proven free",
     "free": "largest share proven free",
 }
@@ -476,16 +478,12 @@ class SideBySide(Result):
         doubt = [name for name, one in zip(self.names, self.records, strict=True) if in_doubt(one)]
         if doubt:
             return f"Incomplete: not all holds of {', '.join(doubt)}."
-        told = []
-        for name in self.measures:
-            best = self.best(name)
-            if name != "families" and 0 < len(best) < len(self.names):
-                told.append(f"{_BEST[name]}: {', '.join(self.names[i] for i in best)}")
-        count = f"{len(self.names)} arms, task {self.task.name}"
-        return f"{count}; {'; '.join(told)}." if told else f"{count}: no measure tells them apart."
+        best = {_BEST[name]: tuple(self.names[i] for i in self.best(name)) for name in self.measures if name in _BEST}
+        return compared_sentence(self.names, self.task.name, best)
 
-    def sections(self) -> Iterator[Section]:
-        """As sections of text: a column for each arm."""
+    def sections(self, *, full: bool = True) -> Iterator[Section]:
+        """As sections of text: a column for each arm; then each arm with all its families, or without `full` in a line.
+        """
         yield Section("", lines=(self.sentence,))
         rows = [("joints", *(str(robot.n) for robot in self.robots)),
                 ("reach", *(f"{reach(robot):.4g} m" for robot in self.robots))]  # fmt: skip
@@ -499,6 +497,9 @@ class SideBySide(Result):
                  *(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in self.measures)]  # fmt: skip
         yield Section("Side by side", f"task {self.task.name}; {where}; seed {self.seed}", columns=("", *self.names),
                       rows=tuple(rows), texts=(0,), notes=tuple(notes))  # fmt: skip
+        if not full:
+            yield compared_arms(self.names, self.records)
+            return
         for name, robot, one in zip(self.names, self.robots, self.records, strict=True):
             yield _arm(name, robot.about, one)
         yield Section("", lines=(self.sentence,))

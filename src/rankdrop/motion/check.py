@@ -53,7 +53,7 @@ from rankdrop.motion.record import (
 )
 from rankdrop.motion.survey import Survey, crossings
 from rankdrop.motion.tool_line import half_turns, poses_at
-from rankdrop.motion.trajectory import Trajectory, checked, checked_times, rows_of, unit_hint
+from rankdrop.motion.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
 from rankdrop.options import takes
 from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
@@ -546,6 +546,8 @@ def check_file(
                           got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
     else:
         read = read_trajectory(file, robot, deg=deg, topic=question.topic)
+        if not deg:
+            refuse_degrees(read, robot, file)
         hint = unit_hint(read.q, robot, deg=deg)
         hint = hint and f"{hint}{'' if deg else '; --deg reads them as degrees'}"
     if say is not None:

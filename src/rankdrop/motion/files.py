@@ -13,7 +13,7 @@ import warnings
 import zlib
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, prod
 from pathlib import Path
 from tokenize import TokenError
@@ -153,7 +153,7 @@ def read_trajectory(
         raise OptionError("only a bag has topics", where=name, got=topic, allowed=", ".join(BAGS))
     ending = file.suffix.lower()
     if ending in (".npy", ".npz"):
-        return read_arrays(file, robot, deg=deg)
+        return replace(read_arrays(file, robot, deg=deg), bare=True)
     text = _text_of(file)
     if ending in _OBJECTS:
         return parse_message(text, name, robot, yaml=ending != ".json", deg=deg)

@@ -20,7 +20,7 @@ from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, LO
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
 from rankdrop.text.paths import radians_hint
-from rankdrop.text.words import degrees_hint
+from rankdrop.text.words import MOST_TURNS, degrees_hint
 
 BAGS = (".bag", ".db3", ".mcap")
 ROW_SECONDS = 0.1  # between rows of a file without times
@@ -56,6 +56,7 @@ class Trajectory:
         unused: columns or joints of the file that this arm does not have.
         velocities, accelerations: (T, n) [rad/s, rad/s², m …]; None where the file has none.
         notes: what a reader should know of how the file was read.
+        bare: whether neither the file nor its format states the unit of any angle.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Trajectory:
     velocities: Array | None = None
     accelerations: Array | None = None
     notes: tuple[str, ...] = ()
+    bare: bool = False
 
     def curve(self, interpolate: str) -> Curve:
         """The curve that a controller makes of the rows."""
@@ -229,6 +231,33 @@ def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
         'angles up to 90 look like degrees and are taken as radians'
     """
     return radians_hint(q[:, turning(robot)]) if deg else degrees_hint(q, robot)
+
+
+def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
+    """Refuse angles that look like degrees and were read as radians, where the file states no unit.
+
+    Arrays of joints without limits are not refused: such a joint may turn often, and an array has no place for a unit.
+
+    Args:
+        read: without `deg`.
+        robot: the arm.
+        file: it was read from.
+
+    Raises:
+        TrajectoryError: with the first row that has such an angle.
+    """
+    array = file.suffix.lower() in (".npy", ".npz")
+    limited = np.isfinite(robot.lower) | np.isfinite(robot.upper)
+    turns = turning(robot) & (limited if array else True)
+    beyond = np.abs(read.q) * turns > MOST_TURNS
+    if not read.bare or not beyond.any():
+        return
+    row, joint = np.argwhere(beyond)[0]
+    header = "" if array else f', or name the column "{robot.variables[joint].name} [rad]"'
+    raise TrajectoryError(
+        "angles look like degrees", where=f"{file}, row {row + 1}", got=f"{read.q[row, joint]:.6g}",
+        allowed="radians", mend=f"deg=True{header}", typed=f"add --deg{header}",
+    )  # fmt: skip
 
 
 @dataclass(eq=False)
@@ -468,9 +497,10 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         table.block(places), robot, factors=np.array(factors),
         place=lambda row, joint: f"{table.place(row)}, column {places[joint] + 1} ({table.head[places[joint]]})",
     )  # fmt: skip
-    times = table.times(time)
+    times, stated = table.times(time), any(name_and_unit(table.head[place])[1] for place in places)
     return Trajectory(
-        Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused
+        Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
+        bare=not stated,
     )  # fmt: skip
 
 

@@ -636,6 +636,26 @@ def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
                       tuple(rows), (0, 1), notes=("by joint: the motion to it",) if full and rows else ())  # fmt: skip
 
 
+def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """How far: the nearest configuration with the motion to it, what is proven, and the distance to each family."""
+    if full:
+        yield from _far(explanation, full)
+        return
+    far, names = explanation.far, [joint.name for joint in explanation.robot.variables]
+    lines = [*_nearest_words(explanation, True)]
+    if far.nearest is not None:
+        steps = _deltas(far.nearest.delta, explanation.robot.units)
+        moved = [f"{joint_word(i, name)} by {step}" for i, (name, step) in enumerate(zip(names, steps, strict=True), 1)
+                 if step != "0"]  # fmt: skip
+        lines += [f"motion to it: {', '.join(moved)}"] if moved else []
+    lines += _certified_words(explanation)
+    rows = tuple((angle(one.distance), f"{one.family.name} (corank {one.family.corank})") for one in far.families)
+    if lines or rows:
+        title = "How far the next one is" if explanation.rank.corank else "How far"
+        more = ("the motion to each family, σ and the joint values: --full",)
+        yield Section(title, "", tuple(lines), ("distance", "family") if rows else (), rows, (0, 1), notes=more)
+
+
 def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:
     return any(one.distance <= nearest.distance * (1 + 1e-9) for one in families)
 
@@ -797,6 +817,7 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "lost": lambda explanation, full: chain(_lost(explanation, full), _never(explanation, full)),
     "escape": _escape,
     "far": _far,
+    "nearest": _nearest,
     "blame": _blame,
     "proofs": _proofs,
     "rates": _rates,
@@ -814,7 +835,7 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
 }
 """Every part by its name, in order."""
 DETAILS = frozenset(
-    ("blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
+    ("nearest", "blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
 )
 """Parts that are shown only on demand."""
 

@@ -2,6 +2,8 @@ from .brief import FULL as FULL
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line
 from .brief import assumed_line as assumed_line
+from .brief import compared_arms as compared_arms
+from .brief import compared_sentence as compared_sentence
 from .brief import conditions_table as conditions_table
 from .brief import lost_section as lost_section
 from .brief import more_line as more_line
@@ -69,3 +71,4 @@ from .words import numbers as numbers
 from .words import procedure_text as procedure_text
 from .words import short as short
 from .words import tolerant_sections as tolerant_sections
+from .words import tolerant_sentence as tolerant_sentence

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import degrees
 from typing import Any
 
@@ -18,7 +18,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.conditions import condition_lines, values_in_degrees
+from rankdrop.text.conditions import SHIPPED, angles_text, condition_lines, values_in_degrees
 from rankdrop.text.families import (
     exact_conditions,
     letters_text,
@@ -44,7 +44,7 @@ def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = Fals
 
 
 def analysis_table(analysis: Any) -> Section:
-    """One row per family of an analysis: rank, name, what it asks of the joints; the share near it where it is known."""
+    """One row per family of an analysis: rank, name, what it asks of the joints; the share near it if known."""
     robot, near = analysis.robot, analysis.near
     shares = {} if near is None else {one.id: share_cell(one) for one in near.families}
     rows, letters = [], False
@@ -59,7 +59,9 @@ def analysis_table(analysis: Any) -> Section:
         asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}" if failed else ""
         rank = str(analysis.generic_rank - family.corank)
         rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
-    return _table(rows, analysis.exact.letters if letters else {}, near)
+    if not letters:
+        return _table(rows, {}, "", near)
+    return _table(rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
 
 
 def conditions_table(conditions: Any) -> Section:
@@ -71,14 +73,17 @@ def conditions_table(conditions: Any) -> Section:
         letters |= short and bool(family.conditions)
         rank = str(conditions.generic_rank - family.corank)
         rows.append((rank, family.name, text if short else _of_joints(conditions.robot, family)))
-    return _table(rows, conditions.letters if letters else {}, None)
+    angles = angles_text(conditions.robot, conditions.shifts)
+    return _table(rows, conditions.letters if letters else {}, angles, None)
 
 
-def _table(rows: Sequence[tuple[str, ...]], letters: Any, near: Near | None) -> Section:
+def _table(rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None) -> Section:
     columns: tuple[str, ...] = ("rank", "family", "condition")
     after = []
     if letters:
         after.append(f"s2 = sin θ2, c23 = cos(θ2 + θ3); {letters_text(letters)}")
+    if angles:
+        after.append(f"in conditions {angles}")
     if near is not None:
         columns = (*columns, "near")
         where = "joint space inside the limits" if near.limits else "joint space"
@@ -93,7 +98,7 @@ def _asked(robot: Robot, family: Family, exact: str) -> str:
     names = symbols(robot)
     parts = [f"{names[one.number - 1]} = {_values(robot, one)}" for one in family.pinned]
     if exact:
-        parts = [exact] if family.coupled else parts
+        parts.append(exact)
     elif family.coupled:
         parts.append(_function(names[number - 1] for number in family.coupled))
     return "; ".join(parts) or "every configuration"
@@ -130,6 +135,49 @@ def lost_section(robot: Robot, generic_rank: int, families: Sequence[Family | Ex
     return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
 
 
+def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequence[str]]) -> str:
+    """Which of several arms is best, and by which measure.
+
+    Args:
+        names: of the arms.
+        task: for which they are compared.
+        best: measure in words -> names of the arms that are best by it within the error.
+
+    Example:
+        >>> compared_sentence(["ur5", "gp7"], "pose", {"largest σ": ["ur5", "gp7"]})
+        'ur5 and gp7 do not differ within the error, for task pose.'
+        >>> compared_sentence(["ur5", "gp7"], "pose", {"largest σ": ["ur5"]})
+        'ur5 has the largest σ, for task pose.'
+    """
+    told = [f"{_listed(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
+            for measure, arms in best.items() if 0 < len(arms) < len(names)]  # fmt: skip
+    found = "; ".join(told) or f"{_listed(names)} do not differ within the error"
+    return f"{found}, for task {task}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    """ "ur5e, gp7 and irb1200"."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
+    """Each of several arms in a line: its families by corank, or what could not be measured."""
+    lines = tuple(f"{name}: {_measured(one)}" for name, one in zip(names, records, strict=True))
+    return Section("Families", lines=lines, notes=(f"every family with its share, and how it was verified: {FULL}",))
+
+
+def _measured(record: Mapping[str, Any]) -> str:
+    parts = [record["error"]] if record["error"] else []
+    families = record.get("families", [])
+    coranks = sorted({one["corank"] for one in families})
+    for corank in coranks:
+        mine = [one for one in families if one["corank"] == corank]
+        named = ", ".join(dict.fromkeys(short_name(one["name"]) for one in mine))
+        parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
+    parts += [record["sentence"]] if record.get("verdict", "verified") != "verified" else []
+    return "; ".join(parts) or "no family of singularities was found"
+
+
 def assumed_line(conditions: Any) -> str:
     """How many assumptions on the lengths were made, and which of them does not hold."""
     wrong = [one.text for one in conditions.assumptions if not one.holds]
@@ -140,6 +188,6 @@ def assumed_line(conditions: Any) -> str:
 
 
 def more_line(seconds: float | None = None) -> str:
-    """How to print the long form, and the time that the work took [s]."""
+    """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
     more = f"All conditions, lost motions and tests: {FULL}."
-    return more if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+    return f"{more} {SHIPPED}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."

@@ -34,6 +34,8 @@ _LONGEST = 600  # a longer condition is for programs
 _UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
 _ALIKE = 2  # sets that are not real for the same reason of which more are only counted
 _LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
+SHIPPED = f"As shipped with rankdrop {VERSION}; --fresh derives it anew."
+"""What is printed in place of the time that a derivation took."""
 _METHOD = {
     "suppression": "dependent-screw suppression", "singular-vector": "the singular vector",
     **{name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")},
@@ -48,24 +50,34 @@ _UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
 def arm_lines(conditions: Any) -> dict[str, str]:
     """What was assumed of the arm, label -> text."""
     letters = ", ".join(f"{name} = {_number(value)} m" for name, value in conditions.letters.items())
-    shifted = [
-        f"θ{j} = q{j} {'−' if shift < 0 else '+'} {pretty_angle(abs(shift))}"
-        for j, shift in enumerate(conditions.shifts, 1)
-        if shift and conditions.robot.variables[j - 1].unit == "rad"
-    ]
-    others = "; else θ = q" if shifted and len(shifted) < conditions.robot.n else ""
     rank, rows, method = conditions.generic_rank, conditions.task.m, _method(conditions)
     always = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
     reasons = [one for one in conditions.reason.split("; ") if not any(text in one for text in conditions.remarks)]
     lines = {
         "lengths": letters or "as numbers",
-        "angles": f"{', '.join(shifted)}{others}",
+        "angles": angles_text(conditions.robot, conditions.shifts),
         "always": always if rank < rows else "",
         "remarks": "\n".join(conditions.remarks),
         "method": f"rank tree{'' if method == 'tree' else f'; corank 1 also by {method}'}",
         "reason": "; ".join(reasons),
     }
     return {label: text for label, text in lines.items() if text}
+
+
+def angles_text(robot: Robot, shifts: Sequence[float]) -> str:
+    """What the angles of conditions mean: "θ3 = q3 + 2.886; else θ = q"; "" where every θ is q.
+
+    Args:
+        robot: the arm.
+        shifts: θ − q of each joint [rad].
+    """
+    shifted = [
+        f"θ{j} = q{j} {'−' if shift < 0 else '+'} {pretty_angle(abs(shift))}"
+        for j, shift in enumerate(shifts, 1)
+        if shift and robot.variables[j - 1].unit == "rad"
+    ]
+    others = "; else θ = q" if shifted and len(shifted) < robot.n else ""
+    return f"{', '.join(shifted)}{others}"
 
 
 def _method(conditions: Any) -> str:
@@ -263,8 +275,7 @@ def _checks(conditions: Any) -> Iterator[Section]:
     if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
         lines.append(f"corank 1 derived twice: rank tree and {_method(conditions)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
-    shipped = f"As shipped with rankdrop {VERSION}; --fresh derives it anew."
-    lines.append(shipped if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
+    lines.append(SHIPPED if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
 
 

@@ -24,7 +24,8 @@ from rankdrop.text.families import FREE, joint_symbol
 
 _PLACES = 20  # of a covering that are printed
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
-_TURNS = 4 * pi  # joint values beyond it look like degrees [rad]
+MOST_TURNS = 4 * pi
+"""Joint values beyond it look like degrees [rad]."""
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _NUMBER = re.compile(r"\d+$")
 _EXPONENT = re.compile(r"e([+-])0*(\d+)$")
@@ -60,7 +61,7 @@ def degrees_hint(q: Array, robot: Robot) -> str | None:
     """
     angles = np.abs(q[..., [joint.unit == "rad" for joint in robot.variables]])
     most = float(angles.max(initial=0.0))
-    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > _TURNS else None
+    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > MOST_TURNS else None
 
 
 def minus(text: str) -> str:
@@ -279,10 +280,27 @@ def failures_table(failures: Failures, title: str) -> Section:
                    ("ρ: the share of Yoshikawa's manipulability that is left",))  # fmt: skip
 
 
+def tolerant_sentence(tolerant: Tolerant) -> str:
+    """Whether a configuration tolerates every single failure, and what the best of them keeps."""
+    name = tolerant.robot.name
+    if not tolerant.places:
+        found = "No configuration of {} tolerates" if tolerant.spare <= 0 or tolerant.crucial else NO_TOLERANT
+        return f"{found.format(name)} every single joint failure: {_why_none(tolerant)}."
+    best, r = tolerant.places[0], tolerant.generic_rank
+    measure = f"σ{r} left / σ1" if tolerant.relative else f"σ{r}"
+    worst = f"joint{'s' * (len(best.failures.worst_numbers) > 1)} {numbers(best.failures.worst_numbers)}"
+    return (
+        f"{name} tolerates the failure of any single joint: in the best configuration found, {measure} is "
+        f"still {short(best.value, 5)} after the worst failure, that of {worst}."
+    )
+
+
+NO_TOLERANT = "No configuration of {} was found that tolerates"
+
+
 def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
     """The places that were found, and what each failure leaves at the best."""
     if not tolerant.places:
-        yield Section("No configuration bears every single failure", _why_none(tolerant))
         return
     best = tolerant.places[0]
     kinds = [str(joint.kind) for joint in tolerant.robot.variables]
@@ -334,30 +352,27 @@ def _why_none(tolerant: Tolerant) -> str:
         which = f"{plural('joint', len(tolerant.crucial))} {numbers(tolerant.crucial)}"
         return f"without {which} the rank is below {tolerant.generic_rank} at every configuration"
     where = "within the joint limits " if tolerant.limits else ""
-    return f"of {tolerant.done:,} starts {where}none leads to one; absence of a find is not a proof"
+    return f"of {tolerant.done:,} starts {where}none leads to one; not finding one proves nothing"
 
 
 def cover_sentence(covered: Any) -> str:
     """What may be said of a covering, in one sentence."""
     tree, plan, account = covered.covering.tree, covered.covering.plan, covered.account
-    what = _covered_what(plan.corank)
+    what = f"{_covered_what(plan.corank)} of {covered.robot.name}{' inside the joint limits' * plan.limits}"
     if not covered.complete:
         share = 100 * float(tree.finished.mean())
         why = f" ({covered.covering.stopped})" if covered.covering.stopped else ""
-        return f"Not complete{why}: {share:.1f} % of the joint space was covered, nothing is said of the rest."
+        return f"Not complete{why}: {share:.1f} % of the joint space was covered; the rest was not searched."
     if not tree.leaves:
-        return f"There is no {what}{' within the limits' * plan.limits}: all of the joint space is proven free."
+        return f"There is no {what} (proven)."
     if account is None:
-        return f"Covered: every {what} lies in one of {tree.leaves:,} boxes."
+        return f"Every {what} lies in one of {count(tree.leaves, 'box', 'boxes')} (proven)."
     if not account.spots:
-        return (
-            f"Nothing else exists down to {covered.width:.3g} rad. Every box that may hold a {what} "
-            f"is explained by a known family; none lies farther than {account.diagonal:.3g} rad from one."
-        )
+        return f"Every {what} is within {account.diagonal:.3g} rad of a known family (proven)."
     boxes, proven = (sum(getattr(one, name) for one in account.spots) for name in ("boxes", "proven"))
     return (
-        f"Not all is explained: known families leave {boxes:,} boxes in {count(len(account.spots), 'place')} "
-        f"to look at, {proven:,} of them proven to hold a singularity."
+        f"{count(len(account.spots), 'place')} may hold a {what} on no known family: {count(boxes, 'box', 'boxes')}, "
+        f"{proven:,} of them proven to hold one."
     )
 
 

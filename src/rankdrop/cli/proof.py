@@ -62,10 +62,10 @@ def cover(
 ) -> Done | int:
     """Enclose all singular configurations in boxes.
 
-    Every box that is left out is proven free. What is left is held against the
-    families that are known: a box that none of them explains is a place to look
-    at. Where there is none, nothing else exists down to the width, and only
-    then the output says so.
+    Every box that is left out is proven free. The remaining boxes are compared
+    with the known families: a box that none of them explains is a place to look
+    at. Without such a box every singular configuration is within a box's diagonal
+    of a known family, and only then the output says so.
 
     For example:
         rankdrop cover ur5

@@ -253,11 +253,13 @@ def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
     if not read.bare or not beyond.any():
         return
     row, joint = np.argwhere(beyond)[0]
-    header = "" if array else f', or name the column "{robot.variables[joint].name} [rad]"'
-    raise TrajectoryError(
-        "angles look like degrees", where=f"{file}, row {row + 1}", got=f"{read.q[row, joint]:.6g}",
-        allowed="radians", mend=f"deg=True{header}", typed=f"add --deg{header}",
-    )  # fmt: skip
+    name, where, got = robot.variables[joint].name, f"{file}, row {row + 1}", f"{read.q[row, joint]:.6g}"
+    if array:
+        raise TrajectoryError("angles look like degrees", where=where, got=got, allowed="radians", mend="deg=True",
+                              typed="add --deg")  # fmt: skip
+    raise TrajectoryError("angles look like degrees", where=where, got=got, allowed="radians",
+                          mend=f'deg=True, or name the column "{name} [rad]"',
+                          typed=f'add --deg, or name the column "{name} [rad]"')  # fmt: skip
 
 
 @dataclass(eq=False)

@@ -39,6 +39,8 @@ from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.special import parts_words, special_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
+    MORE_NEAREST,
+    MOTION_TO_IT,
     NEVER_HERE,
     NEVER_TURNS,
     NO_JOG,
@@ -632,12 +634,16 @@ def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
     if lines or rows:
         joints = tuple(f"{number}" for number in range(1, explanation.robot.n + 1)) if full else ()
         columns = ("distance", "family", *joints) if rows else ()
-        yield Section("How far the next one is" if explanation.rank.corank else "How far", "", tuple(lines), columns,
-                      tuple(rows), (0, 1), notes=("by joint: the motion to it",) if full and rows else ())  # fmt: skip
+        notes = ("by joint: the motion to it",) if full and rows else ()
+        yield Section(_how_far(explanation), "", tuple(lines), columns, tuple(rows), (0, 1), notes=notes)
+
+
+def _how_far(explanation: Explanation) -> str:
+    return "How far the next one is" if explanation.rank.corank else "How far"
 
 
 def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
-    """How far: the nearest configuration with the motion to it, what is proven, and the distance to each family."""
+    """How far: the nearest configuration with the motion to it, what is proven, the distance to each family."""
     if full:
         yield from _far(explanation, full)
         return
@@ -647,13 +653,12 @@ def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
         steps = _deltas(far.nearest.delta, explanation.robot.units)
         moved = [f"{joint_word(i, name)} by {step}" for i, (name, step) in enumerate(zip(names, steps, strict=True), 1)
                  if step != "0"]  # fmt: skip
-        lines += [f"motion to it: {', '.join(moved)}"] if moved else []
+        lines += [MOTION_TO_IT.format(", ".join(moved))] if moved else []
     lines += _certified_words(explanation)
     rows = tuple((angle(one.distance), f"{one.family.name} (corank {one.family.corank})") for one in far.families)
     if lines or rows:
-        title = "How far the next one is" if explanation.rank.corank else "How far"
-        more = ("the motion to each family, σ and the joint values: --full",)
-        yield Section(title, "", tuple(lines), ("distance", "family") if rows else (), rows, (0, 1), notes=more)
+        columns = ("distance", "family") if rows else ()
+        yield Section(_how_far(explanation), "", tuple(lines), columns, rows, (0, 1), notes=(MORE_NEAREST,))
 
 
 def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:

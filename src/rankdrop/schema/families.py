@@ -19,6 +19,7 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
+from rankdrop.family.summary import FamilySummary, RankSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost import lost_sentences
@@ -157,6 +158,19 @@ IDEAL = table(
 )
 ANSWER = (optional(many(str)), "the answer in two sentences: what the arm has, and how sure that is",
           lambda one: one.verdict.beside(one.answer))  # fmt: skip
+RANKS = table(
+    "ranks", of=RankSummary, rank=(Count, "of the task Jacobian on these families"), corank=Positive, families=Positive,
+    combinations=(Count, "of these, families that lie on two or more families of the smallest corank"),
+    names=(dict[str, Positive], "short name -> number of families that have it"),
+)  # fmt: skip
+COUNTS = (
+    optional(table(
+        "counts", of=FamilySummary, arm=None, generic_rank=Count, ranks=many(RANKS),
+        evidence=(Literal["derived and tested", "derived", "tested", "none"], "how the families were verified"),
+        tests=(Count, "random singular configurations that were compared with the families"),
+    )),
+    "the answer in facts: families by rank, the highest rank first", attrgetter("summary"),
+)  # fmt: skip
 ANALYSIS_FILE = file(
     "analysis",
     "Every family of singular configurations of an arm.",
@@ -170,6 +184,7 @@ ANALYSIS_FILE = file(
         attrgetter("verdict.claims")),
     sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
     summary=ANSWER,
+    counts=COUNTS,
     complete=(bool, "false: interrupted; the coranks listed are complete"),
     unfinished=(Positive | None, "the corank that was interrupted"),
     notes=(many(str), "what the reader should be told"),
@@ -303,6 +318,7 @@ CONDITIONS_FILE = file(
         attrgetter("verdict.claims")),
     sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
     summary=ANSWER,
+    counts=COUNTS,
     complete=(bool, "nothing was left unfinished"),
     interrupted=(bool, "Ctrl-C ended the derivation"),
     verified=(bool, "complete, and every check that was made holds"),

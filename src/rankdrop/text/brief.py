@@ -51,7 +51,7 @@ def analysis_table(analysis: Any) -> Section:
     for family in analysis.families:
         shown, outside = within(family, robot, limits=analysis.settings.limits)
         exact = exact_conditions(family, analysis.exact)
-        short = bool(exact) and len(exact) <= _SHORT
+        short = bool(exact) and len(exact) <= _SHORT and bool(family.coupled)
         letters |= short
         asked = _asked(robot, shown, exact if short else "")
         failed = family.soundness.agree < family.soundness.tested
@@ -97,10 +97,8 @@ def _asked(robot: Robot, family: Family, exact: str) -> str:
         return "no condition found"
     names = symbols(robot)
     parts = [f"{names[one.number - 1]} = {_values(robot, one)}" for one in family.pinned]
-    if exact:
-        parts.append(exact)
-    elif family.coupled:
-        parts.append(_function(names[number - 1] for number in family.coupled))
+    if family.coupled:
+        parts.append(exact or _function(names[number - 1] for number in family.coupled))
     return "; ".join(parts) or "every configuration"
 
 

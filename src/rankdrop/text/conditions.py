@@ -440,7 +440,7 @@ def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
 
 
 def _apart(analysis: Any, derived: Any) -> str:
-    """What is added to the verdict on an analysis about conditions derived apart from it, or not derived."""
+    """What the verdict on an analysis adds about conditions that were derived later, or not derived."""
     if analysis.exact is not None and analysis.exact.agrees:
         return ""
     if derived is not None:

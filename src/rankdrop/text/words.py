@@ -110,6 +110,8 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
 
 
+MORE_NEAREST = "the motion to each family, σ and the joint values: --full"
+MOTION_TO_IT = "motion to it: {}"
 NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
 """What an arm of five joints cannot do."""
 CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"

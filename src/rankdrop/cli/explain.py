@@ -164,9 +164,10 @@ def _sections(
     found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, output: Parts
 ) -> Iterable[Block]:
     if output.only == "nearest":
-        rest = ("numbers",) if output.full else ()
-        sections = found.sections(parts=("summary", "nearest", *rest), full=output.full)
-        return sections if output.full else fitted(sections, cut=[one for one in sections if one.rows])
+        if output.full:
+            return found.sections(parts=("summary", "nearest", "numbers"), full=True)
+        short = found.sections(parts=("summary", "nearest"))
+        return fitted(short, cut=[one for one in short if one.rows])
     if output.only == "escape":
         rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
         return found.sections(parts=("summary", "escape", *rest), full=output.full)

@@ -247,9 +247,10 @@ def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
         TrajectoryError: with the first row that has such an angle.
     """
     array = file.suffix.lower() in (".npy", ".npz")
-    limited = np.isfinite(robot.lower) | np.isfinite(robot.upper)
-    turns = turning(robot) & (limited if array else True)
-    beyond = np.abs(read.q) * turns > MOST_TURNS
+    turns = np.array([one.unit == "rad" for one in robot.variables])
+    if array:
+        turns &= np.isfinite(robot.lower) | np.isfinite(robot.upper)
+    beyond = (np.abs(read.q) > MOST_TURNS) & turns
     if not read.bare or not beyond.any():
         return
     row, joint = np.argwhere(beyond)[0]

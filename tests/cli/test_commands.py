@@ -339,8 +339,9 @@ def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
     assert "3.3614" in told
     assert "2.9218" not in told
     assert "Within 5° of singularities share of the joint space inside the limits" in told
-    off = run("analyze", "planar2r", "--limits", "--within", "0", "--starts", "100", "--exact", "off", "--quiet", "--full")
+    small = ("--starts", "100", "--exact", "off", "--quiet", "--full")
+    off = run("analyze", "planar2r", "--limits", "--within", "0", *small)
     assert "Within" not in off.out
-    wide = run("analyze", "planar2r", "--within", "0.1", "--starts", "100", "--exact", "off", "--quiet", "--full")
+    wide = run("analyze", "planar2r", "--within", "0.1", *small)
     assert "Within 5.73° of singularities share of the joint space, distance over all" in " ".join(wide.out.split())
     assert run("analyze", "planar2r", "--within", "2").code == exits.BAD_INPUT

@@ -45,7 +45,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
 def test_known_families_explain_every_box() -> None:
     for name in ("ur5", "puma560"):
         found = cover(open_robot(name), width=0.4)
-        assert found.sentence.startswith(f"Every singular configuration of {found.robot.name} is within 0.785 rad of a known")
+        assert found.sentence.startswith(f"Every singular configuration of {found.robot.name} is within 0.785")
         assert (found.holds, found.account.spots) == (True, ())
         assert found.account.explained.sum() + found.account.freed == found.covering.tree.leaves
         assert (found.account.explained[:3] > 1000).all()

@@ -69,7 +69,7 @@ def test_which_joint_to_jog_is_said_by_its_name(cell: Path) -> None:
     assert ended.returncode == 4, ended.stderr
     first = " ".join(ended.stdout.splitlines()[:6])
     assert "Get out: jog joint a3 by" in " ".join(first.split())
-    assert "(joint a2 at 0°, joint a3 at 90°)" in " ".join(first.split())
+    assert "elbow and wrist: arm folded, joint a5 at 0°" in " ".join(first.split())
 
 
 def test_a_mistyped_argument_is_named_with_those_that_there_are(cell: Path) -> None:

@@ -98,7 +98,7 @@ def laptop(browser: Any) -> Iterator[tuple[Viewer, Tab]]:
 def test_the_page_says_what_the_numbers_say(laptop: tuple[Viewer, Tab]) -> None:
     _, tab = laptop
     tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
-    tab.page.get_by_text("wrist: axes 4 and 6 aligned").first.wait_for(timeout=30_000)
+    tab.page.get_by_text("wrist: joint 5 at 0°").first.wait_for(timeout=30_000)
     assert tab.page.get_by_text("joints 4, 6").count() >= 1
 
 

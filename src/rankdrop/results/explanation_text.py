@@ -198,9 +198,10 @@ def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]
     after = after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)
     if summary.cause == Cause.NONE:
         after = f"; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
+    names = [one.name for one in explanation.robot.variables]
     place, offsets = f", {_degrees(summary.distance or 0.0)} away", _offset_words(summary)
     return _measured(explanation) | {
-        "name": special_words(summary.place) or summary.family or "family unknown",
+        "name": special_words(summary.place, names) or summary.family or "family unknown",
         "pinned": f" ({', '.join(pinned)})" if pinned and not summary.place else "",
         "place": f"; offsets of {offsets} keep it from being exact" if summary.ideal else place,
         "never": _motions_words(explanation.lost.never.tolist()),

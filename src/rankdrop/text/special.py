@@ -6,33 +6,38 @@ from collections.abc import Sequence
 from math import degrees, radians
 
 from rankdrop.local.special import Shape, Special
-from rankdrop.text.words import short
+from rankdrop.text.words import joint_word, short
 
 _NEAR = radians(20.0)
 """Up to this angle a condition is nearly satisfied; the angle itself is stated beyond it."""
 _WORDS = {
-    Shape.JOINT: "joint {joint} at {value}",
+    Shape.JOINT: "{joint} at {value}",
     Shape.STRETCHED: "arm stretched",
     Shape.FOLDED: "arm folded",
-    Shape.ABOVE_AXIS: "wrist above axis {joint}",
+    Shape.ABOVE_AXIS: "wrist above axis {axis}",
 }
 _NEARLY = {
-    Shape.JOINT: "joint {joint} near {value}",
+    Shape.JOINT: "{joint} near {value}",
     Shape.STRETCHED: "arm nearly stretched",
     Shape.FOLDED: "arm nearly folded",
-    Shape.ABOVE_AXIS: "wrist nearly above axis {joint}",
+    Shape.ABOVE_AXIS: "wrist nearly above axis {axis}",
 }
 _FAR = {
-    Shape.JOINT: "joint {joint} {off} from {value}",
+    Shape.JOINT: "{joint} {off} from {value}",
     Shape.STRETCHED: "arm {off} from stretched",
     Shape.FOLDED: "arm {off} from folded",
-    Shape.ABOVE_AXIS: "wrist {off} from above axis {joint}",
+    Shape.ABOVE_AXIS: "wrist {off} from above axis {axis}",
 }
 
 
-def special_words(specials: Sequence[Special]) -> str:
-    """The parts, and what is special about them where there are at most two; "" without any."""
-    details = "" if len(specials) > 2 else ", ".join(map(_detail, specials))
+def special_words(specials: Sequence[Special], names: Sequence[str] = ()) -> str:
+    """The parts, and what is special about them where there are at most two; "" without any.
+
+    Args:
+        specials: of one configuration.
+        names: of all joints, in order: a joint is called by its name where that has another number.
+    """
+    details = "" if len(specials) > 2 else ", ".join(_detail(one, names) for one in specials)
     return parts_words(specials) + (f": {details}" if details else "")
 
 
@@ -42,8 +47,9 @@ def parts_words(specials: Sequence[Special]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def _detail(one: Special) -> str:
+def _detail(one: Special, names: Sequence[str]) -> str:
+    joint = joint_word(one.joint, names[one.joint - 1]) if names and one.joint else f"joint {one.joint}"
     words = _WORDS if one.exact else _NEARLY if one.off <= _NEAR else _FAR
     value = round(degrees(one.value), 1) + 0.0
     shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(one.off), 2)}°"
-    return words[one.shape].format(joint=one.joint, value=shown, off=off)
+    return words[one.shape].format(joint=joint, axis=one.joint, value=shown, off=off)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from math import prod
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from rankdrop.exact.algebra import ring
+from rankdrop.exact.algebra import ring, zeroset
 from rankdrop.exact.algebra.decompose import with_points
 from rankdrop.exact.algebra.field import PRIMES, P, roots
+from rankdrop.exact.algebra.polynomial import FURTHER
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
@@ -19,8 +22,9 @@ NOWHERE = prod(PRIMES) - 1  # ≡ −1, a square modulo none of the primes
 
 
 def test_all_primes_have_the_small_roots_and_none_has_that_of_minus_one() -> None:
-    assert len(set(PRIMES)) == len(PRIMES)
-    for p in PRIMES:
+    every = (*PRIMES, *FURTHER)
+    assert list(every) == sorted({*every}, reverse=True)
+    for p in every:
         assert pow(2, p - 1, p) == 1
         assert p % 120 in (71, 119)
         assert all(pow(q, (p - 1) // 2, p) == 1 for q in (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43))
@@ -46,6 +50,32 @@ def test_two_conditions_are_asked_modulo_every_prime() -> None:
     assert met == {2, number}
 
 
+def test_roots_that_no_prime_of_the_ring_has_are_met_modulo_a_further_one() -> None:
+    """t1 = √n, n ≡ −1 modulo all primes of the ring and 4 modulo a further one."""
+    ring, last = Ring([1, 2, 3]), FURTHER[0]
+    whole = prod(PRIMES)
+    number = -1 + whole * (5 * pow(whole, -1, last) % last)
+    x, y, z = ring.t[1], ring.t[2], ring.t[3]
+    for g in (y**2 - 3, y**2 - 3 * z**2):  # points, and curves
+        f = x**2 - number
+        met = ZeroSet(ring, {}, rest=(f, g), equations=(f, g)).samples
+        assert met
+        for point in met:
+            assert point.prime in FURTHER
+            assert (point["t1"] ** 2 - number) % point.prime == 0
+
+
+@pytest.mark.slow
+def test_a_set_that_one_plane_in_five_has_points_of_is_found() -> None:
+    """Known answer: of rank 4 is θ5 = 0 or π (its own angle) together with three more conditions."""
+    arm = open_robot(Path(__file__).resolve().parents[1] / "data" / "exact" / "roots_of_numbers.toml")
+    found = conditions(arm, coranks=2, points=300)
+    assert found.verified
+    q = np.array([-2.51423, 2.69649, 2.94178, -1.81141, np.pi / 2, -2.77153])
+    (family,) = (one for one in found.of_corank(2) if all(abs(f(q[None])) < 1e-4 for f in one.equations))
+    assert family.rank_check.holds
+
+
 @pytest.mark.by_hand
 def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     options = {"lengths": "numbers", "method": "tree", "points": 0, "coranks": 2}
@@ -53,6 +83,7 @@ def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.Monke
     assert found.complete
     assert len(found.families) == 7  # with letters 8: the parts of the elbow, θ5 = 0 or π and ±π/2, come as one set
     monkeypatch.setattr(ring, "primes_with", lambda roots: (P,))
+    monkeypatch.setattr(zeroset, "FURTHER", ())
     less = conditions(open_robot("panda"), **options)
     assert not less.complete
     assert any("could not be looked into" in one for one in less.left)

@@ -240,7 +240,7 @@ def separated(
     if not any(f is one for one in known):
         known.append(f)
     # in `zero`, too: random points modulo a prime would else be met beside the set
-    return replace(piece, equations=(*piece.equations, f), zero=(*piece.zero, chain.ring.trig_zero_set(f)))
+    return piece.saying(f, chain.ring.trig_zero_set(f))
 
 
 def _away(chain: Chain, f: Polynomial, strays: Array) -> int:

@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, islice
 
-from rankdrop.exact.algebra.field import Point, residue, roots_at, value_at
+from rankdrop.exact.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
 from rankdrop.exact.algebra.polynomial import (
     COS_SIN,
     Atom,
@@ -38,6 +38,7 @@ from rankdrop.exact.algebra.solving import (
     eliminable,
     factors,
     linear,
+    nowhere,
     pairs,
     put,
     remainder,
@@ -229,25 +230,60 @@ def _reduced(
 def _several(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
 ) -> list[ZeroSet]:
-    """Three or more conditions that no step makes simpler: two of them; the others tell their zeros apart.
+    """Three or more conditions that no step makes simpler: some of them; the others tell their zeros apart.
 
-    They have common zeros that bind no more than two freedoms (`binds_more`). Where these are not met again, the system
-    is left over: nothing is dropped without a reason.
+    Two conditions without a common factor bind two freedoms, and each one after them, in a variable of its own, one
+    more, but where all its coefficients vanish. So the wanted zeros of all conditions are sets, or points, of as many
+    of them as freedoms are bound at most, or of as many as there are variables. Where these are not met again, the
+    system is left over: nothing is dropped without a reason.
     """
     places = {place for f in system for place in used(f) if place < ring.moving}
-    if min(most, len(places)) <= 2:
-        for f, g in combinations(sorted(system, key=len), 2):
-            if {*used(f), *used(g)} >= places:
-                others = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
-                found = ZeroSet(ring, pins, rest=(f, g), zero=others, equations=tuple(system))
+    size = min(most, len(places))
+    for f, g in combinations(sorted(system, key=len), 2):
+        tops = _tops(ring, [f, g], system, size - 2)
+        held = [f, g, *tops]
+        if len(held) != max(size, 2) or not {place for h in held for place in used(h)} >= places:
+            continue
+        others = [h for h in system if not any(h is one for one in held)]
+        zero = tuple(map(ring.trig_zero_set, others))
+        found = ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
+        if found.samples:
+            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
+    if size == 3:
+        if nowhere(system, ring.moving, work.lengths):
+            return []
+        for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
+            if {place for h in three for place in used(h)} >= places and solvable_in_space(three, ring.moving):
+                work.check()
+                others = [h for h in system if not any(h is one for one in three)]
+                zero = tuple(map(ring.trig_zero_set, others))
+                found = ZeroSet(ring, pins, rest=three, zero=zero, equations=tuple(system))
                 if found.samples:
                     return [found]
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
         one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
-        return [*_free_on_top(ring, pins, base, tops, most, work), one]
+        return [*_free_on_top(ring, pins, base, tops, [], most, work), one]
     work.leave(pins, system)
     return []
+
+
+_TRIPLES = 3  # of conditions that are tried
+
+
+def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: int) -> list[Polynomial]:
+    """Up to so many conditions, short ones first, each in one variable that the ones before it are not in."""
+    held, tops = {place for f in base for place in used(f)}, list[Polynomial]()
+    waiting = [h for h in sorted(system, key=len) if not any(h is f for f in base)]
+    while len(tops) < count:
+        own = [(h, {p for p in used(h) if p < ring.moving} - held) for h in waiting]
+        top = next(((h, new) for h, new in own if len(new) == 1), None)
+        if top is None:
+            break
+        tops.append(top[0])
+        held |= top[1]
+        waiting = [h for h in waiting if h is not top[0]]
+    return tops
 
 
 def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list[Polynomial]]:
@@ -269,15 +305,21 @@ def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list
 
 
 def _free_on_top(
-    ring: Ring, pins: dict[int, str], base: list[Polynomial], tops: list[Polynomial], most: int, work: Work
+    ring: Ring,
+    pins: dict[int, str],
+    base: list[Polynomial],
+    tops: list[Polynomial],
+    besides: list[Polynomial],
+    most: int,
+    work: Work,
 ) -> list[ZeroSet]:
-    """Sets on which a condition holds whatever its own variable is: all its coefficients vanish."""
+    """Sets on which a condition holds whatever its own variable is: all its coefficients vanish, and so do others."""
     found: list[ZeroSet] = []
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
         known = {place for f in before for place in used(f)}
         own = next(place for place in used(top) if place < ring.moving and place not in known)
-        others = [ring.form(f) for f in (*before, *tops[number + 1 :])]
+        others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
         found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
     return found
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
 from math import prod
 from typing import Any
 
@@ -137,11 +138,16 @@ def univariate(ring: Ring, f: Polynomial, name: str, point: Point) -> list[int]:
 
 def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Point) -> Polynomial:
     """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
-    put, names = _put(ring, f, (one, two), point)
-    a, b = names.index(one), names.index(two)
+    return slice_at(ring, f, (one, two), point)
+
+
+def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: Point) -> Polynomial:
+    """f as a polynomial in two or three variables modulo the prime of a point (`flint.nmod_mpoly` in x, y, z)."""
+    put, names = _put(ring, f, moving, point)
+    places = [names.index(name) for name in moving]
     module = flint()
-    context = module.nmod_mpoly_ctx.get(["x", "y"], point.prime, module.Ordering.lex)
-    return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+    context = module.nmod_mpoly_ctx.get(list("xyz"[: len(moving)]), point.prime, module.Ordering.lex)
+    return context.from_dict({tuple(int(e[k]) for k in places): int(value) for e, value in put.to_dict().items()})
 
 
 def _put(
@@ -200,6 +206,106 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
         one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
         for x in roots([int(value) for value in one.gcd(two).coeffs()], prime):
             yield x, y
+
+
+_LARGEST = 400  # terms that a resultant of three conditions on the way to their zeros may have
+
+
+def plane_size(f: Polynomial, g: Polynomial, place: int) -> int:
+    """Number of terms that the resultant of two polynomials in one of three variables may have."""
+    one, two = (list(map(int, h.degrees())) for h in (f, g))
+    others = [k for k in range(len(one)) if k != place]
+    return prod(1 + one[k] * two[place] + two[k] * one[place] for k in others)
+
+
+def solvable_in_space(conditions: Sequence[Polynomial], moving: int) -> bool:
+    """Whether three conditions have zeros that `zeros_in_space` finds in short time, whichever three of the first so
+    many variables they are solved for.
+    """
+    places = sorted({k for f in conditions for k, d in enumerate(f.degrees()[:moving]) if d})
+    degrees = [list(map(int, f.degrees())) for f in conditions]
+    for chosen in combinations(places, 3):
+        here = [[d[k] for k in chosen] for d in degrees]
+        best = min(_work_in_space(here, place) for place in range(3))
+        if best > _LARGEST:
+            return False
+    return True
+
+
+def _work_in_space(degrees: Sequence[Sequence[int]], place: int) -> int:
+    """Terms of the longest resultant where three polynomials of these degrees are solved after one variable is
+    eliminated.
+    """
+    inside = sorted((d for d in degrees if d[place]), key=lambda d: d[place])
+    return max((prod(1 + inside[0][k] * d[place] + d[k] * inside[0][place] for k in range(3) if k != place)
+                for d in inside[1:]), default=0)  # fmt: skip
+
+
+def zeros_in_space(conditions: Sequence[Polynomial]) -> list[tuple[int, ...]] | None:
+    """All common zeros (x, y, z) of three polynomials modulo a prime (`flint.nmod_mpoly` in x, y, z).
+
+    Returns:
+        None where they are not isolated as far as is seen, or would take too long.
+    """
+    if any(f == 0 for f in conditions):
+        return None
+    degrees = [list(map(int, f.degrees())) for f in conditions]
+    for place in sorted(range(3), key=lambda k: (sum(d[k] > 0 for d in degrees), max(d[k] for d in degrees))):
+        inside = sorted((f for f in conditions if f.degrees()[place]), key=lambda f: (int(f.degrees()[place]), len(f)))
+        outside = [f for f in conditions if not f.degrees()[place]]
+        if not inside:
+            continue
+        if any(plane_size(inside[0], f, place) > _LARGEST for f in inside[1:]):
+            continue
+        for f in inside[1:]:
+            tick(200 + 5 * plane_size(inside[0], f, place))
+        name = "xyz"[place]
+        outside += [inside[0].resultant(f, name) for f in inside[1:]]
+        zeros = _zeros_in_plane(outside, place)
+        found = None if zeros is None else _lines_through(conditions, inside, zeros, place)
+        if found is not None:
+            return found
+    return None
+
+
+def _zeros_in_plane(pair: Sequence[Polynomial], without: int) -> list[tuple[int, int]] | None:
+    """The common zeros of two polynomials in two of x, y, z; None where they have a common factor."""
+    one, two = pair
+    if one == 0 or two == 0:
+        return None
+    module, prime = flint(), int(one.context().modulus())
+    context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
+    f, g = (
+        context.from_dict({tuple(int(x) for k, x in enumerate(e) if k != without): int(c)
+                           for e, c in h.to_dict().items()})
+        for h in (one, two)
+    )  # fmt: skip
+    if not f.gcd(g).is_constant():
+        return None
+    return list(common_zeros(f, g))
+
+
+def _lines_through(
+    conditions: Sequence[Polynomial], inside: Sequence[Polynomial], zeros: Sequence[tuple[int, int]], place: int
+) -> list[tuple[int, ...]] | None:
+    """Zeros in space above zeros in the plane; None where a whole line is one."""
+    module, found = flint(), list[tuple[int, ...]]()
+    for a, b in zeros:
+        values = iter((a, b))
+        there = {"xyz"[k]: next(values) for k in range(3) if k != place}
+        prime = int(inside[0].context().modulus())
+        lines = [module.nmod_poly(dense(f.subs(there), place), prime) for f in inside]
+        lines = [line for line in lines if line.degree() >= 0]
+        if not lines:
+            return None
+        common = lines[0]
+        for line in lines[1:]:
+            common = common.gcd(line)
+        for x in roots([int(value) for value in common.coeffs()], prime):
+            point = {**there, "xyz"[place]: x}
+            if all(int(f(*(point[name] for name in "xyz"))) == 0 for f in conditions):
+                found.append((point["x"], point["y"], point["z"]))
+    return found
 
 
 def dense(f: Polynomial, place: int) -> list[int]:

@@ -184,6 +184,18 @@ _BELOW = (
 )  # fmt: skip
 PRIMES = tuple((1 << 61) - below for below in _BELOW)
 """The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not."""
+_FURTHER_BELOW = (
+    47_235_633, 49_741_521, 50_120_913, 51_894_321, 53_335_881, 53_929_593, 54_180_153, 58_655_481, 60_071_913,
+    60_775_473, 61_708_401, 62_398_881, 63_656_193, 64_022_601, 64_888_401, 65_153_913, 65_273_961, 67_788_633,
+    70_183_593, 73_017_753, 73_904_793, 74_588_961, 74_944_041, 75_290_361, 76_172_121, 76_706_241, 77_050_473,
+    79_309_521, 81_901_761, 84_248_721, 87_376_041, 87_808_713, 89_282_673, 89_711_913, 90_008_673, 90_125_361,
+    90_830_361, 90_920_913, 93_289_353, 98_588_361, 99_684_393, 100_879_713, 101_590_401, 102_864_633, 102_880_641,
+    104_895_753, 105_208_953, 105_256_833, 106_700_313, 112_003_833, 112_622_121, 112_994_361, 113_009_721,
+    114_540_873, 117_920_193, 120_501_321, 120_655_161, 124_025_121, 125_720_073, 126_693_633, 126_738_513,
+    130_842_081, 131_634_873, 133_680_033,
+)  # fmt: skip
+FURTHER = tuple((1 << 61) - below for below in _FURTHER_BELOW)
+"""The next ones: tried where roots of other numbers exist modulo none of `PRIMES`."""
 
 _SQUARES: dict[str, dict[tuple[str, ...], Fraction]] = {
     "cos18": {(): Fraction(5, 8), ("sqrt5",): Fraction(1, 8)},
@@ -297,9 +309,9 @@ def _embeddings(names: tuple[str, ...], prime: int) -> Iterator[dict[str, int]]:
 
 
 @lru_cache
-def primes_with(names: tuple[str, ...]) -> tuple[int, ...]:
+def primes_with(names: tuple[str, ...], primes: tuple[int, ...] = PRIMES) -> tuple[int, ...]:
     """The primes modulo which roots exist."""
-    return tuple(prime for prime in PRIMES if residues_of_roots(names, prime) is not None)
+    return tuple(prime for prime in primes if residues_of_roots(names, prime) is not None)
 
 
 def roots_in(f: Polynomial) -> tuple[str, ...]:

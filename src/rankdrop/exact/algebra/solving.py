@@ -17,7 +17,7 @@ from functools import reduce
 from itertools import combinations, permutations
 from math import prod
 
-from rankdrop.exact.algebra.field import dense, reduced, residue, roots
+from rankdrop.exact.algebra.field import dense, reduced, residue, roots, solvable_in_space
 from rankdrop.exact.algebra.polynomial import (
     PRIMES,
     Atom,
@@ -248,6 +248,45 @@ def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[lis
 def _have_no_common_zero(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
     """Whether conditions on two variables have no common zero at all."""
     return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0], lengths) is False
+
+
+def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
+    """Whether four or more conditions on three variables are proven to have no common zero, by resultants modulo P.
+
+    Where they have one so have the resultants of any two of them, and those of these, in one variable alone. Zeros with
+    1 + t² = 0 do not count. False, too, where the resultants would be too long.
+    """
+    places = sorted({place for f in system for place in used(f) if place < moving})
+    if len(places) != 3 or len(system) < 4 or not solvable_in_space(system, moving):
+        return False
+    prime, module, names = PRIMES[0], flint(), system[0].context().names()
+    rng = random.Random(_SEED)
+    known = dict(residues_of_roots(roots_in(system[0]), prime) or {})
+    for name in names[moving:]:
+        known.setdefault(name, residue(lengths[name], prime) if name in lengths else rng.randrange(prime))
+    context = module.nmod_mpoly_ctx.get(list("xyz"), prime, module.Ordering.lex)
+    forms = []
+    for f in system:
+        here = reduced(f, prime).subs(known).to_dict().items()
+        forms.append(context.from_dict({tuple(int(e[place]) for place in places): int(c) for e, c in here}))
+    for first in range(3):
+        planes = _all_resultants(forms, first)
+        for second in range(3):
+            if second != first:
+                lines = [f for f in _all_resultants(planes, second) if f != 0]
+                circle = 1 + context.gens()[3 - first - second] ** 2
+                if lines and _without(_common(lines), circle).is_constant():
+                    return True
+    return False
+
+
+def _all_resultants(polynomials: Sequence[Polynomial], place: int) -> list[Polynomial]:
+    """Those without one of x, y, z, and the resultants in it of the first that has it with each other one."""
+    inside = sorted((f for f in polynomials if f.degrees()[place]), key=len)
+    for f in inside[1:]:
+        tick(200 + 3 * len(inside[0]) * len(f))
+    outside = [f for f in polynomials if not f.degrees()[place]]
+    return [*outside, *(inside[0].resultant(f, "xyz"[place]) for f in inside[1:])]
 
 
 def _without(f: Polynomial, g: Polynomial) -> Polynomial:

@@ -15,7 +15,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, permutations
 
 from rankdrop.exact.algebra.field import (
     Point,
@@ -26,11 +26,13 @@ from rankdrop.exact.algebra.field import (
     holds,
     roots,
     roots_at,
+    slice_at,
     stands,
     univariate,
     value_at,
+    zeros_in_space,
 )
-from rankdrop.exact.algebra.polynomial import ROOTS, TANGENT, Atom, Polynomial, used
+from rankdrop.exact.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Polynomial, primes_with, used
 from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.solving import Solved
 
@@ -97,6 +99,8 @@ class ZeroSet:
 
     def point(self, rng: random.Random) -> Point | None:
         """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
+        if self._base > 2:
+            return rng.choice(self.samples) if self.samples else None
         for number in range(_TRIES):
             values = self._start(rng, self.ring.primes[0 if number < _FIRST else number % len(self.ring.primes)])
             if not self._solve_rest(values, rng) or not self._fill_in(values):
@@ -212,33 +216,68 @@ class ZeroSet:
     def samples(self) -> list[Point]:
         """Random points, always the same: two, or, where there may be several sets, some on every one of them."""
         rng = random.Random(self.key)
-        return list(self._spread(rng)) if self.several else self.points(rng, _POINTS)
+        if not self.several:
+            return self.points(rng, _POINTS)
+        for primes in self._prime_rounds():
+            found = self._spread(rng, primes)
+            if found is None:
+                return []
+            if found:
+                return found
+        return []
 
-    def _spread(self, rng: random.Random) -> Iterator[Point]:
-        """All points on planes in which two variables move and the others stand still at random.
+    def _prime_rounds(self) -> Iterator[Sequence[int]]:
+        """Primes for the slices of one round each: a further round where the ones before met no point at all.
 
-        Every irreducible set of the codimension of the two conditions meets such planes of some pair of variables. It
-        has no zero on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6. A set that is irreducible
-        over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own, and
-        where the variables have single values every prime is tried.
+        Where the variables have single values every prime of the ring is taken in one round: each has other roots.
         """
-        ring, (f, g) = self.ring, self.rest[:2]
-        one, two = {*self._moving(f)}, {*self._moving(g)}
+        ring = self.ring
+        roots = tuple(name for name in ring.letters if name in ROOTS)
         places = {p for h in self.rest for p in used(h) if p < ring.moving or ring.names[p] not in ROOTS}
-        points = len(places) == len(self.rest) and max(places) < ring.moving
-        for pair in combinations(sorted(one | two), 2):
-            if not (one & {*pair} and two & {*pair}):
+        if len(places) == len(self.rest) and max(places) < ring.moving:
+            yield ring.primes
+        else:
+            yield ring.primes[:_PLANES]
+        further = primes_with(roots, FURTHER)
+        for start in range(0, len(further), _PLANES):
+            yield further[start : start + _PLANES]
+
+    @cached_property
+    def _base(self) -> int:
+        """How many unsolved conditions are solved together: three where the third has no variable of its own."""
+        return 3 if len(self.rest) > 2 and self._own(2) is None else 2
+
+    def _spread(self, rng: random.Random, primes: Sequence[int]) -> list[Point] | None:
+        """All points on slices in which two or three variables move and the others stand still at random.
+
+        Every irreducible set of the codimension of the conditions meets such slices of some variables. It has no zero
+        on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6. A set that is irreducible over the
+        rationals alone, such as t² = 53, has zeros modulo some primes only: each slice has its own. Of a set that
+        contains k such roots one after the other about one slice in 2^k has points.
+
+        Returns:
+            None where three conditions have zeros on a slice that are not isolated: then a set is larger than thought.
+        """
+        ring, first = self.ring, self.rest[: self._base]
+        own = [{*self._moving(f)} for f in first]
+        points: list[Point] = []
+        for moving in combinations(sorted(set.union(*own)), len(first)):
+            if not _matched(own, moving):
                 continue
-            x, y = (ring.names[place] for place in pair)
-            for prime in ring.primes if points else ring.primes[:_PLANES]:
+            names = [ring.names[place] for place in moving]
+            for prime in primes:
                 values = self._start(rng, prime)
-                zeros = common_zeros(*(bivariate(ring, h, x, y, values) for h in (f, g)))
+                forms = [slice_at(ring, h, names, values) for h in first]
+                zeros = list(common_zeros(*forms)) if len(first) == 2 else zeros_in_space(forms)
+                if zeros is None:
+                    return None
                 for zero in zeros:
-                    yield from self._above(values.changed(dict(zip((x, y), zero, strict=True))))
+                    points += self._above(values.changed(dict(zip(names, zero, strict=True))))
+        return points
 
     def _above(self, values: Point) -> Iterator[Point]:
-        """The points of the set at which the first two conditions are solved."""
-        for here in self._towers(values, 2):
+        """The points of the set at which the first conditions are solved."""
+        for here in self._towers(values, self._base):
             point = complete(self.ring, here, self.pins) if self._fill_in(here) else None
             if point is not None and self._chosen(point):
                 yield point
@@ -259,6 +298,18 @@ class ZeroSet:
         if not inside.samples:
             return None, self
         return (self, None) if not outside.samples else (inside, outside)
+
+    def saying(self, f: Polynomial, p: Polynomial) -> ZeroSet:
+        """The same set with one more of its conditions told: a half-angle polynomial f that vanishes on all of it.
+
+        Args:
+            f: for the equations.
+            p: trigonometric polynomial with the same zeros.
+        """
+        found = replace(self, equations=(*self.equations, f), zero=(*self.zero, p))
+        if self._base > 2:  # what takes seconds to find is not looked for again
+            found.__dict__["samples"] = self.samples
+        return found
 
     def vanishes(self, p: Polynomial) -> bool:
         """Whether a trigonometric polynomial is zero on the whole set."""
@@ -318,6 +369,11 @@ class ZeroSet:
             if divisor == 0 or (point[ring.names[one.place]] * divisor - value_at(ring, top, point)) % point.prime:
                 return False
         return True
+
+
+def _matched(own: Sequence[set[int]], moving: Sequence[int]) -> bool:
+    """Whether each condition can be given a moving variable of its own."""
+    return any(all(place in mine for place, mine in zip(one, own, strict=True)) for one in permutations(moving))
 
 
 def independent(pieces: Sequence[ZeroSet]) -> list[ZeroSet]:

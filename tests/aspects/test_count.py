@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rankdrop.aspects.cells import Parts, Positive, count_parts, joined
-from rankdrop.aspects.count import AspectCount, Left, Peeling, count_aspects
+from rankdrop.aspects.count import AspectCount, Left, count_aspects
 from rankdrop.aspects.waves import wave_of
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.aspects import signed_factors, signs_of
+from rankdrop.exact.aspects import SignedFactor, signs_of
 from rankdrop.kinematics import task_jacobian
-from rankdrop.motion.aspects import NOT_ASKED, aspects_of
+from rankdrop.motion.aspects import CUSPIDAL, NOT_ASKED, NOT_FOUND, aspects_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
@@ -203,19 +206,97 @@ def test_an_enclosure_holds_at_random_points(rng: np.random.Generator) -> None:
     assert (values.high - values.low).max() < 6
 
 
-def peeled(p: Polynomial) -> Peeling:
-    """Of one factor, not taken apart."""
-    atoms = [atom for atom, _ in RING.factor(p).atoms]
-    whole = signed_factors(RING, atoms)
-    assert len(whole) == 1
-    return Peeling(RING, {}, whole)
+def whole(ring: Ring, p: Polynomial) -> SignedFactor:
+    """A polynomial as one factor, though it may fall apart."""
+    return SignedFactor(ring, tuple(atom for atom, _ in ring.factor(p).atoms), str(p), periodic=True, sense=1)
+
+
+def regions(*factors: Polynomial, ring: Ring = RING) -> AspectCount:
+    """The regions that the zeros of these functions leave of the torus."""
+    chain = SimpleNamespace(ring=ring, numbers={})
+    signs = SimpleNamespace(factors=[whole(ring, p) for p in factors], chain=chain, names=("",) * len(factors))
+    return count_aspects(signs)  # type: ignore[arg-type]
+
+
+HALVES = (1 - C1) * S2 + S1 * C2  # 2 sin(θ1/2) sin(θ2 + π/2 − θ1/2), one atom times another
 
 
 def test_a_common_factor_that_cuts_a_circle_once_separates_nothing() -> None:
-    """(1 − c1) c2 + s1 s2 = 2 sin(θ1/2) sin(θ1/2 + …): one atom sin(θ1/2) is left, and joint 1 stands nowhere else."""
-    found = peeled((1 - C1) * S2 + S1 * C2)
-    assert found.peeled == [2]
-    assert not found.groups
+    """Joint 2 peeled off leaves θ1 ≠ 0, and joint 1 stands nowhere else."""
+    found = regions(HALVES)
+    assert found.exact
+    assert (found.at_least, found.peeled, found.cells) == (2, (2,), ())
+
+
+def test_a_common_factor_that_cuts_a_circle_twice_is_not_left_out() -> None:
+    """s1 c2 has two parts of each sign: c2 is left, which is zero at two values of θ2."""
+    found = regions(S1 * C2)
+    assert found.cells == (2,)
+    assert found.at_least <= 4 <= found.at_most
+    assert not found.exact or found.at_least == 4
+
+
+def test_a_common_factor_in_a_joint_that_another_factor_holds_is_not_left_out() -> None:
+    """θ1 ≠ 0 and s1 + c1 ≠ 0 leave three arcs, on which the sign of the first factor is either."""
+    found = regions(HALVES, S1 + C1)
+    assert found.cells == (1,)
+    assert found.at_least <= 6 <= found.at_most
+    assert not found.exact or found.at_least == 6
+
+
+def test_a_common_factor_that_is_part_of_another_factor_is_implied() -> None:
+    found = regions(HALVES, S1)
+    assert found.exact
+    assert (found.at_least, found.cells) == (4, ())
+
+
+def test_a_factor_in_more_than_one_angle_of_a_joint_is_not_peeled() -> None:
+    found = regions(2 * C1**2 - 1 + RING.constant(Fraction(1, 2)) * C2)
+    assert 1 not in found.peeled
+    assert found.at_least <= found.at_most
+
+
+def test_joints_that_are_left_are_said() -> None:
+    ring = Ring([1, 2, 3, 4])
+    double = [2 * ring.c[j] ** 2 - 1 for j in range(1, 5)]
+    found = regions(sum(double, ring.zero) + ring.constant(1), ring=ring)
+    assert found.left == Left.JOINTS
+    assert found.at_most is None
+
+
+def test_a_slide_that_stands_with_a_number_is_peeled_and_another_is_not() -> None:
+    ring = Ring([1], [2])
+    found = regions(ring.c[1] + 3 * ring.q[2], ring=ring)
+    assert found.exact
+    assert (found.at_least, found.peeled) == (2, (2,))
+    assert regions(ring.one + ring.s[1] * ring.q[2] ** 2, ring=ring).left == Left.SLIDE
+
+
+def test_terms_that_cancel_widen_an_enclosure() -> None:
+    """c1² and s1² in letters that are almost equal: what is left is rounding, and no sign."""
+    ring = Ring([1], (), ["a", "b"])
+    p = ring.letter["a"] * ring.c[1] - ring.letter["b"] * ring.c[1]
+    wave = wave_of(ring, p, {"a": 1e6, "b": 1e6 + 1e-9}, unit=1)
+    here = wave.over({1: np.array([0.0])}, 0.0)
+    assert here.low[0] < 0 < here.high[0]
+
+
+def test_within_limits_the_number_of_aspects_decides_nothing() -> None:
+    """Two solutions with equal signs prove a change of posture only where joints turn as they like."""
+    q = [0.2, 0.9, 0.4, -0.6, 0.9, 0.0]
+    free = replace(aspects_of(open_robot("crx10ia"), q=q, starts=200), change=None)
+    assert free.verdict == CUSPIDAL
+    assert free.shared is not None
+    assert "lie in one of the 2 aspects" in free.sentence
+    bound = replace(free, options=replace(free.options, limits=True))
+    assert bound.shared is None
+    assert bound.verdict == NOT_FOUND
+
+
+def test_an_empty_set_makes_a_product_empty() -> None:
+    empty, unclear = Parts(0, 0, proven=True), Parts(1, 3, proven=False)
+    assert empty * unclear == Parts(0, 0, proven=True)
+    assert not (unclear * unclear).proven
 
 
 @pytest.mark.parametrize(("name", "number"), [("pa10", 2), ("gen3", 1), ("canadarm2", 1), ("px150", 2)])

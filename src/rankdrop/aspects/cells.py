@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.aspects.waves import Interval, Wave
-from rankdrop.exact.algebra.work import tick
+from rankdrop.exact.algebra.work import Work, tick
 from rankdrop.robot.model import Array
 
 Mask = NDArray[np.bool_]
@@ -133,28 +133,32 @@ class Parts:
         return self.proven and self.at_least == self.at_most
 
     def __mul__(self, other: Parts) -> Parts:
+        """Of the product of two sets; none where one of them is proven to be empty."""
         none = 0 in (self.at_least, other.at_least) and (self.exact or other.exact)
         return Parts(self.at_least * other.at_least, self.at_most * other.at_most,
                      (self.proven and other.proven) or none)  # fmt: skip
-
-    def __add__(self, other: Parts) -> Parts:
-        return Parts(self.at_least + other.at_least, self.at_most + other.at_most, self.proven and other.proven)
 
 
 ONE = Parts(1, 1, proven=True)
 
 
-def count_parts(conditions: Sequence[Condition]) -> Parts:
+def count_parts(conditions: Sequence[Condition], work: Work | None = None) -> Parts:
     """The connected parts of the set where all conditions hold, on the torus of the joints they depend on.
 
     Grids are made finer until the number is proven, or the finest of `SIZES` is reached.
 
     Args:
         conditions: of at most three joints together.
+        work: its limit is checked before each grid.
+
+    Raises:
+        OutOfTime: that limit was met.
     """
     joints = sorted({joint for condition in conditions for joint in condition.joints})
     best: Parts | None = None
     for size in SIZES[max(len(joints), 1)] if joints else (1,):
+        if work is not None:
+            work.check()
         found = _at(conditions, joints, size)
         best = found if best is None else _better(best, found)
         if best.exact:

@@ -134,16 +134,22 @@ def walls_of(chain: Chain, work: Work) -> Signs | None:
     atoms = []
     for drop in tree.drops:
         if drop.piece.codimension == 1:
-            atoms += [chain.ring.pin(joint, value) for joint, value in drop.piece.pins.items()]
-            atoms += [chain.ring.atom(f) for f in drop.piece.equations]
+            pins = [chain.ring.pin(joint, value) for joint, value in drop.piece.pins.items()]
+            own = [*pins, *map(chain.ring.atom, drop.piece.equations)]
+            assert len(own) == 1  # an irreducible set of codimension 1 is the zeros of one polynomial
+            atoms += own
     return Signs(chain, signed_factors(chain.ring, atoms))
 
 
-def count_aspects(signs: Signs) -> AspectCount:
+def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
     """Count the connected regions of regular configurations.
 
     Args:
         signs: from `signs_of` of a chain with `lengths="numbers"` (the numbers decide), or from `walls_of`.
+        work: limit of the work on cells.
+
+    Raises:
+        OutOfTime: that limit was met.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
@@ -170,7 +176,7 @@ def count_aspects(signs: Signs) -> AspectCount:
             own = tuple(vector[i] for i in group)
             key = number, own
             if key not in known:
-                known[key] = count_parts([peeling.condition(i, vector[i]) for i in group])
+                known[key] = count_parts([peeling.condition(i, vector[i]) for i in group], work)
             parts = parts * known[key]
         each.append(SignCount(vector, parts))
     cells = sorted({joint for group in peeling.groups for i in group for joint in peeling.condition(i, 1).joints})
@@ -230,7 +236,6 @@ class Peeling:
         self.whole: list[Polynomial | None] = [_polynomial(factor) for factor in factors]  # None once peeled
         self.linear: dict[int, _Linear] = {}  # those that one joint was peeled off
         self.peeled: list[int] = []
-        self._cut: set[int] = set()  # joints whose circle lacks a point
         self._waves: dict[int, tuple[Wave, ...]] = {}
         while self._peel_one():
             pass
@@ -315,11 +320,9 @@ class Peeling:
         others = [k for k in self._alive() if k != i]
         new = [atom for atom in shared if not any(self.whole[k] is not None and atom in self.atoms[k] for k in others)]
         cut = [atom.joint for atom in new]
-        held = {joint for k in others for joint in self._joints(k)} | self._cut
-        if not all(atom.pinned for atom in new) or len(set(cut)) < len(cut) or held & set(cut):
-            return False
-        self._cut |= set(cut)
-        return True
+        held = {joint for k in others for joint in self._joints(k)}
+        cut_once = len(set(cut)) == len(cut)
+        return all(atom.pinned for atom in new) and cut_once and not held & set(cut)
 
     def _grouped(self) -> list[tuple[int, ...]]:
         groups: list[tuple[set[int], list[int]]] = []

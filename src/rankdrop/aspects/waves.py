@@ -6,7 +6,8 @@ A cell is a cube of half width r. With H the bound of the second derivatives, Ta
 
     |f(θ) − f(m)| ≤ r Σ_a |∂f/∂θ_a(m)| + ½ r² Σ_ab H_ab,    |∂f/∂θ_a(θ) − ∂f/∂θ_a(m)| ≤ r Σ_b H_ab.
 
-Both are widened by `ROUNDING` of Σ |c_k|, which is more than what double precision loses in a sum of so few terms.
+Both are widened by `ROUNDING` of the sum of the sizes of all terms, which is more than what double precision loses in a
+sum of so few terms, those that cancel among them.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rankdrop.exact.algebra.ring import Ring, numeric_terms
 from rankdrop.robot.model import Array
 
 ROUNDING = 1e-12
-"""Share of Σ |c_k| by which an enclosure is widened."""
+"""Share of the sizes of all terms by which an enclosure is widened."""
 
 
 @dataclass(frozen=True)
@@ -59,16 +60,13 @@ class Wave:
         joints: numbers (from 1) of the joints it depends on.
         frequencies: (K, number of joints) whole numbers.
         amplitudes: (K,) complex c_k.
+        total: Σ of the sizes of all terms that were summed; at least Σ |c_k|, so that no value is larger.
     """
 
     joints: tuple[int, ...]
     frequencies: Array
     amplitudes: Array
-
-    @cached_property
-    def total(self) -> float:
-        """Σ |c_k|: no value is larger."""
-        return float(np.abs(self.amplitudes).sum())
+    total: float
 
     @cached_property
     def _bends(self) -> Array:
@@ -119,7 +117,9 @@ def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float
     names = p.context().names()
     present = [j for j in ring.revolute if any(p.degrees()[names.index(f"{x}{j}")] for x in "sc")] if p != 0 else []
     sums: dict[tuple[int, ...], complex] = {}
+    total = 0.0
     for number, powers in numeric_terms(p, numbers, unit=unit) if p != 0 else ():
+        total += abs(number)  # the amplitudes of sin^a θ cos^b θ have a sum of sizes of 1 at most
         parts: dict[tuple[int, ...], complex] = {(): complex(number)}
         for joint in present:
             one = _single(powers[names.index(f"s{joint}")], powers[names.index(f"c{joint}")])
@@ -127,7 +127,7 @@ def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float
         for k, value in parts.items():
             sums[k] = sums.get(k, 0j) + value
     frequencies = np.array(list(sums), dtype=float).reshape(len(sums), len(present))
-    return Wave(tuple(present), frequencies, np.array(list(sums.values()), dtype=complex))
+    return Wave(tuple(present), frequencies, np.array(list(sums.values()), dtype=complex), total)
 
 
 def _single(sines: int, cosines: int) -> dict[int, complex]:

@@ -189,7 +189,9 @@ def test_a_path_from_the_edge_of_reach_inwards_is_followed(tmp_path: Path) -> No
     check = check_file(robot, tmp_path / "in.csv", PathQuestion(None, None, PathOptions()))
     assert check.tool.complete
     assert [one.rest for one in check.tool.passed] == [True]
-    assert "from rest" in check.sentence
+    assert check.sentence == "The path leaves the singularity at its start, from rest."
+    assert not check.holds
+    assert not check.clear
     (tmp_path / "out.csv").write_text("x,y,z,roll,pitch,yaw\n0.5,0,1.5,0,0,0\n-0.1,0,2.1,0,0,0\n")
     out = check_file(robot, tmp_path / "out.csv", PathQuestion(None, None, PathOptions()))
     assert not out.tool.complete

@@ -322,7 +322,9 @@ def check_poses(
     asked = _asked(robot, task, analysis)
     check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
     ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
-    worst = min(check.verdict, ended, key=VERDICTS.index)
+    # a start on a singularity is found to half the digits only: its joints are free, and the tool path is not
+    passed = TOUCHING if branch.passed else FREE
+    worst = min(check.verdict, ended, passed, key=VERDICTS.index)
     tool = replace(tool, moved=moved)
     if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
         tool = replace(tool, branches=_branches(
@@ -350,6 +352,8 @@ def _branches(
             branch, place = taken, 0.0
             if check.crossings:
                 place = min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
+            elif taken.passed:
+                place = min(one.place for one in taken.passed)
             elif any(one.verdict == UNDECIDED for one in check.stretches):
                 place = 1.0
         else:

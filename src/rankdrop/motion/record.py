@@ -219,7 +219,7 @@ class PathCheck(Result):
     @property
     def clear(self) -> bool:
         """Proven free of singularities, and the distance asked for proven to be kept, whatever joint limits say."""
-        met = any(one.verdict != FREE for one in self.stretches)
+        met = any(one.verdict != FREE for one in self.stretches) or (self.tool is not None and bool(self.tool.passed))
         return self.complete and not met and self.margin in (None, "kept") and (self.tool is None or self.tool.complete)
 
     @property

@@ -18,7 +18,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.paths import decision_text
+from rankdrop.text.aspects import decision_text
 
 H = np.pi / 2
 WENGER = [[0, 1, -H], [1, 2, H], [0, 1.5, 0]]

@@ -75,7 +75,6 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("seconds", "says"), [(2.0, True), (0.05, False)])
 def test_a_joint_path_that_crosses_within_its_rates_may_do_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], seconds: float, says: bool
@@ -86,9 +85,15 @@ def test_a_joint_path_that_crosses_within_its_rates_may_do_so(
     main.run(["path", "irb120", str(tmp_path / "joints.csv"), "--quiet"])
     told = " ".join(capsys.readouterr().out.split())
     assert told.startswith("Crosses a singularity once (proven)")
-    assert ("Next: as a joint move nothing needs to be done (at most 7.2 % of its rates);" in told) is says
+    assert ("Next: as a joint move nothing needs to be done: it keeps its rates (largest: 7.2 %);" in told) is says
 
 
+def test_of_a_joint_path_without_times_the_rates_are_not_known(tmp_path: Path, run) -> None:
+    _, out, _ = run(saved(tmp_path, "bad.npy", CROSSING))
+    assert "Next: a joint move may cross; its rates are not known;" in " ".join(out.split())
+
+
+@pytest.mark.slow
 def test_what_is_written_satisfies_the_schemas(tmp_path: Path, run) -> None:
     one, two = saved(tmp_path, "a.npy", CROSSING), saved(tmp_path, "b.npy", FREE)
     code, out, _ = run(one, "--json", tmp_path / "one.json", "--figure", tmp_path / "one.svg")

@@ -219,8 +219,8 @@ class Decision:
     Attributes:
         kind: `SIGNS` and `NO_CUSP`: proven not to be cuspidal; `CUSPS`: there are cusps (to the precision of balls of
             600 bits), and near each two solutions in one aspect; `OPEN`: none of these.
-        why: of `SIGNS` how the inverse is solved, of `OPEN` what stands in the way: a key of `text.paths.POSTURES`, or
-            an error's own words.
+        why: of `SIGNS` how the inverse is solved, of `OPEN` what stands in the way: a key of `POSTURES` of
+            `text/aspects.py`, or an error's own words.
         wrist: whether the first three joints are spoken of, of an arm with a spherical wrist behind them.
         cusps: (q₂, q₃) of each [rad].
         nodes: (q₂, q₃) where the singular curve crosses itself [rad]; None where they were not looked for.

@@ -43,7 +43,7 @@ from rankdrop.questions import AspectsOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
-from rankdrop.text import paths as text
+from rankdrop.text import aspects as text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -155,7 +155,7 @@ class Postures(Result):
         """A pose of which two solutions lie in one aspect because all factors have equal signs there, and the number of
         aspects is proven.
         """
-        if not self.count.signs_decide:
+        if not self.count.signs_decide or self.options.limits:  # the number is of joints that turn as they like
             return None
         return next((one for one in self.solved if len(set(one.flags)) < len(one.flags)), None)
 
@@ -241,7 +241,8 @@ def aspects_of(
     try:
         roadmap = Roadmap(there, there_task, how.seed, how.limits)
         for one, best in _searched(roadmap, places, how, decision, progress):
-            solved.append(_by_signs(_name_solutions(robot, one, signs), count, numeric))
+            named = _name_solutions(robot, one, signs)
+            solved.append(_by_signs(named, count, numeric, limits=how.limits))
             change = best
     except KeyboardInterrupt:
         complete = False
@@ -326,19 +327,24 @@ def _counted(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
         with watched(work.check):
             chain = exact_chain(robot, task, lengths="numbers")
             signs = signs_of(chain) if chain.n == chain.task.m else walls_of(chain, work)
-            return (count_aspects(signs), signs) if signs is not None else (AspectCount(left=Left.WORK), None)
+            if signs is None:
+                return AspectCount(left=Left.WORK), None
+            return count_aspects(signs, work), signs
     except OutOfTime:
         return AspectCount(left=Left.WORK), None
     except (RobotError, TaskError, MissingExtraError):
         return AspectCount(left=Left.CONDITIONS), None
 
 
-def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None) -> Solved:
-    """With the aspects that the signs of the factors tell, where they are proven to tell them."""
+def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits: bool) -> Solved:
+    """The solutions with the signs of all factors, and with their aspects where these signs decide them.
+
+    Within joint limits they decide nothing: an aspect may fall apart there.
+    """
     if signs is None or not signs.factors:
         return solved
     flags = tuple(tuple(int(x) for x in np.sign(row)) for row in signs.values(solved.q))
-    if not count.signs_decide or any(0 in row for row in flags):
+    if limits or not count.signs_decide or any(0 in row for row in flags):
         return replace(solved, flags=flags)
     numbers = list(dict.fromkeys(flags))
     return replace(solved, flags=flags, aspect=tuple(numbers.index(row) + 1 for row in flags))

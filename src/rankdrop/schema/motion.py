@@ -10,8 +10,9 @@ from msgspec import UNSET
 from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
+from rankdrop.text.aspects import decision_text
 from rankdrop.text.paths import GAINS as UNITS
-from rankdrop.text.paths import decision_text, evidence_words
+from rankdrop.text.paths import evidence_words
 from rankdrop.version import VERSION
 
 VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",

@@ -30,6 +30,7 @@ from rankdrop.text.families import (
     within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
+from rankdrop.text.words import listing
 
 FULL = "--full"
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
@@ -147,15 +148,10 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
         >>> compared_sentence(["ur5", "gp7"], "pose", {"largest σ": ["ur5"]})
         'ur5 has the largest σ, for task pose.'
     """
-    told = [f"{_listed(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
+    told = [f"{listing(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
             for measure, arms in best.items() if 0 < len(arms) < len(names)]  # fmt: skip
-    found = "; ".join(told) or f"{_listed(names)} do not differ within the error"
+    found = "; ".join(told) or f"{listing(names)} do not differ within the error"
     return f"{found}, for task {task}."
-
-
-def _listed(names: Sequence[str]) -> str:
-    """ "ur5e, gp7 and irb1200"."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:

@@ -1,11 +1,10 @@
-"""Paths in words, made from their facts: checks, remedies, changes of posture, paths through a singularity.
+"""Paths in words, made from their facts: checks, remedies, paths through a singularity.
 
 A check: five lines first, then crossings, with `full` free stretches and notes. Records are those of `rankdrop.motion`.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isfinite, isnan
 from operator import attrgetter
@@ -23,7 +22,6 @@ from rankdrop.text.words import (
     NEVER_TURNS,
     angle,
     fixed,
-    listing,
     minus,
     motion,
     plural,
@@ -165,9 +163,7 @@ def sentence(check: Any) -> str:
     if check.holds:
         kept = f", and farther than {angle(check.options.min_distance)} from any" if check.margin == "kept" else ""
         limits = "; joint limits and rates kept" if check.curve.times is not None else ""
-        passed = "" if check.tool is None or not check.tool.passed else f"; {passing_words(check.tool.passed)}"
-        beside = " that the joints take" if passed else ""  # a start on a singularity is found to half the digits
-        return f"Free: proven for every point of the path{beside}{kept}{limits}{passed}."
+        return f"Free: proven for every point of the path{kept}{limits}."
     parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
     if check.clear:
         parts.append("free of singularities (proven)")
@@ -189,7 +185,7 @@ def _reached(check: Any) -> Iterator[str]:
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {_when(part[0].closest.place)}"
-    if check.tool is not None and check.tool.passed and check.crossings:
+    if check.tool is not None and check.tool.passed:
         yield passing_words(check.tool.passed)
     if check.margin == "violated" and not check.crossings:
         yield f"comes nearer than {angle(check.options.min_distance)} to a singularity"
@@ -278,8 +274,10 @@ def _branches_words(check: Any) -> str:
     posture = ", ".join(branches[number - 1].posture)
     others = [one for one in branches if not one.chosen]
     free = sum(one.free and one.complete for one in others)
-    return f"{number} of {len(branches)}{f' ({posture})' if posture else ''}; the verdict is about this one. Of the " \
-           f"others {free} {'is' if free == 1 else 'are'} free to the end"
+    named = f" ({posture})" if posture else ""
+    be = "is" if free == 1 else "are"
+    this = f"{number} of {len(branches)}{named}; the verdict is about this one"
+    return f"{this}. Of the others {free} {be} free to the end"
 
 
 def _branch_verdict(one: Any, robot: Robot) -> str:
@@ -334,11 +332,12 @@ def _advice(check: Any) -> str:
                 "they cannot do; explain --pose says how far a pose is out of reach")  # fmt: skip
     if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
         return "make the turn first, then run the command with --start at its end"
-    if check.tool is not None and any(one.free and one.complete for one in check.tool.branches):
-        number, free = next((i, one) for i, one in enumerate(check.tool.branches, 1) if one.free and one.complete)
-        start = ",".join(f"{x:.6g}" for x in free.start.tolist())
-        if not free.chosen:
-            return f'branch {number} is free to the end: --start "{start}" (rad)'
+    branches = () if check.tool is None else check.tool.branches
+    free = [(number, one) for number, one in enumerate(branches, start=1) if one.free and one.complete]
+    if free and not any(one.chosen for _, one in free):
+        number, one = free[0]
+        start = ",".join(f"{x:.6g}" for x in one.start.tolist())
+        return f'branch {number} is free to the end: --start "{start}" (rad)'
     if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
         return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
@@ -351,8 +350,9 @@ def _advice(check: Any) -> str:
 def _joint_move(check: Any) -> str:
     """What a joint path that crosses needs: nothing, where the controller moves the joints and not the tool."""
     shares = check.profile.rates[np.isfinite(check.profile.rates)]
-    rates = f" (at most {100 * shares.max():.2g} % of its rates)" if len(shares) else ""
-    return f"as a joint move nothing needs to be done{rates}"
+    if not len(shares):
+        return "a joint move may cross; its rates are not known"
+    return f"as a joint move nothing needs to be done: it keeps its rates (largest: {100 * shares.max():.2g} %)"
 
 
 def free_words(check: Any) -> str:
@@ -364,11 +364,12 @@ def free_words(check: Any) -> str:
 
 def half_turn_words(poses: Sequence[int]) -> str:
     """Poses from which the tool turns by exactly half a turn: which way it turns is a choice."""
-    named = ", ".join(str(pose) for pose in poses[:_NAMED]) + (", …" if len(poses) > _NAMED else "")
-    many = len(poses) > 1
+    named = ", ".join(map(str, poses[:_NAMED]))
+    more = ", …" if len(poses) > _NAMED else ""
     return (
-        f"half a turn: from pose{'s' if many else ''} {named} the next one is 180° away, and the tool may turn either "
-        "way round; one of the two was checked. A pose between them decides which one the controller takes"
+        f"half a turn: from {plural('pose', len(poses))} {named}{more} the next one is 180° away, "
+        "and the tool may turn either way round; one of the two was checked. "
+        "A pose between them decides which one the controller takes"
     )
 
 
@@ -678,189 +679,6 @@ def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
 def _small(value: float) -> str:
     """A deviation; what is below 1e-9 is rounding."""
     return short(value, 2) if value >= 1e-9 else "0"
-
-
-POSTURES = {
-    "axes 1, 2 meet": "axes 1 and 2 meet",
-    "axes 1, 2 parallel": "axes 1 and 2 are parallel",
-    "axes 2, 3 parallel": "axes 2 and 3 are parallel",
-    "axes 2, 3 meet": "axes 2 and 3 meet",
-    "without 2": "the inverse falls apart: one of its two equations does not hold joint 2",
-    "without 3": "the inverse falls apart: one of its two equations does not hold joint 3",
-    "orthogonal": "orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other",
-    "two slides": "joints 2 and 3 slide",
-    "three parallel": "axes 2, 3 and 4 are parallel, 5 and 6 meet; shoulder, elbow and wrist have two solutions each",
-    "orientation": "z₁·z₃ leaves two values of θ2",
-    "planar": "all axes are parallel, and the elbow has two solutions",
-    "structure": "neither proof applies to an arm of this structure",
-    "slide": "{whose} {has} a slide",
-    "repeated": "the singular curve of {whose} has a repeated part",
-    "nodes": "the singular curve of {whose} has no cusp but {nodes}, and the theorem is of arms without",
-    "point": "the singular curve of {whose} has no cusp but a part that is mapped to one point, and the theorem is of "
-    "arms without",
-}  # fmt: skip
-"""Why a change of posture is impossible, or what stands in the way of the proofs."""
-
-
-def decision_text(decision: Any) -> str:
-    """What is decided about changes of posture without a search, in one sentence."""
-    whose, has = ("the first three joints", "have") if decision.wrist else ("the arm", "has")
-    nodes, cusps = (f"{len(some)} {plural(word, len(some))}" for some, word in (
-        (decision.nodes or (), "node"), (decision.cusps, "cusp")))  # fmt: skip
-    wrist = "; the wrist, by the sign of its middle joint" * decision.wrist
-    texts = {
-        "signs": f"each solution has signs of its own: {POSTURES.get(decision.why)}{wrist}",
-        "cusps": f"three solutions of {whose} meet at {cusps}",
-        "no cusp": f"no three solutions of {whose} meet anywhere, and the singular curve has no nodes",
-    }
-    if decision.kind in texts or decision.why not in POSTURES:
-        return texts.get(decision.kind, str(decision.why))
-    return POSTURES[decision.why].format(whose=whose, has=has, nodes=nodes)
-
-
-_NOT_COUNTED = {
-    "sign": "a factor of det J changes its sign over a full turn of a joint",
-    "joints": "more than three joints are left when all others are peeled off",
-    "slide": "a slide is left when all other joints are peeled off",
-    "factors": "det J has too many factors",
-    "work": "the limit on work was met",
-    "conditions": "exact conditions of this arm are not derived",
-}
-
-
-def aspects_number(found: Any) -> str:
-    """How many aspects the arm has, in one sentence."""
-    name, count = found.robot.name, found.count
-    if count.left is not None:
-        return f"The aspects of {name} were not counted: {_NOT_COUNTED[count.left.value]}."
-    least, most = count.at_least, count.at_most
-    if not count.exact:
-        seen = f"; cells show {most}, and parts smaller than a cell may be missed"
-        upper = f"; at most {most} (proven)" if count.proven else seen
-        return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
-    each = {one.parts.at_least for one in count.each}
-    whose = _signs_of_what(count, square=found.robot.n == found.task.m)
-    how = f": one for each sign of {whose}" if each == {1} and whose else ""
-    return f"{name} has {least} {plural('aspect', least)} (proven){how}."
-
-
-def _signs_of_what(count: Any, *, square: bool) -> str:
-    """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name; "" where nothing is."""
-    if not count.factors:
-        return ""
-    if all(count.roles) and len(set(count.roles)) == len(count.roles):
-        order = ["shoulder", "elbow", "wrist"]
-        return listing(sorted(count.roles, key=lambda role: order.index(role) if role in order else len(order)))
-    if not square:
-        return listing(count.factors)
-    return "det J" if len(count.factors) == 1 else f"the {len(count.factors)} factors of det J"
-
-
-def aspects_sentence(found: Any) -> str:
-    """The verdict on changes of posture, and what it rests on."""
-    if found.robot.n != found.task.m:
-        return "Postures are compared for arms with as many joints as rows only."
-    if found.change is not None:
-        corners, spent = len(found.change.q), found.change.evaluations
-        return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
-                f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
-    if found.shared is not None:
-        solutions, aspects = len(found.shared.q), found.count.at_least
-        return (
-            f"It can change its posture without a singularity (cuspidal): proven. One pose has {solutions} solutions, "
-            f"and two of them have the same signs of all factors: they lie in one of the {aspects} aspects."
-        )
-    if found.decision.impossible:
-        words = decision_text(found.decision)
-        words = f"{words[:1].upper()}{words[1:]}"
-        return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
-    count = len(found.solved)
-    poses = f"{count} {plural('pose', count)}{f' {_WITHIN[True]}' if found.options.limits else ''}"
-    return f"No change of posture without a singularity was found in {poses}; that is no proof of absence."
-
-
-def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
-    """Changes of posture: the number of aspects and the verdict first."""
-    yield Section(f"{aspects_number(found)} {found.sentence}")
-    counting = _counting_line(found.count)
-    lines = [counting] if counting else []
-    if found.robot.n != found.task.m:
-        yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
-        return
-    if not found.decision.impossible:
-        lines.append(f"without a search: {decision_text(found.decision)}")
-    lines.append(f"solutions of the inverse: Newton's method from {found.options.starts:,} starts for each pose, seed "
-                 f"{found.options.seed}, {_WITHIN[found.options.limits]}; more may exist")  # fmt: skip
-    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
-    if len(found.solved) == 1:
-        yield _solutions(found, deg=deg)
-    elif found.solved:
-        times = Counter((len(one.q), one.per_aspect) for one in found.solved if not one.near_cusp)
-        rows = tuple(
-            (str(count), " + ".join(map(str, sizes)), str(poses))
-            for (count, sizes), poses in sorted(times.items(), key=lambda item: (-item[1], item[0]))
-        )
-        yield Section("Solutions by aspect", columns=("solutions", "in the aspects", "poses"), rows=rows, texts=(1,),
-                      notes=(_meaning_of_numbers(found),))  # fmt: skip
-    if found.change is not None:
-        lines = [] if found.change.own else ["not from the configuration first named, but between two other solutions"]
-        yield Section(
-            "A change of posture without a singularity", lines=tuple(lines),
-            columns=("", *joint_heads(found.robot, deg=deg)),
-            rows=tuple((str(k), *joint_cells(found.robot, q, deg=deg)) for k, q in enumerate(found.change.q, start=1)),
-            notes=(f"straight lines between; smallest |det J| of its sample points {found.change.clearance:.3g}, "
-                   "lengths by the length scale",),
-        )  # fmt: skip
-    if found.notes:
-        yield Section("Notes", lines=found.notes)
-
-
-def _counting_line(count: Any) -> str:
-    """How the aspects were counted."""
-    if count.left is not None:
-        return ""
-    how = []
-    if count.peeled:
-        how.append(f"{_numbered(count.peeled)} peeled off")
-    if count.cells:
-        how.append(f"cells in {_numbered(count.cells)}")
-    number = len(count.factors)
-    factors = f"{number} {plural('condition', number)} whose sign parts regular configurations"
-    if not number:
-        factors = "no condition stands alone, and sets of codimension 2 separate nothing"
-    return "; ".join((f"aspects: {factors}", *how, "joint limits ignored"))
-
-
-def _numbered(joints: Sequence[int]) -> str:
-    return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
-
-
-_WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
-
-
-def _solutions(found: Any, *, deg: bool) -> Section:
-    solved = found.solved[0]
-    rows = tuple(
-        (f"{solved.aspect[i]}{' ←' if i == 0 else ''}", solved.names[i],
-         *joint_cells(found.robot, solved.q[i], deg=deg))
-        for i in sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))
-    )  # fmt: skip
-    return Section(
-        f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", rows=rows, texts=(0, 1),
-        columns=("aspect", "sign", *joint_heads(found.robot, deg=deg)),
-        notes=("← the configuration whose pose it is", _meaning_of_numbers(found)),
-    )  # fmt: skip
-
-
-def _meaning_of_numbers(found: Any) -> str:
-    if found.decision.impossible:
-        return "every solution lies in an aspect of its own: proven"
-    if found.count.signs_decide:
-        return "solutions lie in one aspect where all factors of det J have equal signs: proven"
-    joined = "solutions of one aspect are joined by paths proven free"
-    if all(len(set(one.sign)) == len(set(one.aspect)) for one in found.solved):
-        return f"{joined}; aspects of different signs of det J are parted by a singularity"
-    return f"{joined}; of aspects with the same sign no path was found, which does not prove them two"
 
 
 _THROUGH = {

@@ -760,6 +760,9 @@ def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: S
         yield f"{name}: not used: {', '.join(unused)}"
 
 
+DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"
+
+
 def radians_hint(angles: Array) -> str | None:
     """A line of warning where angles that were read as degrees look like radians; None where they do not.
 

@@ -112,7 +112,7 @@ FOREIGN = {
 OWN = {
     "exact/determinants.py": 1, "exact/notation.py": 7, "exact/writing.py": 1, "family/naming.py": 7,
     "family/record.py": 1, "text/by_hand.py": 3, "text/code.py": 9,
-    "text/conditions.py": 7, "text/latex.py": 2, "text/words.py": 3,
+    "text/conditions.py": 7, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
 

@@ -793,7 +793,7 @@ _COORDINATES: Columns = {
     "name": attrgetter("name"),
     "value [rad, 1]": lambda one: ", ".join(
         f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
-    "σ_min of E": lambda one: short(one.sigma_min),
+    "σ_min of E": lambda one: short(round(one.sigma_min, 12)),
     "nearest singularity": lambda one: "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
     "verdict": lambda one: "SINGULAR" if one.singular else "near" if one.near else "",
 }  # fmt: skip

@@ -21,6 +21,7 @@ from rankdrop.task import Task
 from rankdrop.text.conditions import SHIPPED, angles_text, condition_lines, values_in_degrees
 from rankdrop.text.families import (
     exact_conditions,
+    joints_named,
     letters_text,
     near_total,
     share_cell,
@@ -61,8 +62,8 @@ def analysis_table(analysis: Any) -> Section:
         rank = str(analysis.generic_rank - family.corank)
         rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
     if not letters:
-        return _table(rows, {}, "", near)
-    return _table(rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
+        return _table(robot, rows, {}, "", near)
+    return _table(robot, rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
 
 
 def conditions_table(conditions: Any) -> Section:
@@ -75,12 +76,15 @@ def conditions_table(conditions: Any) -> Section:
         rank = str(conditions.generic_rank - family.corank)
         rows.append((rank, family.name, text if short else _of_joints(conditions.robot, family)))
     angles = angles_text(conditions.robot, conditions.shifts)
-    return _table(rows, conditions.letters if letters else {}, angles, None)
+    return _table(conditions.robot, rows, conditions.letters if letters else {}, angles, None)
 
 
-def _table(rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None) -> Section:
+def _table(
+    robot: Robot, rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None
+) -> Section:
     columns: tuple[str, ...] = ("rank", "family", "condition")
-    after = []
+    named = joints_named(robot)
+    after = [f"joints: {named}"] if named else []
     if letters:
         after.append(f"s2 = sin θ2, c23 = cos(θ2 + θ3); {letters_text(letters)}")
     if angles:

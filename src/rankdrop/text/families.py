@@ -10,6 +10,7 @@ limits: moved by whole turns, and those that no turn brings inside named.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,6 +42,7 @@ _LEGEND = (
     "lost: the motion taken away, anywhere on the family unless it says otherwise. "
     "Turning by 1 rad counts as much as moving by {length} m."
 )
+_NUMBERS = re.compile(r"\d+")  # in a joint's name
 _ALIKE = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
 
@@ -48,7 +50,9 @@ _MOST_TERMS = 30  # a longer condition is for programs
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
     lost = lost_note(robot, [lost for one in families for lost in one.lost_freedoms])
-    return f"{_LEGEND.format(length=f'{counted_length(robot):g}')} {lost}".rstrip()
+    named = joints_named(robot)
+    joints = f"Joints: {named}." if named else ""
+    return " ".join(filter(None, (_LEGEND.format(length=f"{counted_length(robot):g}"), joints, lost)))
 
 
 def joint_symbol(number: int, kind: str) -> str:
@@ -298,6 +302,20 @@ def starts(summary: CorankSummary) -> str:
     if summary.converged and summary.smallest_near_miss is not None:
         line += f" Smallest near miss: σ{summary.rank + 1} = {summary.smallest_near_miss:.4g}, not singular."
     return line
+
+
+def joints_named(robot: Robot) -> str:
+    """Which symbol is which joint, where a maker's name has another number than the symbol: "q1 rail, θ2 a1"; else "".
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> joints_named(open_robot("ur5e"))[:41], joints_named(open_robot("pa10"))
+        ('θ1 shoulder_pan_joint, θ2 shoulder_lift_j', '')
+    """
+    named = list(zip(symbols(robot), (joint.name for joint in robot.variables), strict=True))
+    numbers = [_NUMBERS.findall(name) for _, name in named]
+    other = any(found and int(found[-1]) != place for place, found in enumerate(numbers, start=1))
+    return ", ".join(f"{symbol} {name}" for symbol, name in named) if other else ""
 
 
 def symbols(robot: Robot) -> tuple[str, ...]:

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
 
     from rankdrop.cli.terminal import Block
+    from rankdrop.family import Verdict
     from rankdrop.task import Task
-    from rankdrop.text import Verdict
 
 _WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
 _LONGEST_NUMBER = 100

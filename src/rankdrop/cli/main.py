@@ -286,7 +286,7 @@ def _arm(word: str) -> str:
 
     No file is opened: whether it describes an arm is for the command to say.
     """
-    from rankdrop.robot.open import names_an_arm
+    from rankdrop.robot import names_an_arm
 
     return shlex.quote(word) if names_an_arm(word) else ""
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from html import escape
 from math import degrees
 from typing import Any
@@ -21,10 +20,24 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import typeset
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.summary import Evidence, FamilySummary, RankSummary, summarised
+from rankdrop.family.summary import (
+    CONTRADICTED,
+    INCOMPLETE,
+    INEXACT,
+    INTERRUPTED,
+    UNCHECKED,
+    UNSOUND,
+    VERIFIED,
+    Evidence,
+    FamilySummary,
+    RankSummary,
+    Verdict,
+    summarised,
+)
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
+from rankdrop.text.code import Code
 from rankdrop.text.families import share_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.version import VERSION
@@ -291,9 +304,6 @@ def _number(value: float) -> str:
     return f"{value + 0.0:.12g}".replace("-", "−")
 
 
-VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
-    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
-)  # fmt: skip
 SAMPLED, EXACT = "sampled", "derived exactly"
 _OPENING = {CONTRADICTED: "Contradicted", UNSOUND: "A test failed", INCOMPLETE: "Incomplete", INEXACT: "Not exact"}
 """First words of a verdict on failures, worst first."""
@@ -323,34 +333,16 @@ _EVIDENCE: dict[tuple[str, ...], Evidence] = {
 """Claims of a verdict -> how the families were verified."""
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """What may be claimed.
+def sections_of(conditions: Any) -> tuple[Section, ...]:
+    """The answer and how it was verified, then the conditions."""
+    first, second = conditions.verdict.beside(conditions.answer)
+    return (Section(first, lines=(second,)), *condition_sections(conditions))
 
-    Attributes:
-        word: "verified"; "unchecked", derived completely and tried on nothing; "contradicted", two ways differ;
-            "unsound", a row's conditions hold elsewhere too; "incomplete"; "not exact", the condition that was asked
-            about; "interrupted".
-        claims: of "sampled" and "derived exactly", what was done and holds.
-        sentence: for people.
-    """
 
-    word: str
-    claims: tuple[str, ...]
-    sentence: str
-
-    @property
-    def holds(self) -> bool:
-        """Whether nothing speaks against what is claimed: exit code 0."""
-        return self.word in (VERIFIED, UNCHECKED)
-
-    def beside(self, answer: str) -> tuple[str, str]:
-        """An answer and how sure it is; the other way round where something speaks against it."""
-        return (answer, self.sentence) if self.holds else (self.sentence, answer)
-
-    def to_dict(self) -> dict[str, object]:
-        """The entries of a JSON file."""
-        return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
+def code_of(conditions: Any) -> Code:
+    """The conditions as code and LaTeX are written from them."""
+    arm, minors = conditions.robot, () if conditions.determinants is None else conditions.determinants.minors
+    return Code(arm.name, arm.n, conditions.families, conditions.letters, conditions.shifts, minors)
 
 
 def opening(summary: FamilySummary) -> str:

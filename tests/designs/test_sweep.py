@@ -448,7 +448,7 @@ def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_whi
         "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
     }, workers=1)  # fmt: skip
     assert found.pareto == []
-    assert found.sentence == "2 variants of planar3r: none is ranked, since none has sigma."
+    assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
     titles = [section.title for section in found.sections()]
     assert "Variants" in titles
-    assert "Variants that no other one beats" not in titles
+    assert "Pareto-optimal variants" not in titles

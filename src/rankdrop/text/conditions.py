@@ -361,7 +361,8 @@ def opening(summary: FamilySummary) -> str:
     1 (rank 3)."
     """
     if not summary.ranks:
-        return f"{summary.arm}: no family of singularities was found."
+        so_far = " so far" if summary.evidence is Evidence.NONE else ""
+        return f"{summary.arm}: no family of singularities was found{so_far}."
     first, *others = summary.ranks
     parts = [f"{_names(first)} (rank {first.rank})"]
     for before, one in zip(summary.ranks, others, strict=False):

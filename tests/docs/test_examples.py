@@ -37,6 +37,7 @@ def printed(script: Path, tmp_path: Path) -> str:
     return done.stdout.decode()
 
 
+@pytest.mark.by_hand_at("11_which_tool_offset")
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_examples_print_what_is_recorded(script: Path, tmp_path: Path) -> None:

@@ -155,6 +155,7 @@ def test_a_message_of_200_megabytes_is_refused(server: Server) -> None:
         to_the_end(client, bytes(LARGEST_MESSAGE + 1))
 
 
+@pytest.mark.by_hand
 def test_a_thousand_uploads(server: Server) -> None:
     """Whole ones, those that never end, that say too little, and that say more than is allowed."""
     rows = b"q1,q2\n" + b"0.1,0.2\n" * 4000  # 32 kB

@@ -203,7 +203,7 @@ class Designs(Result):
     def row(self, record: Mapping[str, Any]) -> tuple[str, ...]:
         """Parameters and measures of a variant, for people."""
         values = [shown(x, one) for x, one in zip(record["values"], self.parameters, strict=True)]
-        return (*values, *(measure_text(name, record["measures"].get(name)) for name in self.measures))
+        return (*values, *(measure_cell(name, record) for name in self.measures))
 
     def _in_order(self, numbers: Iterable[int]) -> list[int]:
         """Variants by the first goal, best first; variants without it last."""
@@ -297,12 +297,38 @@ def in_doubt(record: Mapping[str, Any]) -> bool:
 
 def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     """How far a share may be off, by its samples; "" for a measure without error."""
+    if measure == "sigma":
+        return sigma_note(records)
     tables = {"near": [one["near"]["any"] for one in records if one.get("near")],
               "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
     shares = tables.get(measure, [])
     most = max((float(one["error"]) for one in shares), default=0.0)
     larger = " or more" if any(one["bound"] for one in shares) else ""
     return f", by samples: ± {APART * 100 * most:.2g} %{larger}" if most else ""
+
+
+def sigma_note(records: Sequence[Mapping[str, Any]]) -> str:
+    """What the proven bounds of σ over a region say of the comparison."""
+    regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
+    wide = sum(not one.get("narrow") for one in regions)
+    left = sum(not one.get("covered") for one in regions)
+    note = "; a variant is worse only where its upper bound is below another lower bound"
+    if wide:
+        note += f"; {wide:,} of {len(regions):,} bounds are wide: their budget is spent, and they exclude little"
+    if left:
+        note += f"; for {left:,} it is not proven that every pose is reached: their lower bound is 0"
+    return note
+
+
+def measure_cell(name: str, record: Mapping[str, Any]) -> str:
+    """A measure of a variant for people; σ over a region with its proven bounds: "0.305 (0.302 … 0.308)"."""
+    value = record["measures"].get(name)
+    text = measure_text(name, value)
+    region = record.get("region") or {}
+    if name != "sigma" or value is None or region.get("sigma_lower") is None:
+        return text
+    upper = region.get("sigma_upper")
+    return f"{text} ({region['sigma_lower']:.4g} … {'?' if upper is None else format(upper, '.4g')})"
 
 
 def shown(value: float, parameter: Parameter) -> str:
@@ -488,7 +514,7 @@ class SideBySide(Result):
         rows = [("joints", *(str(robot.n) for robot in self.robots)),
                 ("reach", *(f"{reach(robot):.4g} m" for robot in self.robots))]  # fmt: skip
         rows += [
-            (name, *(measure_text(name, one["measures"].get(name)) + ("  ←" if i in self._ranked_best(name) else "")
+            (name, *(measure_cell(name, one) + ("  ←" if i in self._ranked_best(name) else "")
                      for i, one in enumerate(self.records)))
             for name in self.measures
         ]  # fmt: skip

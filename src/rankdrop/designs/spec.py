@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.designs.region import BUDGET
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.families import MOST_STARTS
 from rankdrop.families.share import WIDEST
@@ -74,7 +75,7 @@ class Asks:
         families: starts, fresh and exact.
         near: within [rad] and samples.
         slow: speed [m/s], turn_speed [rad/s] and samples.
-        region: lower, upper [m], rpy [rad] or None, points and starts.
+        region: lower, upper [m], rpy [rad] or None, points, starts, and budget of each proven bound of σ.
         paths: name of each file -> its poses (P, 4, 4) [m] and times (P,) [s] or None.
         certified: width of the boxes [rad].
     """
@@ -336,7 +337,7 @@ TABLES: dict[str, dict[str, Entry]] = {
     "region": {
         "lower": (_three, None, "length", "[x, y, z]"), "upper": (_three, None, "length", "[x, y, z]"),
         "rpy": (_three, None, "angle", "[roll, pitch, yaw]"), "points": (_whole_number, 40, 1, 100_000),
-        "starts": (_whole_number, 12, 1, 1000),
+        "starts": (_whole_number, 12, 1, 1000), "budget": (_whole_number, BUDGET, 0, 10_000_000),
     },
     "paths": {"files": (_files, None)},
     "certified": {"width": (_width, 0.2, 1.0)},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,11 @@ import pytest
 import rankdrop
 from rankdrop.certify.setting import enclose, setting_at_tip
 from rankdrop.designs.compare import rank
-from rankdrop.designs.postures import poses_at, reached, targets_of
+from rankdrop.designs.postures import poses_at, reached, slow_poses, targets_of
 from rankdrop.designs.region import RegionBounds, _Proof, region_bounds
 from rankdrop.designs.spec import spec_of
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.drawing import Drawing
@@ -138,7 +140,33 @@ def test_no_seed_excludes_the_winner_of_another() -> None:
 
 
 def test_a_region_has_a_budget() -> None:
-    assert spec_of(SIX).asks.region == {**SIX["region"], "rpy": None, "starts": 12, "budget": 5000}
+    assert spec_of(SIX).asks.region == {**SIX["region"], "rpy": None, "starts": 12, "budget": 5000, "speed": None}
     with pytest.raises(OptionError, match="budget"):
         spec_of({**SIX, "region": {**SIX["region"], "budget": -1}})
     assert rank([], {"sigma": "more"}).best == []
+
+
+def test_share_of_a_region_in_which_the_tool_is_slow() -> None:
+    """Two links at 1 rad/s each: slowest near the outer edge of the reach, where the elbow is nearly straight."""
+    plain = Drawing.of("planar2r").nominal
+    arm = replace(plain, joints=tuple(replace(joint, velocity=1.0) for joint in plain.joints))
+    problem = Problem(arm, resolve_task("planar-position", arm))
+    targets = targets_of(np.array([0.6, -0.3, 0.0]), np.array([1.9, 0.3, 0.0]), None, 200, 3)
+    told = slow_poses(problem, targets, oriented=False, speed=0.5, starts=8, seed=1)
+    assert told is not None
+    there, slow, bound = told
+    far = np.linalg.norm(targets[:, :2, 3], axis=1)
+    first, forearm = 1.0, float(np.linalg.norm(pose(arm, np.zeros(2))[:2, 3])) - 1.0
+    angle = np.arccos(np.clip((far**2 - first**2 - forearm**2) / (2 * first * forearm), -1.0, 1.0))
+    elbow = np.stack([np.cos(angle), np.sin(angle)], 1) * forearm + np.array([first, 0.0])  # from the base, θ1 = 0
+    fore = elbow - np.array([first, 0.0])
+    area = np.abs(elbow[:, 0] * fore[:, 1] - elbow[:, 1] * fore[:, 0])
+    # |q̇_i| ≤ 1: velocities of the tip fill a parallelogram, sides 2 a and 2 b, area/|a| and area/|b| away
+    expected = area / np.maximum(np.linalg.norm(elbow, axis=1), np.linalg.norm(fore, axis=1)) < 0.5
+    assert not bound
+    assert there.sum() > 150
+    assert 0 < slow.sum() < there.sum()
+    assert (slow[there] == expected[there]).all()
+    unlimited = Problem(plain, problem.task)
+    if not any(joint.velocity for joint in plain.joints):
+        assert slow_poses(unlimited, targets, oriented=False, speed=0.5, starts=2, seed=1) is None

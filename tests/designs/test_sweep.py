@@ -246,6 +246,7 @@ samples = 400
 lower = [0.2, -0.3, 0]
 upper = [0.9, 0.3, 0]
 points = 20
+budget = 1000
 """
 
 

@@ -248,7 +248,12 @@ def deviations(record: Record, measure: str) -> Array:
         sampled = record.get(measure) or {}
         hits = np.frombuffer(bytes.fromhex(sampled.get("hits", "")), np.uint8)
         return _of_mean(np.unpackbits(hits)[: sampled.get("samples", 0)].astype(float))
-    each = (record.get("region") or {}).get("each")
+    region = record.get("region") or {}
+    if measure == "slow_poses":
+        slow = region.get("slow") or {}
+        hits = np.frombuffer(bytes.fromhex(slow.get("hits", "")), np.uint8)
+        return _of_mean(np.unpackbits(hits)[: slow.get("poses", 0)].astype(float))
+    each = region.get("each")
     if each is None or measure != "reached":
         return np.zeros(0)
     return _of_mean(np.array([value is not None for value in each], dtype=float))

@@ -26,13 +26,13 @@ import numpy as np
 from rankdrop.certify.covering import plan_of
 from rankdrop.codec import encode, plain, restored
 from rankdrop.designs.compare import bits_to_text, form_of, key_of
-from rankdrop.designs.postures import reached, targets_of
+from rankdrop.designs.postures import reached, slow_poses, targets_of
 from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
 from rankdrop.exact import ExactFamily, exact_chain
 from rankdrop.families import search
-from rankdrop.families.share import near_shares, slow_share
+from rankdrop.families.share import NearShare, near_shares, slow_share
 from rankdrop.families.table import families
 from rankdrop.family import CorankSummary, Family
 from rankdrop.family.record import CorankFamilies, family_out_of_units
@@ -41,7 +41,7 @@ from rankdrop.motion import FREE, check_poses
 from rankdrop.problem import Problem
 from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
 from rankdrop.results.analysis import Settings
-from rankdrop.robot import Drawing, Robot
+from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
 from rankdrop.schema.design import NEAR_SHARE
 from rankdrop.task import Task
@@ -251,7 +251,24 @@ def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Me
             "sigma_upper": finite(bounds.upper), "covered": bounds.covered, "narrow": not bounds.spent,
             "tested": bounds.tested,
         }  # fmt: skip
-    return {"region": entry}, {"sigma": entry["sigma"], "reached": float(there.mean())}
+    values: Record = {"sigma": entry["sigma"], "reached": float(there.mean())}
+    if asked["speed"] is not None:
+        entry["slow"] = _slow_poses(problem, targets, asked, seed, oriented=rpy is not None)
+        values["slow_poses"] = None if entry["slow"] is None else entry["slow"]["share"]
+    return {"region": entry}, values
+
+
+def _slow_poses(
+    problem: Problem, targets: Array, asked: Mapping[str, Any], seed: int, *, oriented: bool
+) -> Record | None:  # fmt: skip
+    """Share of the poses reached at which the tool is slow, with its interval; None where there is none."""
+    found = slow_poses(problem, targets, oriented=oriented, speed=asked["speed"], starts=asked["starts"], seed=seed)
+    if found is None or not found[0].any():
+        return None
+    there, slow, bound = found
+    share = NearShare("", int(slow.sum()), int(there.sum()), bound)
+    return {"slower_than": asked["speed"], "share": share.share, "interval": list(share.interval), "bound": bound,
+            "reached": share.samples, "seed": seed, "poses": len(targets), "hits": bits_to_text(slow)}  # fmt: skip
 
 
 def _paths(problem: Problem, known: Analysis, asked: Mapping[str, Any], _: int) -> Measured:

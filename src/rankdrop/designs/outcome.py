@@ -32,7 +32,7 @@ from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.brief import compared_arms, compared_sentence
+from rankdrop.text.brief import compared_arms, compared_sentence, sigma_note, slow_poses_note
 from rankdrop.text.words import SWEEP_NEXT
 
 SHOWN = 20
@@ -297,8 +297,14 @@ def in_doubt(record: Mapping[str, Any]) -> bool:
 
 def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     """How far a share may be off, by its samples; "" for a measure without error."""
+    regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
+    if measure == "slow_poses":
+        slow = [one["slow"] for one in regions if one.get("slow")]
+        wide = max((one["interval"][1] - one["interval"][0] for one in slow), default=0.0)
+        return slow_poses_note(slow[0]["slower_than"], wide) if slow else ""
     if measure == "sigma":
-        return sigma_note(records)
+        wide_bounds = sum(not one.get("narrow") for one in regions)
+        return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
     tables = {"near": [one["near"]["any"] for one in records if one.get("near")],
               "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
     shares = tables.get(measure, [])
@@ -307,24 +313,14 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     return f", by samples: ± {APART * 100 * most:.2g} %{larger}" if most else ""
 
 
-def sigma_note(records: Sequence[Mapping[str, Any]]) -> str:
-    """What the proven bounds of σ over a region say of the comparison."""
-    regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
-    wide = sum(not one.get("narrow") for one in regions)
-    left = sum(not one.get("covered") for one in regions)
-    note = "; a variant is worse only where its upper bound is below another lower bound"
-    if wide:
-        note += f"; {wide:,} of {len(regions):,} bounds are wide: their budget is spent, and they exclude little"
-    if left:
-        note += f"; for {left:,} it is not proven that every pose is reached: their lower bound is 0"
-    return note
-
-
 def measure_cell(name: str, record: Mapping[str, Any]) -> str:
     """A measure of a variant for people; σ over a region with its proven bounds: "0.305 (0.302 … 0.308)"."""
     value = record["measures"].get(name)
     text = measure_text(name, value)
     region = record.get("region") or {}
+    if name == "slow_poses" and region.get("slow"):
+        low, high = (100 * end for end in region["slow"]["interval"])
+        return f"{text} ({low:.2g} … {high:.2g} %)"
     if name != "sigma" or value is None or region.get("sigma_lower") is None:
         return text
     upper = region.get("sigma_upper")
@@ -454,6 +450,7 @@ _BEST = {
     "near": "smallest share of the joint space near singularities",
     "sigma": "largest σ over the region",
     "reached": "most poses of the region reached",
+    "slow_poses": "fewest slow poses",
     "path_sigma": "largest σ on the paths",
     "path_distance": "largest distance from singularities on the paths",
     "paths_free": "most paths proven free",

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.local import sample, singular_values
+from rankdrop.local.rates import slowest_motions
 from rankdrop.motion import Aim
-from rankdrop.problem import Problem, into_limits
+from rankdrop.problem import Mask, Problem, into_limits
 from rankdrop.robot import Array, from_xyz_rpy
 from rankdrop.task import Task
 
@@ -109,3 +110,30 @@ def reached(problem: Problem, targets: Array, *, oriented: bool, starts: int, se
     best, every = sigma.argmax(axis=1), np.arange(len(targets))
     top, lowest = sigma[every, best], sigma[np.isfinite(sigma)].min(initial=np.inf)
     return np.where(np.isfinite(top), top, np.nan), q[every, best], float(lowest)
+
+
+def slow_poses(
+    problem: Problem, targets: Array, *, oriented: bool, speed: float, starts: int, seed: int
+) -> tuple[Mask, Mask, bool] | None:
+    """At which poses the tool is slow in some direction, by the joints' rate limits, whatever posture found it takes.
+
+    Args:
+        problem: the arm with its rate limits, its task, and whether postures have to be inside the joint limits.
+        targets: (P, 4, 4) [m].
+        oriented: the orientation is meant too; else places alone.
+        speed: a straight translation slower than this is slow [m/s].
+        starts: random starts for each pose.
+        seed: of the starts.
+
+    Returns:
+        (P,) the poses that are reached, (P,) those of them that are slow, and whether speeds are upper bounds only;
+        None without rate limits, or for a task without translations.
+    """
+    q, sigma = Postures(problem, oriented=oriented).sought(targets, starts, seed)
+    kinds = [one for one in slowest_motions(problem.robot, q, problem.task) if one.unit == "m/s"]
+    if not kinds:
+        return None
+    there = np.isfinite(sigma)
+    fastest = np.where(there, kinds[0].speed.reshape(there.shape), -np.inf).max(axis=1)
+    found = np.asarray(there.any(axis=1))
+    return found, np.asarray(found & (fastest < speed)), not kinds[0].exact

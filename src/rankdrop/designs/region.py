@@ -260,11 +260,12 @@ class _Proof:
             bound = enclose(robot, reach, q[rows], wide / np.asarray(reach.scale) * _OUTWARDS)[2]
             matrix = -bound
             matrix[:, np.arange(reach.rank), np.arange(reach.rank)] += sigma[rows]
-            enough = ((matrix @ y[rows, :, None])[:, :, 0] > needed * _OUTWARDS).all(axis=1)
+            enough = np.asarray(((matrix @ y[rows, :, None])[:, :, 0] > needed * _OUTWARDS).all(axis=1))
             done[rows[enough]] = True
             box[rows[enough]] = wide[enough]
             larger = _solved(matrix, needed)
-            larger = np.where((larger > 0.0).all(axis=1)[:, None], larger, np.inf)  # no M-matrix: the cell is too wide
+            positive = np.asarray((larger > 0.0).all(axis=1))  # else no M-matrix: the cell is too wide
+            larger = np.where(positive[:, None], larger, np.inf)
             y[rows] = np.where(enough[:, None], y[rows], 1.1 * larger)
         if self.problem.limits:
             inside = (q - box >= robot.lower - EDGE) & (q + box <= robot.upper + EDGE)

@@ -45,7 +45,10 @@ class Section:
     tone: str = ""
 
 
-_WORDED = {"Explanation": "rankdrop.results.explanation_text", "Family": "rankdrop.text.family"}
+_WORDED = {
+    "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
+    "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+}  # fmt: skip
 """Class of a record -> module that words it."""
 
 

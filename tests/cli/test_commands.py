@@ -153,7 +153,7 @@ def test_exit_codes_of_a_process(process) -> None:
 def test_version_is_the_installed_one(run) -> None:
     from importlib.metadata import version
 
-    assert run("--version").out.strip() == version("rankdrop")
+    assert run("--version").out.strip() == run("version").out.strip() == version("rankdrop")
 
 
 @pytest.mark.parametrize("argv", [(), ("analyze",), ("find",), ("robots",)])

@@ -61,7 +61,7 @@ def test_aliases_are_parts_of_explain(run: Any) -> None:
     words = ("puma560", "--q", "0.3 0.5 0.4 0.2 0 0.6")
     for name in ALIASES:
         assert run(name, *words).out == run("explain", *words, "--only", name).out
-    assert run("escape", "ur5").err.startswith("rankdrop: error: --q is missing: one number per joint")
+    assert run("escape", "ur5").err.startswith("rankdrop: error: --q: joint values are missing; allowed: ")
     assert set(ALIASES).isdisjoint(app)
 
 

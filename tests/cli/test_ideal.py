@@ -58,7 +58,7 @@ def test_an_exact_arm_is_told_nothing(run) -> None:
 @pytest.mark.slow
 def test_conditions_of_the_ideal_arm_with_what_the_arm_itself_does(run, tmp_path: Path) -> None:
     target = tmp_path / "found.json"
-    ended = run("conditions", "gen3", "--ideal", "13mm", "--quiet", "--json", str(target))
+    ended = run("conditions", "gen3", "--ideal", "13mm", "--quiet", "--full", "--json", str(target))
     record = json.loads(target.read_text(encoding="utf-8"))
     assert ended.code == exits.FINE
     text = one_line(ended.out)

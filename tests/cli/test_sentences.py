@@ -237,7 +237,7 @@ def test_the_verdict_is_coloured_where_colours_are_wanted(run: Any, monkeypatch:
         (("find", "pa10"), "--corank is missing: "),
         (("find", "pa10", "--corank"), "--corank needs a value: "),
         (("explain",), "ROBOT is missing: name in the catalogue"),
-        (("explain", "ur5"), "--q is missing: one number per joint"),
+        (("explain", "ur5"), "--q: joint values are missing"),
         (("explain", *UR5E, "--tcp", "1,2"), "a tool point is three lengths, then three angles if the tool is turned"),
         (("explain", *UR5E, "--tcp", "1,2,x"), "--tcp: the unit is not one that fits here"),
     ],

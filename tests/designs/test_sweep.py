@@ -452,4 +452,4 @@ def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_whi
     assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
     titles = [section.title for section in found.sections()]
     assert "Variants" in titles
-    assert "Variants that no other one beats" not in titles
+    assert "Pareto-optimal variants" not in titles

@@ -12,13 +12,13 @@ from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.directions import constraint, in_short
 from rankdrop.local.rates import joint_rates
-from rankdrop.results import lost_text
 from rankdrop.results.analysis import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import with_tool
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import TIP, Frame
+from rankdrop.text import lost_text
 from rankdrop.units import scaled
 from rankdrop.verbs.explain import explain
 

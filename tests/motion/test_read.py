@@ -66,6 +66,26 @@ def test_every_kind_gives_the_same_samples(tmp_path: Path, kind: str) -> None:
         np.testing.assert_allclose(read.velocities, V, atol=1e-15)
 
 
+@pytest.mark.parametrize("head", ["Zeit;A1;A2;A3;A4\n", "time;Achse1;Achse2;Achse3;Achse4\n", ""])
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_decimal_commas_are_read_where_no_comma_separates_columns(tmp_path: Path, head: str, separator: str) -> None:
+    lines = [";".join(f"{value:.3f}".replace(".", ",") for value in (T[k], *Q[k])) for k in range(3)]
+    file = tmp_path / "german.csv"
+    file.write_text((head + "\n".join(lines)).replace(";", separator))
+    found = read_trajectory(file, ARM)
+    np.testing.assert_array_equal(found.q, Q)
+    np.testing.assert_array_equal(found.times, T)
+    assert found.notes == ("decimals have commas: 0,5 is read as 0.5",)
+
+
+@pytest.mark.parametrize("cell", ["1.234,5", "1,234.5", "1,2,3"])
+def test_a_cell_with_commas_and_points_is_refused(tmp_path: Path, cell: str) -> None:
+    file = tmp_path / "both.csv"
+    file.write_text(f"A1;A2;A3;A4\n{cell};0,1;0,2;0,3\n0,1;0,1;0,2;0,3\n")
+    with pytest.raises(TrajectoryError, match=r"line 2, column 1 \(A1\): this is no number"):
+        read_trajectory(file, ARM)
+
+
 def test_degrees_turn_angles_only_their_rates_too(tmp_path: Path) -> None:
     for kind in ("csv", "json", "npy"):
         read = read_trajectory(write(tmp_path, kind), ARM, deg=True)

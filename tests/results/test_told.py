@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from rankdrop import analyze, conditions
-from rankdrop.results.explanation_text import LONGEST, condition_sentences
 from rankdrop.results.known import known_names, shipped, shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task
+from rankdrop.text.explanation import LONGEST, condition_sentences
 from rankdrop.text.families import conditions_of
 
 pytestmark = pytest.mark.shipped

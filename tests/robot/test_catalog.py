@@ -98,6 +98,7 @@ def test_an_arm_is_found_by_its_maker_its_form_and_its_other_names() -> None:
     assert {"iiwa7", "iiwa14", "med7"} <= {entry.name for entry in search_catalog("kuka 7r spherical shoulder")}
     assert [entry.name for entry in search_catalog("gofa")] == ["crb15000"]
     assert search_catalog("") == catalog_entries()
+    assert search_catalog("staubli") == search_catalog("Stäubli") != ()
     assert search_catalog("no such maker") == ()
     for name in ("UR 5e", "LBR_iiwa_7_R800", "GoFa", "irb6700_235_265"):
         assert open_robot(name).name in {"ur5e", "iiwa7", "crb15000", "irb6700"}

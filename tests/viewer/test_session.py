@@ -154,7 +154,7 @@ def test_no_sentence_beside_the_arm_is_longer_than_can_be_read(arm: str, q: list
 
 
 def test_the_panel_says_lost_motions_and_joints_to_blame() -> None:
-    from rankdrop.results import lost_text
+    from rankdrop.text import lost_text
     from rankdrop.verbs.explain import explain
 
     found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], evaluations=0)

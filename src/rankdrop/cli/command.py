@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
 
     from rankdrop.cli.terminal import Block
+    from rankdrop.family import Verdict
     from rankdrop.task import Task
-    from rankdrop.text import Verdict
 
 _WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
 _LONGEST_NUMBER = 100
@@ -276,11 +276,11 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
-    words, joints, units = split_values(text), robot.variables, {"rad": "deg" if deg else "rad"}
+    words, joints = split_values(text), robot.variables
     if len(words) != len(joints):
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
-            allowed=", ".join(f"{joint.name} [{units.get(joint.unit, joint.unit)}]" for joint in joints),
+            allowed=joint_units(robot, deg=deg),
             mend=_pointed(text, len(joints)) or f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
     values = [
@@ -291,6 +291,12 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
         say(f"note: angles up to {max(typed):.4g} look like radians and are taken as degrees")
     return values
+
+
+def joint_units(robot: arms.Robot, *, deg: bool) -> str:
+    """The joints with the units their values are read in: "elbow [deg], lift [m]"."""
+    units = {"rad": "deg" if deg else "rad"}
+    return ", ".join(f"{joint.name} [{units.get(joint.unit, joint.unit)}]" for joint in robot.variables)
 
 
 def _pointed(text: str, count: int) -> str | None:

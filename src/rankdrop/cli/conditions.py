@@ -36,6 +36,7 @@ from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.cli.terminal import Block
+    from rankdrop.family import Verdict
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class Question(Output):
         if configurations:
             exact.signs_of(chain)
 
-    def answer(self, conditions: results.Conditions) -> tuple[list[Section], results.Record, text.Verdict]:
+    def answer(self, conditions: results.Conditions) -> tuple[list[Section], results.Record, Verdict]:
         """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
         sections: list[Section] = []
         record: results.Record = {"test": None, "flags": None, "between": None}

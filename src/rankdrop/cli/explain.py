@@ -20,6 +20,7 @@ from rankdrop.cli.command import (
     Q,
     ToolOptions,
     command,
+    joint_units,
     near_line,
     open_ideal,
     parse_configuration,
@@ -103,13 +104,16 @@ def explain(
 
     if q is not None and pose is not None:
         raise OptionError("--q and --pose exclude each other", allowed="one of them")
-    if q is None:
-        if pose is None:
-            raise OptionError("--q is missing: one number per joint, or --pose for a pose of the tip")
+    if pose is not None:
         return _of_pose(robot, pose, arm, tool, options, output)
 
     near = model_tolerance(output.model_tolerance)
     model, task, made = open_ideal(robot, arm, tool)
+    if q is None:
+        raise OptionError(
+            "joint values are missing", where="--q", allowed=joint_units(model, deg=tool.deg),
+            mend=f"--q {','.join('0' * model.n)}, or --pose for a pose of the tip",
+        )  # fmt: skip
     if arm.task is None and output.analysis is None:
         task = local.asked_task(model, task)
     budget = BUDGET[output.only] if options.evaluations == EVALUATIONS else options.evaluations

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import shlex
 import signal
 import sys
 
@@ -35,6 +36,7 @@ try:
         CycloptsError,
         Group,
         MissingArgumentError,
+        UnknownCommandError,
         UnknownOptionError,
         UnusedCliTokensError,
     )
@@ -43,6 +45,7 @@ try:
     from rankdrop.cli.command import Help, prose
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
+    from rankdrop.options import on_command_line
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
@@ -210,8 +213,10 @@ def _expand(argv: Sequence[str]) -> list[str]:
     words = list(argv)
     if words[:1] == ["help"]:
         return [*words[1:], "--help"]
-    if words in (["-v"], ["-V"]):
+    if words in (["-v"], ["-V"], ["version"]):
         return ["--version"]
+    if words == ["--verbose"]:
+        return ["--help"]
     if words[:1] == ["robots"]:
         words = list(_printed_json(words))
     first, *rest = ALIASES.get(words[0], (words[0],)) if words else ("--help",)
@@ -231,7 +236,8 @@ def _printed_json(words: Sequence[str]) -> Iterator[str]:
 def _run(argv: Sequence[str]) -> int:
     try:
         whole_help(argv[0])
-        code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
+        with on_command_line():
+            code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except CycloptsError as error:
         say(f"error: {_in_our_words(error)}")
@@ -267,12 +273,24 @@ def _in_our_words(error: CycloptsError) -> str:
         text = f"unexpected argument {', '.join(error.unused_tokens or [])}."
         if error.unused_tokens and all(re.match(r"[-+−]?[\d.]", word) for word in error.unused_tokens):
             text += ' Numbers of one option need commas or quotes: --q 0,-60,0 or --q "0 -60 0".'
+    if isinstance(error, UnknownCommandError) and error.unused_tokens and (arm := _arm(error.unused_tokens[0])):
+        return f"{arm} is an arm; a command comes first: rankdrop analyze {arm}. See `rankdrop --help`."
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         text = _missing(error)
     command = error.command_chain[0] if error.command_chain else ""
     if isinstance(error, UnknownOptionError) and command in app:
         text += f" Allowed: {', '.join(_options(command))}."
     return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
+
+
+def _arm(word: str) -> str:
+    """The word, if it is a name of the catalogue or that of a file; else "".
+
+    No file is opened: whether it describes an arm is for the command to say.
+    """
+    from rankdrop.robot import names_an_arm
+
+    return shlex.quote(word) if names_an_arm(word) else ""
 
 
 def _missing(error: MissingArgumentError) -> str:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.text import Text
 
-    from rankdrop.text import Verdict
+    from rankdrop.family import Verdict
 
     Block = Section | Iterable[RenderableType]  # blank lines stand between blocks
 

@@ -27,13 +27,14 @@ from rankdrop.designs.compare import Change, Ranking, Structure, changes, neighb
 from rankdrop.designs.spec import GOALS, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
+from rankdrop.options import advised
 from rankdrop.robot import Robot, reach
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.brief import compared_arms, compared_sentence, sigma_note, slow_poses_note
-from rankdrop.text.words import SWEEP_NEXT
+from rankdrop.text.words import sweep_next
 
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
@@ -162,7 +163,7 @@ class Designs(Result):
             self.sentence,
             *(f"{head}: {', '.join(map(' '.join, zip(titles, row, strict=True)))}." for row in best),
             *([f"Range: {', '.join(ranges)}."] if ranges else []),
-            SWEEP_NEXT,
+            sweep_next(),
         )
 
     def sections(self, *, every: bool = False) -> Iterator[Section]:
@@ -194,7 +195,8 @@ class Designs(Result):
         rows = tuple((str(i + 1), *self.row(self.records[i])) for i in chosen[:most])
         wants = ", ".join(f"{want} {name}" for name, want in goals.items())
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
-        after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
+        more = f"and {len(chosen) - most:,} more: {advised('all', python='sections(every=True)')}"
+        after = (more,) if len(chosen) > most else ()
         notes = tuple(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in names)
         yield Section("Pareto-optimal variants" if best else "Variants", summary,
                       columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,

@@ -7,3 +7,4 @@ from .record import Derivation as Derivation
 from .record import ExactRow as ExactRow
 from .record import Family as Family
 from .record import short_name as short_name
+from .summary import Verdict as Verdict

@@ -49,6 +49,41 @@ class Summarised(Protocol):
         """Every condition; empty where they are not known."""
 
 
+VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
+    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What may be claimed.
+
+    Attributes:
+        word: "verified"; "unchecked", derived completely and tried on nothing; "contradicted", two ways differ;
+            "unsound", a row's conditions hold elsewhere too; "incomplete"; "not exact", the condition that was asked
+            about; "interrupted".
+        claims: of "sampled" and "derived exactly", what was done and holds.
+        sentence: for people.
+    """
+
+    word: str
+    claims: tuple[str, ...]
+    sentence: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing speaks against what is claimed: exit code 0."""
+        return self.word in (VERIFIED, UNCHECKED)
+
+    def beside(self, answer: str) -> tuple[str, str]:
+        """An answer and how sure it is; the other way round where something speaks against it."""
+        return (answer, self.sentence) if self.holds else (self.sentence, answer)
+
+    def to_dict(self) -> dict[str, object]:
+        """The entries of a JSON file."""
+        return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
+
+
 @dataclass(frozen=True, slots=True)
 class RankSummary:
     """The families of one rank.

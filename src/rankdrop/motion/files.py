@@ -601,7 +601,8 @@ def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
         )  # fmt: skip
     places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
     values = table.block(places) * np.array(factors)
-    return Poses(Path(name).name, _matrices(values, turn, table.place), table.times(time), bool(turn), unused)
+    matrices = _matrices(values, turn, table.place)
+    return Poses(Path(name).name, matrices, table.times(time), bool(turn), unused, table.notes)
 
 
 def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str]) -> Array:

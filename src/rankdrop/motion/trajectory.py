@@ -19,14 +19,15 @@ from rankdrop.motion.curve import Curve, curve
 from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, LONGEST_HEAD, MOST_ROWS, allowed_range
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
-from rankdrop.text.paths import radians_hint
+from rankdrop.text.paths import DECIMAL_COMMAS, radians_hint
 from rankdrop.text.words import MOST_TURNS, degrees_hint
 
 BAGS = (".bag", ".db3", ".mcap")
 ROW_SECONDS = 0.1  # between rows of a file without times
-_TIME = re.compile(r"(time|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
+_TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
-_JOINT = re.compile(r"(?:q|θ|theta|joint|j)_?(\d+)", re.IGNORECASE)
+_JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)_?(\d+)", re.IGNORECASE)
+_COMMA = re.compile(r"(\d),(\d)")
 UNITS = {"angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)}, "length": {"m": 1.0, "mm": 1e-3}, "number": {}}
 Known = Callable[[str], tuple[Hashable, str] | None]
 """Name of a column -> what it is, and its measure (angle, length or number); None for a column that is not used."""
@@ -274,6 +275,7 @@ class Table:
         lines: (T,) of the rows.
         rows: their words; None where all of them are plain numbers.
         values: (T, columns) these.
+        notes: what a reader should know of how the file was read.
     """
 
     name: str
@@ -282,6 +284,7 @@ class Table:
     lines: Sequence[int]
     rows: list[list[str]] | None
     values: Array | None
+    notes: tuple[str, ...] = ()
 
     @property
     def where(self) -> str:
@@ -334,8 +337,11 @@ def read_table(text: str, name: str) -> Table:
     Raises:
         TrajectoryError: this is not CSV, or there is no row, no row below the names, or too many.
     """
-    text = with_line_feeds(text)
+    given = with_line_feeds(text)
+    text = _with_decimal_points(given)
     table = _plain_table(text, name) or _word_table(text, name)
+    if text is not given:
+        table.notes = (DECIMAL_COMMAS,)
     if not table.head:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
     if not len(table.lines):
@@ -407,7 +413,28 @@ def names_of(text: str) -> list[str]:
 
 
 def _delimiter(line: str) -> str:
+    """What separates columns. Beside semicolons or tabs a cell may have one comma, that of its decimals."""
+    for one in ";\t":
+        if one in line and line.count(",") <= line.count(one) + 1:
+            return one
     return max(",;\t", key=line.count)
+
+
+def _with_decimal_points(text: str) -> str:
+    """A text whose decimals are written with points, where they have commas and semicolons or tabs separate columns.
+
+    It stays as it is where a point is in a row, too: 1.234,5 and 1,234.5 are then told apart by nobody.
+    """
+    first = _first_line(text)
+    delimiter = _delimiter(first)
+    if delimiter == ",":
+        return text
+    words = [_COMMA.sub(r"\1.\2", word.strip()) for word in first.split(delimiter)]
+    start = text.index(first) + (0 if all(map(is_number, words)) else len(first))
+    rows = text[start:]
+    if "," not in rows or "." in rows:
+        return text
+    return text[:start] + _COMMA.sub(r"\1.\2", rows)
 
 
 def is_number(word: str) -> bool:
@@ -503,7 +530,7 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     times, stated = table.times(time), any(name_and_unit(table.head[place])[1] for place in places)
     return Trajectory(
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
-        bare=not stated,
+        notes=table.notes, bare=not stated,
     )  # fmt: skip
 
 

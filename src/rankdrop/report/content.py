@@ -36,7 +36,7 @@ from rankdrop.families import (
     telling_slices,
     workspace,
 )
-from rankdrop.family import Family
+from rankdrop.family import Family, Verdict
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,
@@ -56,7 +56,6 @@ from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text import (
     JOINT,
-    Verdict,
     columns,
     conditions_of,
     inside_limits,

@@ -7,8 +7,6 @@ from .covered import Covered as Covered
 from .explanation import Explanation as Explanation
 from .explanation import first_verdict as first_verdict
 from .explanation import known_families as known_families
-from .explanation_text import condition_sentences as condition_sentences
-from .explanation_text import lost_text as lost_text
 from .findings import find_to_csv as find_to_csv
 from .findings import find_to_npz as find_to_npz
 from .findings import history_to_csv as history_to_csv

@@ -23,7 +23,7 @@ from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Derivation, Family
-from rankdrop.family.summary import FamilySummary
+from rankdrop.family.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
@@ -31,11 +31,8 @@ from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section
+from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
-from rankdrop.text.conditions import Verdict, of_analysis, opening, summary_of_analysis
-from rankdrop.text.families import inside_limits, overview
-from rankdrop.text.latex import latex_tables
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -74,17 +71,20 @@ class Analysis(Result):
     @property
     def verdict(self) -> Verdict:
         """What may be claimed, in one sentence; the exit code follows it."""
-        return of_analysis(self)
+        verdict: Verdict = words_of(self).of_analysis(self)
+        return verdict
 
     @property
     def summary(self) -> FamilySummary:
         """Facts of the answer: families by rank, and how they were verified."""
-        return summary_of_analysis(self)
+        summary: FamilySummary = words_of(self).summary_of_analysis(self)
+        return summary
 
     @property
     def answer(self) -> str:
         """What the arm has, in one sentence."""
-        return opening(self.summary)
+        answer: str = words_of(self).opening(self.summary)
+        return answer
 
     @property
     def verified(self) -> bool:
@@ -127,7 +127,7 @@ class Analysis(Result):
         record = super().to_dict()
         if self.settings.limits:
             for row, family in zip(record["families"], self.families, strict=True):
-                row["inside"] = record_of("inside", inside_limits(family, self.robot))
+                row["inside"] = record_of("inside", words_of(self).inside_limits(family, self.robot))
         return record
 
     @classmethod
@@ -176,15 +176,13 @@ class Analysis(Result):
 
     def sections(self) -> tuple[Section, ...]:
         """The answer, then one section for each corank."""
-        first, second = self.verdict.beside(self.answer)
-        return (Section(first, lines=(second,)), *overview(
-            self.robot, self.generic_rank, self.coranks, self.families, self.exact, limits=self.settings.limits
-        ))  # fmt: skip
+        sections: tuple[Section, ...] = words_of(self).sections_of(self)
+        return sections
 
     def latex(self) -> str:
         """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.text.latex.latex_tables`."""
-        return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
-                            limits=self.settings.limits)  # fmt: skip
+        tables: str = words_of(self).latex_of(self)
+        return tables
 
     @classmethod
     def load(cls, path: str | Path) -> Analysis:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from numpy.typing import ArrayLike
 
-from rankdrop import text
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
@@ -20,17 +19,16 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.notation import Step
 from rankdrop.family.record import Check
-from rankdrop.family.summary import FamilySummary
+from rankdrop.family.summary import FamilySummary, Verdict
 from rankdrop.questions import ConditionsOptions
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section
+from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
 
 if TYPE_CHECKING:
     from rankdrop.exact.aspects import Between, Flags
     from rankdrop.exact.determinants import Determinants
     from rankdrop.exact.lint import LintResult
-    from rankdrop.text.code import Code
 
 
 SCHEMA = "rankdrop/conditions/1"
@@ -103,19 +101,22 @@ class Conditions(Result):
         return self.verdict.holds
 
     @property
-    def verdict(self) -> text.Verdict:
+    def verdict(self) -> Verdict:
         """What may be claimed, in one sentence; the exit code follows it."""
-        return text.of_conditions(self)
+        verdict: Verdict = words_of(self).of_conditions(self)
+        return verdict
 
     @property
     def summary(self) -> FamilySummary:
         """Facts of the answer: families by rank, and how they were verified."""
-        return text.summary_of_conditions(self)
+        summary: FamilySummary = words_of(self).summary_of_conditions(self)
+        return summary
 
     @property
     def answer(self) -> str:
         """What the arm has, in one sentence."""
-        return text.opening(self.summary)
+        answer: str = words_of(self).opening(self.summary)
+        return answer
 
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
         """The families of one corank."""
@@ -175,12 +176,13 @@ class Conditions(Result):
 
     def sections(self) -> tuple[Section, ...]:
         """The answer, then the conditions in words."""
-        first, second = self.verdict.beside(self.answer)
-        return (Section(first, lines=(second,)), *text.condition_sections(self))
+        sections: tuple[Section, ...] = words_of(self).sections_of(self)
+        return sections
 
     def latex(self) -> str:
         """A table: family, corank, conditions; the lengths below it."""
-        return self._code().latex()
+        table: str = words_of(self).code_of(self).latex()
+        return table
 
     def code(self, language: str) -> str:
         """A module or header with one function per family, q -> residuals that vanish on it.
@@ -193,14 +195,11 @@ class Conditions(Result):
         """
         if language not in LANGUAGES:
             raise OptionError("there is no code in this language", got=repr(language), allowed=", ".join(LANGUAGES))
-        return self._code().python() if language == "python" else self._code().c()
-
-    def _code(self) -> Code:
-        from rankdrop.text.code import Code
-
-        said = () if self.determinants is None else self.determinants.minors
-        return Code(self.robot.name, self.robot.n, self.families, self.letters, self.shifts, said)
+        module = words_of(self).code_of(self)
+        source: str = module.python() if language == "python" else module.c()
+        return source
 
     def _repr_html_(self) -> str:
         """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
-        return text.conditions_html(self)
+        page: str = words_of(self).conditions_html(self)
+        return page

@@ -8,14 +8,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop import text
 from rankdrop.certify.covering import Covering
 from rankdrop.codec import Result
 from rankdrop.families.box_matching import Spot
 from rankdrop.family.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section
+from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
 
 
@@ -82,8 +81,10 @@ class Covered(Result):
     @property
     def sentence(self) -> str:
         """What may be said, in one sentence."""
-        return text.cover_sentence(self)
+        sentence: str = words_of(self).cover_sentence(self)
+        return sentence
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text; angles of places in degrees, or radians."""
-        return text.cover_sections(self, deg=deg)
+        sections: tuple[Section, ...] = words_of(self).cover_sections(self, deg=deg)
+        return sections

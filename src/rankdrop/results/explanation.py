@@ -794,6 +794,6 @@ class Explanation(Result):
         return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"
 
     def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
-        """The explanation in words: see `rankdrop.results.explanation_text.sections_of`."""
+        """The explanation in words: see `rankdrop.text.explanation.sections_of`."""
         sections: tuple[Section, ...] = words_of(self).sections_of(self, full=full, parts=parts)
         return sections

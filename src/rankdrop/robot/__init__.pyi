@@ -21,6 +21,7 @@ from .models import to_toolbox as to_toolbox
 from .models import to_yourdfpy as to_yourdfpy
 from .numbers import reach as reach
 from .open import CatalogEntry as CatalogEntry
+from .open import names_an_arm as names_an_arm
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
 from .quantities import Angles as Angles

@@ -38,7 +38,7 @@ def check_keys(given: Iterable[str], allowed: Sequence[str], where: Where) -> No
 
 
 def joint_kind(kind: Any, where: str, more: Sequence[str] = ()) -> JointKind:
-    """The `JointKind` named by a word or by its first letter in capitals (R, P, H).
+    """The `JointKind` named by a word, in capitals or not, or by its first letter in capitals (R, P, H).
 
     Raises:
         RobotError: there is no such kind; `more` lists what else the caller would have taken.
@@ -46,7 +46,7 @@ def joint_kind(kind: Any, where: str, more: Sequence[str] = ()) -> JointKind:
     if isinstance(kind, str) and kind in _LETTERS:
         return _LETTERS[kind]
     try:
-        return JointKind(kind)
+        return JointKind(kind.lower() if isinstance(kind, str) else kind)
     except (ValueError, TypeError):
         allowed = ", ".join([entry.value for entry in JointKind] + list(more))
         raise RobotError("there is no such kind of joint", where=where, got=repr(kind), allowed=allowed) from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -120,6 +121,15 @@ def _resolve(name_or_path: str | PathLike[str]) -> str | Path:
     if len(same) != 1:
         raise _unknown(name)
     return same[0]
+
+
+def names_an_arm(name: str) -> bool:
+    """Whether `open_robot` would find a name: in the catalogue, or as a file, which is not opened."""
+    try:
+        _resolve(name)
+    except UnknownRobotError:
+        return False
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,8 +338,9 @@ def _exists(path: Path) -> bool:
 
 
 def _plain(name: str) -> str:
-    """A name without what people write differently: capitals, blanks, - and _."""
-    return re.sub(r"[-_\s]", "", name).lower()
+    """A name without what people write differently: capitals, accents, blanks, - and _."""
+    letters = unicodedata.normalize("NFKD", name)
+    return "".join(one for one in letters if not (one in "-_" or one.isspace() or unicodedata.combining(one))).lower()
 
 
 def _same_names(name: str) -> list[str]:
@@ -350,7 +361,7 @@ def _unknown(name: str) -> UnknownRobotError:
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
     what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"
     allowed = None if is_path else f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
-    close = [] if is_path else _close_names(name)
+    close = _same_names(Path(name).stem) if is_path else _close_names(name)  # ur5e.urdf: the catalogue has ur5e
     mend = f"did you mean {' or '.join(close)}?" if close else None
     fitting = 0 if is_path or len(_plain(name)) < _TELLING else len(search_catalog(name[:80]))
     if fitting > _SUGGESTED:

@@ -219,6 +219,7 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
 
 def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
     word = joint.get("kind", "revolute")
+    word = word.lower() if word in ("Cylindrical", "Spherical") else word
     if word not in _KEYS_OF:
         joint_kind(word, where("kind"), ("cylindrical", "spherical"))
         word = joint_kind(word, where("kind")).value

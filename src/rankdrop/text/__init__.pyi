@@ -1,4 +1,3 @@
-from .brief import FULL as FULL
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line
 from .brief import assumed_line as assumed_line
@@ -10,7 +9,6 @@ from .brief import more_line as more_line
 from .by_hand import conditions_text as conditions_text
 from .by_hand import notes_of as notes_of
 from .by_hand import steps_of as steps_of
-from .conditions import Verdict as Verdict
 from .conditions import arm_lines as arm_lines
 from .conditions import condition_sections as condition_sections
 from .conditions import conditions_html as conditions_html
@@ -22,6 +20,8 @@ from .conditions import steps_text as steps_text
 from .conditions import summary_of_analysis as summary_of_analysis
 from .conditions import summary_of_conditions as summary_of_conditions
 from .conditions import unseen as unseen
+from .explanation import condition_sentences as condition_sentences
+from .explanation import lost_text as lost_text
 from .families import COUPLED as COUPLED
 from .families import FREE as FREE
 from .families import JOINT as JOINT

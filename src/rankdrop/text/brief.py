@@ -14,13 +14,15 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Family, Pin, short_name
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.conditions import SHIPPED, angles_text, condition_lines, values_in_degrees
+from rankdrop.text.conditions import angles_text, condition_lines, shipped_line, values_in_degrees
 from rankdrop.text.families import (
     exact_conditions,
+    joints_named,
     letters_text,
     near_total,
     share_cell,
@@ -32,7 +34,6 @@ from rankdrop.text.families import (
 from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.text.words import listing
 
-FULL = "--full"
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
 
 
@@ -61,8 +62,8 @@ def analysis_table(analysis: Any) -> Section:
         rank = str(analysis.generic_rank - family.corank)
         rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
     if not letters:
-        return _table(rows, {}, "", near)
-    return _table(rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
+        return _table(robot, rows, {}, "", near)
+    return _table(robot, rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
 
 
 def conditions_table(conditions: Any) -> Section:
@@ -75,12 +76,15 @@ def conditions_table(conditions: Any) -> Section:
         rank = str(conditions.generic_rank - family.corank)
         rows.append((rank, family.name, text if short else _of_joints(conditions.robot, family)))
     angles = angles_text(conditions.robot, conditions.shifts)
-    return _table(rows, conditions.letters if letters else {}, angles, None)
+    return _table(conditions.robot, rows, conditions.letters if letters else {}, angles, None)
 
 
-def _table(rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None) -> Section:
+def _table(
+    robot: Robot, rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None
+) -> Section:
     columns: tuple[str, ...] = ("rank", "family", "condition")
-    after = []
+    named = joints_named(robot)
+    after = [f"joints: {named}"] if named else []
     if letters:
         after.append(f"s2 = sin θ2, c23 = cos(θ2 + θ3); {letters_text(letters)}")
     if angles:
@@ -157,7 +161,8 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
     """Each of several arms in a line: its families by corank, or what could not be measured."""
     lines = tuple(f"{name}: {_measured(one)}" for name, one in zip(names, records, strict=True))
-    return Section("Families", lines=lines, notes=(f"every family with its share, and how it was verified: {FULL}",))
+    more = f"every family with its share, and how it was verified: {advised('full')}"
+    return Section("Families", lines=lines, notes=(more,))
 
 
 def _measured(record: Mapping[str, Any]) -> str:
@@ -183,8 +188,8 @@ def assumed_line(conditions: Any) -> str:
 
 def more_line(seconds: float | None = None) -> str:
     """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
-    more = f"All conditions, lost motions and tests: {FULL}."
-    return f"{more} {SHIPPED}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+    more = f"All conditions, lost motions and tests: {advised('full', python='print(result)')}."
+    return f"{more} {shipped_line()}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
 
 
 def sigma_note(variants: int, wide: int, uncovered: int) -> str:

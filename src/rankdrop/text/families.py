@@ -10,6 +10,7 @@ limits: moved by whole turns, and those that no turn brings inside named.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
@@ -41,6 +43,7 @@ _LEGEND = (
     "lost: the motion taken away, anywhere on the family unless it says otherwise. "
     "Turning by 1 rad counts as much as moving by {length} m."
 )
+_NUMBERS = re.compile(r"\d+")  # in a joint's name
 _ALIKE = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
 
@@ -48,7 +51,9 @@ _MOST_TERMS = 30  # a longer condition is for programs
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
     lost = lost_note(robot, [lost for one in families for lost in one.lost_freedoms])
-    return f"{_LEGEND.format(length=f'{counted_length(robot):g}')} {lost}".rstrip()
+    named = joints_named(robot)
+    joints = f"Joints: {named}." if named else ""
+    return " ".join(filter(None, (_LEGEND.format(length=f"{counted_length(robot):g}"), joints, lost)))
 
 
 def joint_symbol(number: int, kind: str) -> str:
@@ -198,7 +203,8 @@ def condition_text(equation: Equation) -> str:
     """One condition for reading; a very long one is only counted."""
     if len(equation.terms) <= _MOST_TERMS:
         return f"{equation.pretty()} = 0"
-    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
+    joints, every = ", ".join(map(str, equation.joints)), advised("json", python="to_dict()")
+    return f"fitted: {len(equation.terms)} terms on joints {joints} (all of them: {every})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,6 +306,20 @@ def starts(summary: CorankSummary) -> str:
     return line
 
 
+def joints_named(robot: Robot) -> str:
+    """Which symbol is which joint, where a maker's name has another number than the symbol: "q1 rail, θ2 a1"; else "".
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> joints_named(open_robot("ur5e"))[:41], joints_named(open_robot("pa10"))
+        ('θ1 shoulder_pan_joint, θ2 shoulder_lift_j', '')
+    """
+    named = list(zip(symbols(robot), (joint.name for joint in robot.variables), strict=True))
+    numbers = [_NUMBERS.findall(name) for _, name in named]
+    other = any(found and int(found[-1]) != place for place, found in enumerate(numbers, start=1))
+    return ", ".join(f"{symbol} {name}" for symbol, name in named) if other else ""
+
+
 def symbols(robot: Robot) -> tuple[str, ...]:
     """The joints as conditions write them: "θ1", "q3" for a slide."""
     return tuple(joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
@@ -346,7 +366,8 @@ def folded(robot: Robot, rows: Sequence[Family]) -> str:
     parts += [f"{others:,} of other kinds"] * (others > 0)
     unsound = sum(map(_unsound, rows))
     sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
-    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them with --all."
+    every = advised("all", python="to_dict()")
+    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them: {every}."
 
 
 def _unsound(row: Family) -> bool:
@@ -398,7 +419,7 @@ def exact_conditions(row: Family, derivation: Derivation | None) -> str:
 
 def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
-    whole = "whole with --json, or with `rankdrop conditions --latex`"
+    whole = f"whole with {advised('json', python='to_dict()')}"
     return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
 
 

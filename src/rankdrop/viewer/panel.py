@@ -12,9 +12,9 @@ from math import isfinite
 
 from rankdrop.family import Family
 from rankdrop.local import Circuit
-from rankdrop.results import Explanation, Record, lost_text
+from rankdrop.results import Explanation, Record
 from rankdrop.robot import count
-from rankdrop.text import angle, angle_below, numbers, short
+from rankdrop.text import angle, angle_below, lost_text, numbers, short
 from rankdrop.viewer.scene import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from rankdrop.families import Walk, family_distances, in_slice
 from rankdrop.family import Family, LostFreedom, MotionKind, short_name
 from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
-from rankdrop.results import Explanation, condition_sentences
+from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot, count
 from rankdrop.task import Task
-from rankdrop.text import angle, lost_note, lost_sentence, lost_sentences, motion, short
+from rankdrop.text import angle, condition_sentences, lost_note, lost_sentence, lost_sentences, motion, short
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.scene import Now

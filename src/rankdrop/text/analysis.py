@@ -1,0 +1,29 @@
+"""An analysis in words: what the arm has, how sure that is, the tables of its families."""
+
+from __future__ import annotations
+
+from rankdrop.results.analysis import Analysis
+from rankdrop.sections import Section
+from rankdrop.text.conditions import of_analysis, opening, summary_of_analysis
+from rankdrop.text.families import inside_limits, overview
+from rankdrop.text.latex import latex_tables
+
+__all__ = ["inside_limits", "latex_of", "of_analysis", "opening", "sections_of", "summary_of_analysis"]
+
+
+def sections_of(analysis: Analysis) -> tuple[Section, ...]:
+    """The answer and how it was verified, then a table of families for each corank."""
+    first, second = analysis.verdict.beside(analysis.answer)
+    tables = overview(
+        analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families, analysis.exact,
+        limits=analysis.settings.limits,
+    )  # fmt: skip
+    return (Section(first, lines=(second,)), *tables)
+
+
+def latex_of(analysis: Analysis) -> str:
+    """The tables as AM print them: see `rankdrop.text.latex.latex_tables`."""
+    return latex_tables(
+        analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families, analysis.exact,
+        limits=analysis.settings.limits,
+    )  # fmt: skip

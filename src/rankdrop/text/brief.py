@@ -190,3 +190,18 @@ def more_line(seconds: float | None = None) -> str:
     """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
     more = f"All conditions, lost motions and tests: {advised('full', python='print(result)')}."
     return f"{more} {shipped_line()}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+
+
+def sigma_note(variants: int, wide: int, uncovered: int) -> str:
+    """What the proven bounds of σ over a region say of a comparison: how many are wide, or have no lower bound."""
+    note = "; a variant is worse only where its upper bound is below the lower bound of another"
+    if wide:
+        note += f"; {wide:,} of {variants:,} intervals stayed wide within their budget and exclude little"
+    if uncovered:
+        note += f"; for {uncovered:,} it is not proven that every pose is reached: the lower bound is 0"
+    return note
+
+
+def slow_poses_note(speed: float, width: float) -> str:
+    """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
+    return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"

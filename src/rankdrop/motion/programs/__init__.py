@@ -1,0 +1,1 @@
+"""Robot programs read: KRL, RAPID, URScript, FANUC TP listings, Yaskawa INFORM; literal targets alone."""

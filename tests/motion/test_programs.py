@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time
 from pathlib import Path
 
@@ -14,11 +13,11 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import main
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.kinematics import pose
+from rankdrop.motion import fanuc_tp, inform, krl, program, program_record, rapid, urscript
 from rankdrop.motion.check import PathQuestion
 from rankdrop.motion.program import check_any_file, check_program
-from rankdrop.motion.programs import fanuc, inform, krl, rapid, record, urscript
-from rankdrop.motion.programs.reading import read_program
-from rankdrop.motion.programs.record import MOVES, Move, Posture, Program, Reason, number, numbers_of, parts_of
+from rankdrop.motion.program_file import read_program
+from rankdrop.motion.program_record import MOVES, Move, Posture, Program, Reason, number, numbers_of, parts_of
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
@@ -157,7 +156,7 @@ def test_fanuc_counts_joint_3_from_the_horizontal_and_z_from_axis_2() -> None:
 
     def program(a: str, b: str) -> Program:
         blocks = "".join(f"P[{k}]{{\n GP1:\n UF : 0, UT : 0,\n {text}\n}};\n" for k, text in ((1, a), (2, b)))
-        return fanuc.read(f"/MN\n 1:J P[1] 100% FINE ;\n 2:J P[2] 100% FINE ;\n/POS\n{blocks}/END\n", "a.ls")
+        return fanuc_tp.read(f"/MN\n 1:J P[1] 100% FINE ;\n 2:J P[2] 100% FINE ;\n/POS\n{blocks}/END\n", "a.ls")
 
     joints = "J1=0 deg, J2={} deg, J3=-20 deg, J4=5 deg, J5=-50 deg, J6=8 deg"
     found = check_program(arm, program(joints.format(0), joints.format(25)), ASK)
@@ -267,6 +266,7 @@ def test_krl_signs_and_rapid_quarters_choose_the_solution() -> None:
     assert str(refused.parts[0].ended.cause) == "no such posture"
 
 
+@pytest.mark.slow
 def test_the_report_of_the_kr3(capsys: pytest.CaptureFixture[str]) -> None:
     """Joints, then two lines: no crossing; the branch of this start takes joint 4 to its limit half way."""
     assert main.run(["path", "kr3r540", str(DATA / "report-14.src"), "--quiet"]) == 3
@@ -277,14 +277,14 @@ def test_the_report_of_the_kr3(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_folder_has_programs_in_its_table(tmp_path: Path) -> None:
-    shutil.copy(DATA / "urscript.script", tmp_path / "a.script")
+    (tmp_path / "a.script").write_text("movej([0.3,0.4,0.1])\nmovej([0.5,-0.2,0.3])\n")
     (tmp_path / "b.ls").write_text("/MN\n/POS\n")
     out = tmp_path / "o.json"
     names = [str(tmp_path / "a.script"), str(tmp_path / "b.ls")]
-    assert main.run(["path", "ur5e", *names, "--json", str(out), "--quiet"]) == 2
+    assert main.run(["path", "planar3r", *names, "--json", str(out), "--quiet"]) == 2
     first, second = json.loads(out.read_text())["paths"]
     assert (first["verdict"], second["verdict"]) == ("bad input", "crossing")
-    assert "in line 10" in second["sentence"]
+    assert "in line 2: movej([0.5,-0.2,0.3])" in second["sentence"]
 
 
 def test_options_that_do_not_fit_programs_are_refused(tmp_path: Path) -> None:
@@ -333,9 +333,18 @@ def test_hostile_files_end_in_one_line(name: str, tmp_path: Path) -> None:
 
 
 def test_the_number_of_moves_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(record, "MOST_MOVES", 5)
+    monkeypatch.setattr(program_record, "MOST_MOVES", 5)
     with pytest.raises(TrajectoryError, match="line 6: the program has too many moves; allowed: at most 5"):
         urscript.read("movej([0,0,0,0,0,0])\n" * 6, "a.script")
+
+
+def test_the_number_of_parts_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program, "_MOST_PARTS", 2)
+    text = "movej([0.3,0.4,0.1])\nmovel(p)\n"
+    arm = open_robot("planar3r")
+    assert len(check_program(arm, urscript.read(text * 2, "a.script"), ASK).parts) == 2
+    with pytest.raises(TrajectoryError, match=r"a.script, line 5: the program has too many parts.*at most 2"):
+        check_program(arm, urscript.read(text * 3, "a.script"), ASK)
 
 
 def test_bytes_that_are_no_unicode_are_read_as_latin_1(tmp_path: Path) -> None:

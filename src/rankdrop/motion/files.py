@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
-from rankdrop.motion.programs.record import PROGRAMS, is_program
+from rankdrop.motion.program_record import PROGRAMS, is_program
 from rankdrop.motion.trajectory import (
     BAGS,
     UNITS,

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
 from itertools import product
 from math import floor, pi
 from pathlib import Path
@@ -37,8 +38,8 @@ from rankdrop.motion.check import (
 from rankdrop.motion.curve import Curve, Index, Place, curve
 from rankdrop.motion.follow import Followed, follow
 from rankdrop.motion.inverse import Aim
-from rankdrop.motion.programs.reading import read_program
-from rankdrop.motion.programs.record import BREAKS, MOVES, Move, Posture, Program, Skipped, is_program
+from rankdrop.motion.program_file import read_program
+from rankdrop.motion.program_record import BREAKS, Move, Posture, Program, Skipped, is_program
 from rankdrop.motion.record import (
     FREE,
     NOT_FOLLOWED,
@@ -54,6 +55,7 @@ from rankdrop.motion.record import (
 )
 from rankdrop.motion.tool_line import poses_at
 from rankdrop.motion.trajectory import TrajectoryError
+from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
@@ -64,6 +66,7 @@ _STILL = 1e-12  # a move that is shorter does nothing [m, rad]
 _SLOWER = 1.0 + 1e-9  # a joint move at the limits of its rates stays below them by rounding
 _ON_AXIS = 1e-6  # of directions of axes that count as parallel
 _AT_ZERO = 1e-6  # a joint so near to a quarter turn has either sign [rad]
+_MOST_PARTS = 200
 _MOST_TURNS = 4096  # combinations of whole turns of one solution
 
 
@@ -158,25 +161,29 @@ class Part:
         names = {one.family: one.name for one in check.stretches}
         rows = np.concatenate([check.curve.control[:, 0], check.curve.control[-1:, -1]])
         turning = np.array([joint.unit == "rad" for joint in check.robot.variables])
-        met = [(self.move_at(one.closest.place), one) for one in check.stretches]
-        broken = [(self.move_at(one.place), one) for one in check.violations]
+        met: dict[int, list[Stretch]] = {}
+        for stretch in check.stretches:
+            met.setdefault(self.move_at(stretch.closest.place), []).append(stretch)
+        broken: dict[int, list[Violation]] = {}
+        for violation in check.violations:
+            broken.setdefault(self.move_at(violation.place), []).append(violation)
+        begins = np.searchsorted(self.owner, np.arange(len(self.moves) + 1)).tolist()
         for index, move in enumerate(self.moves):
-            own = np.flatnonzero(self.owner == index)
-            if not len(own):
+            first, last = begins[index : index + 2]
+            if first == last:
                 if index == 0 or self.ended is None:
                     yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None)
                 continue
-            first, last = int(own[0]), int(own[-1]) + 1
-            inside = (profile.position >= first + 1) & (profile.position <= last + 1) & np.isfinite(profile.distance)
-            at = np.flatnonzero(inside)
+            low = int(np.searchsorted(profile.position, first + 1, "left"))
+            high = int(np.searchsorted(profile.position, last + 1, "right"))
+            at = low + np.flatnonzero(np.isfinite(profile.distance[low:high]))
             near = int(at[profile.distance[at].argmin()]) if len(at) else -1
             family = profile.ids[profile.family[near]] if near >= 0 and profile.family[near] >= 0 else ""
             distance = float(profile.distance[near]) if near >= 0 else np.inf
-            for owner, stretch in met:
-                if owner == index and stretch.closest.distance < distance:
+            for stretch in met.get(index, ()):
+                if stretch.closest.distance < distance:
                     distance, family = stretch.closest.distance, stretch.family
-            kinds = [FREE, *(one.verdict for owner, one in met if owner == index),
-                     *(_broken(one) for owner, one in broken if owner == index)]  # fmt: skip
+            kinds = [FREE, *(one.verdict for one in met.get(index, ())), *map(_broken, broken.get(index, ()))]
             kinds += [TOUCHING] if index in self.passed else []
             kinds += [NOT_FOLLOWED] if self.ended is not None and self.ended.move is move else []
             turns = np.where(turning, np.ptp(rows[first : last + 1], axis=0), 0.0)
@@ -233,7 +240,7 @@ class ProgramCheck(Result):
     @property
     def unread(self) -> tuple[Skipped, ...]:
         """Lines that move the arm and were not read."""
-        return tuple(one for one in self.program.skipped if one.reason in MOVES)
+        return tuple(one for one in self.program.skipped if one.moves)
 
     @property
     def verdict(self) -> Verdict:
@@ -280,7 +287,7 @@ class ProgramCheck(Result):
                 found.append(Met(move.line, move.text, move.kind, one))
         return tuple(found)
 
-    @property
+    @cached_property
     def moves(self) -> tuple[MoveCheck, ...]:
         """Every move that was read and reached."""
         return tuple(one for part in self.parts for one in part.checked_moves())
@@ -347,15 +354,21 @@ def check_program(
     if start is not None and runs[0][0].target.joints is not None:
         raise OptionError("a start is for programs that begin with a pose, this one begins with joint values",
                           where="--start", got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
-    left, before = list(runs), start
+    left, before = runs[::-1], start
     while left:
-        moves = left.pop(0)
+        moves = left.pop()
+        if len(parts) == _MOST_PARTS:
+            raise TrajectoryError(
+                "the program has too many parts without a way from one to the next",
+                where=f"{program.name}, line {moves[0].line}", allowed=f"at most {_MOST_PARTS}",
+                mend="write targets as numbers, or check parts of the program for themselves",
+            )  # fmt: skip
         walked = walker.walk(moves, before, given=not parts and start is not None)
         part = walker.checked(walked, progress)
         parts.append(part)
         before = walked.rows[-1] if walked.rows else before
         if part.ended is not None and (rest := moves[moves.index(part.ended.move) + 1 :]):
-            left.insert(0, rest)
+            left.append(rest)
         if part.check is not None and not part.check.complete:
             break
     return ProgramCheck(robot, asked_for(robot, question.task, question.analysis), program, tuple(parts), raised,
@@ -431,6 +444,13 @@ class _Walker:
                 self._line(walked, index, move)
             if walked.ended is not None:
                 break
+            if len(walked.rows) > MOST_ROWS:
+                raise TrajectoryError(
+                    "the moves up to this line need too many rows", where=f"{self.program.name}, line {move.line}",
+                    allowed=f"at most {MOST_ROWS:,}", mend="check parts of the program for themselves, or with a larger "
+                    "tip_tolerance and turn_tolerance", typed="check parts of the program for themselves, or with a "
+                    "larger --tip-tolerance and --turn-tolerance",
+                )  # fmt: skip
         return walked
 
     def _begin(self, walked: _Walked, move: Move, before: Array | None, *, given: bool) -> None:

@@ -9,7 +9,6 @@ from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.programs.record import MOVES
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 from rankdrop.text.aspects import decision_text
 from rankdrop.text.paths import GAINS as UNITS
@@ -435,7 +434,7 @@ PROGRAM_SKIPPED = table(
                     "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "other"],
         "why it was not read"),
     words=(str, "the reason in words", lambda one: why_skipped(one.reason)),
-    moves=(bool, "the line moves the arm", lambda one: one.reason in MOVES),
+    moves=(bool, "the line moves the arm"),
 )
 PROGRAM_ENDED = table(
     "program_ended",

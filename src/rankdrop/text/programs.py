@@ -126,11 +126,11 @@ def _open(check: Any) -> Iterator[str]:
     undecided = sum(one.undecided_length for one in check.checks)
     if any(one.verdict == "undecided" for path in check.checks for one in path.stretches):
         yield f"{undecided:.3g} rad of it undecided"
-    kept = {path.margin for path in check.checks}
-    if "violated" in kept:
-        yield f"comes nearer than {angle(check.checks[0].options.min_distance)} to a singularity"
-    elif "not proven" in kept:
-        yield f"a distance of {angle(check.checks[0].options.min_distance)} could not be proven"
+    far = angle(check.checks[0].options.min_distance) if check.checks else ""
+    if any(path.margin == "violated" for path in check.checks):
+        yield f"comes nearer than {far} to a singularity"
+    elif any(path.margin == "not proven" for path in check.checks):
+        yield f"a distance of {far} could not be proven"
     if not check.complete:
         yield "interrupted"
 

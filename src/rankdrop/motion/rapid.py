@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from rankdrop.motion.files import turned_by
-from rankdrop.motion.programs.record import (
+from rankdrop.motion.program_record import (
     LONGEST_LINE,
     MILLIMETRE,
     Language,

@@ -11,7 +11,7 @@ import re
 from math import radians
 from typing import Literal
 
-from rankdrop.motion.programs.record import (
+from rankdrop.motion.program_record import (
     MILLIMETRE,
     Language,
     Listing,

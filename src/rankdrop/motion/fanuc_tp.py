@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from rankdrop.motion.programs.record import (
+from rankdrop.motion.program_record import (
     MILLIMETRE,
     Language,
     Listing,

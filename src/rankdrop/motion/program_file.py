@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from rankdrop.disk import is_endless
-from rankdrop.motion.programs import fanuc, inform, krl, rapid, urscript
-from rankdrop.motion.programs.record import LARGEST_PROGRAM, Program, Reader
+from rankdrop.motion import fanuc_tp, inform, krl, rapid, urscript
+from rankdrop.motion.program_record import LARGEST_PROGRAM, Program, Reader
 from rankdrop.motion.trajectory import TrajectoryError
 
 _READERS: dict[str, Reader] = {
-    ".src": krl.read, ".mod": rapid.read, ".prg": rapid.read, ".script": urscript.read, ".ls": fanuc.read,
+    ".src": krl.read, ".mod": rapid.read, ".prg": rapid.read, ".script": urscript.read, ".ls": fanuc_tp.read,
     ".jbi": inform.read,
 }  # fmt: skip
 

@@ -148,6 +148,11 @@ class Skipped:
     text: str
     reason: Reason
 
+    @property
+    def moves(self) -> bool:
+        """The line moves the arm."""
+        return self.reason in MOVES
+
 
 @dataclass(frozen=True, eq=False)
 class Program:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from rankdrop.motion.inverse import rotation
-from rankdrop.motion.programs.record import (
+from rankdrop.motion.program_record import (
     Language,
     Listing,
     Names,

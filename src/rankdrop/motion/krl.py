@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from rankdrop.motion.programs.record import (
+from rankdrop.motion.program_record import (
     Language,
     Listing,
     Names,

@@ -1,1 +1,0 @@
-"""Robot programs read: KRL, RAPID, URScript, FANUC TP listings, Yaskawa INFORM; literal targets alone."""

@@ -447,9 +447,7 @@ class _Walker:
             if len(walked.rows) > MOST_ROWS:
                 raise TrajectoryError(
                     "the moves up to this line need too many rows", where=f"{self.program.name}, line {move.line}",
-                    allowed=f"at most {MOST_ROWS:,}", mend="check parts of the program for themselves, or with a larger "
-                    "tip_tolerance and turn_tolerance", typed="check parts of the program for themselves, or with a "
-                    "larger --tip-tolerance and --turn-tolerance",
+                    allowed=f"at most {MOST_ROWS:,}", mend="check parts of the program for themselves",
                 )  # fmt: skip
         return walked
 

@@ -212,10 +212,10 @@ def test_splits_and_joins_are_told_as_such() -> None:
 def test_the_pareto_list_is_what_none_beats() -> None:
     rng = np.random.default_rng(3)
     values = rng.integers(0, 6, (60, 2)).tolist()
-    records = [{"error": None, "measures": {"near": a, "sigma": b}} for a, b in values]
+    records = [{"error": None, "measures": {"near": a, "path_sigma": b}} for a, b in values]
     records[7]["error"] = "no arm"  # type: ignore[assignment]
-    records[9]["measures"]["sigma"] = None  # type: ignore[index]
-    goals = {"near": "less", "sigma": "more"}
+    records[9]["measures"]["path_sigma"] = None  # type: ignore[index]
+    goals = {"near": "less", "path_sigma": "more"}
     there = [i for i in range(60) if i not in (7, 9)]
 
     def beats(a: list[int], b: list[int]) -> bool:
@@ -246,6 +246,7 @@ samples = 400
 lower = [0.2, -0.3, 0]
 upper = [0.9, 0.3, 0]
 points = 20
+budget = 1000
 """
 
 
@@ -270,7 +271,7 @@ def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
         task = resolve_task("planar-position", arm, length_scale=found.spec.task.length_scale)
         assert singular_values(arm, np.array(region["q"]), task)[-1] == pytest.approx(region["sigma"])
         assert pose(arm, np.array(region["q"]))[:2, 3] == pytest.approx(region["at"][:2], abs=1e-8)
-        assert region["lowest"] <= region["sigma"]
+        assert region["sigma_lower"] <= region["sigma"] <= region["sigma_upper"]
 
 
 @pytest.mark.by_hand
@@ -448,7 +449,7 @@ def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_whi
         "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
     }, workers=1)  # fmt: skip
     assert found.pareto == []
-    assert found.sentence == "2 variants of planar3r: none is ranked, since none has sigma."
+    assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
     titles = [section.title for section in found.sections()]
     assert "Variants" in titles
-    assert "Variants that no other one beats" not in titles
+    assert "Pareto-optimal variants" not in titles

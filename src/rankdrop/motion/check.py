@@ -63,7 +63,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import as_numbers
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.paths import reading_remarks
+from rankdrop.text.paths import degrees_advice, reading_remarks
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -546,14 +546,14 @@ def check_file(
         read = read_poses(file, deg=deg)
         hint = length_hint(read, reach(robot))
     elif start is not None:
-        raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
+        raise OptionError("a start is for poses of the tip, these are joint values", where="start",
                           got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
     else:
         read = read_trajectory(file, robot, deg=deg, topic=question.topic)
         if not deg:
             refuse_degrees(read, robot, file)
         hint = unit_hint(read.q, robot, deg=deg)
-        hint = hint and f"{hint}{'' if deg else '; --deg reads them as degrees'}"
+        hint = hint if hint is None or deg else degrees_advice(hint)
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):
             say(line)
@@ -565,7 +565,8 @@ def check_file(
     if not read.turned and max(wanted.rows) >= 3:
         raise TaskError("the file has positions alone, and the task wants orientations", got=wanted.name,
                         where=str(file),
-                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
+                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use task='position'",
+                        typed="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:
         return check(read.matrices, read.times, start=start)
     except ConfigurationError as error:

@@ -267,6 +267,21 @@ def test_krl_signs_and_rapid_quarters_choose_the_solution() -> None:
 
 
 @pytest.mark.slow
+def test_lines_alone_of_the_kr3_from_the_start_of_the_report(tmp_path: Path) -> None:
+    """Report 14: no crossing, joint 5 comes to 3.73°, joint 4 turns by 173°; computed by other code."""
+    lines = (DATA / "report-14.src").read_text().splitlines()
+    (tmp_path / "a.src").write_text("\n".join(one for one in lines if not one.startswith("PTP")))
+    start = tuple(np.radians([-25.0, -60, 60, 40, 20, -40]).tolist())
+    question = PathQuestion(None, None, PathOptions(), start=start)
+    found = check_any_file(open_robot("kr3r540"), tmp_path / "a.src", question)
+    assert (found.verdict.value, found.holds) == ("free", True)
+    (move,) = [one for one in found.moves if one.verdict is not None]
+    assert (move.line, move.joint, round(np.degrees(move.turn))) == (5, 4, 173)
+    assert round(np.degrees(move.distance), 2) == 3.73
+    assert move.seconds == pytest.approx(3.0)
+
+
+@pytest.mark.slow
 def test_the_report_of_the_kr3(capsys: pytest.CaptureFixture[str]) -> None:
     """Joints, then two lines: no crossing; the branch of this start takes joint 4 to its limit half way."""
     assert main.run(["path", "kr3r540", str(DATA / "report-14.src"), "--quiet"]) == 3
@@ -293,7 +308,7 @@ def test_options_that_do_not_fit_programs_are_refused(tmp_path: Path) -> None:
         check_any_file(arm, file, PathQuestion(None, None, PathOptions(), topic="/a"))
     with pytest.raises(OptionError, match="moves of a program are its own"):
         check_any_file(arm, file, PathQuestion(None, None, PathOptions(interpolate="cubic")))
-    with pytest.raises(OptionError, match="begins with joint values"):
+    with pytest.raises(OptionError, match="start: a start is for programs that begin with a pose"):
         check_any_file(arm, file, PathQuestion(None, None, PathOptions(), start=(0.0,) * 6))
     assert main.run(["path", "ur5e", str(file), "--html", str(tmp_path / "a.html")]) == 2
     assert main.run(["path", "ur5e", str(file), "--remedies"]) == 2

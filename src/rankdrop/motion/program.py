@@ -353,7 +353,7 @@ def check_program(
     runs = _runs(program)
     if start is not None and runs[0][0].target.joints is not None:
         raise OptionError("a start is for programs that begin with a pose, this one begins with joint values",
-                          where="--start", got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
+                          where="start", got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
     left, before = runs[::-1], start
     while left:
         moves = left.pop()

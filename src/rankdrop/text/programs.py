@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.paths import crossing_lines, free_words
@@ -163,7 +164,7 @@ def _read_lines(check: Any) -> Iterator[str]:
     tools = [one.line for one in program.skipped if one.reason == "tool frame"]
     if tools:
         yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are taken as those of the "
-               "arm's tip; --tcp sets the tool point.")  # fmt: skip
+               f"arm's tip; {advised('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
     if check.raised and any(one.target.pose is not None for one in moves):
         size = 1e3 / counted_length(check.robot)
         yield f"Base frame: at the height of axis 2, {short(size * check.raised, 4)} mm above the base of the arm."
@@ -176,11 +177,11 @@ def _begin_lines(check: Any) -> Iterator[str]:
     for part in check.parts:
         if part.check is None or part.begins in ("joints", "start"):
             continue
-        line = part.moves[0].line
-        yield {
-            "posture": f"Start: line {line} is a pose. The posture that people use is taken; --start takes another.",
-            "before": f"Start: line {line} is a pose. The solution nearest to the configuration before it is taken.",
-        }[part.begins]
+        posed = f"Start: line {part.moves[0].line} is a pose."
+        if part.begins == "posture":
+            yield f"{posed} The posture that people use is taken; {advised('start', '…')} takes another."
+        else:
+            yield f"{posed} The solution nearest to the configuration before it is taken."
 
 
 def _turn_lines(check: Any) -> Iterator[str]:
@@ -261,7 +262,7 @@ def _moves_section(check: Any, *, full: bool) -> Section:
          "–" if one.seconds is None else f"{one.seconds:.3g}", one.text)
         for one in shown[: None if full else _LISTED]
     )  # fmt: skip
-    notes = [] if len(rows) == len(moves) else [f"{len(moves) - len(rows)} more moves; --full prints all"]
+    notes = [] if len(rows) == len(moves) else [f"{len(moves) - len(rows)} more moves; {advised('full')} prints all"]
     return Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
         rows=rows, texts=(1, 2, 6), notes=tuple(notes),
@@ -277,7 +278,7 @@ def _skipped_section(check: Any, *, full: bool) -> Section:
         lines.append(f"{_lines_words([one.line for one in part])}: {_REASONS[key]}")
         if full:
             lines += [f"    {one.line}: {one.text}" for one in part]
-    return Section("Not read", lines=tuple(lines), notes=() if full else ("--full prints these lines",))
+    return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advised('full')} prints these lines",))
 
 
 def why_skipped(reason: str) -> str:

@@ -1,0 +1,185 @@
+"""Readers take time that grows with the size of a file, not with its square: a law over readers and worst cases.
+
+Calls of functions are counted, which no machine's load changes; a file of a megabyte is read or refused within seconds
+of the processor's time, which finds what is slow inside one call.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from time import process_time
+from types import FrameType
+from typing import Any
+
+import pytest
+
+from rankdrop.cli.command import parse_configuration
+from rankdrop.errors import RankdropError
+from rankdrop.motion.files import parse_message, read_poses
+from rankdrop.motion.program_file import read_program
+from rankdrop.motion.trajectory import parse_trajectory
+from rankdrop.robot.open import open_robot
+
+ARM = open_robot("scara")
+MOST = 13.0  # times as many calls for ten times the size: n log n from 10 kB to 100 kB is 12.5
+SECONDS = 30.0  # of the processor for a megabyte
+
+
+def repeated(part: str | Callable[[int], str], size: int, head: str = "", tail: str = "") -> str:
+    """A text of about so many bytes: a head, a part again and again, a tail."""
+    make = part if callable(part) else lambda _: part
+    count = max(2, (size - len(head) - len(tail)) // len(make(100)))
+    return head + "".join(map(make, range(count))) + tail
+
+
+def link(i: int, inside: str = "", kind: str = "revolute", name: str = "l", parent: str | None = None) -> str:
+    above = f"{name}{i}" if parent is None else parent
+    return (
+        f'<link name="{name}{i + 1}"/><joint name="{name}j{i}" type="{kind}"><parent link="{above}"/>'
+        f'<child link="{name}{i + 1}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+        f"{inside}</joint>"
+    )
+
+
+URDF = ('<robot name="r"><link name="l0"/>', "</robot>")
+ROBOTS: dict[str, tuple[str, Callable[[int], str]]] = {
+    "a chain": (".urdf", lambda size: repeated(link, size, *URDF)),
+    "followers": (
+        ".urdf", lambda size: repeated(lambda i: link(i, f'<mimic joint="lj{i - 1}"/>' if i else ""), size, *URDF)),
+    "fixed links beside the arm": (
+        ".urdf", lambda size: repeated(lambda i: link(i, kind="fixed", name="f", parent="l1" if i == 0 else None), size,
+                                       URDF[0] + link(0), URDF[1])),
+    "a star of links": (".urdf", lambda size: repeated(lambda i: link(i, parent="l0"), size, *URDF)),
+    "shapes": (".urdf", lambda size: repeated(
+        '<visual><geometry><box size="1 1 1"/></geometry></visual>', size, '<robot name="r"><link name="l0">',
+        f"</link>{link(0)}</robot>")),
+    "attributes": (".urdf", lambda size: repeated(lambda i: f' a{i}="1"', size, '<robot name="r"', "/>")),
+    "comments": (".urdf", lambda size: repeated("<!-- -->", size, *URDF)),
+    "elements inside each other": (".urdf", lambda size: repeated("<a>", size)),
+    "rows of a table": (".toml", lambda size: repeated("[[joints]]\na = 1\n", size, 'convention = "standard"\n')),
+    "arrays inside each other": (".toml", lambda size: repeated("[", size, "a = ")),
+    "a key of many parts": (".toml", lambda size: repeated("a.", size, tail="a = 1")),
+    "a long number": (".toml", lambda size: repeated("1", size, 'convention = "standard"\n[[joints]]\na = ')),
+    "a long sum": (".toml", lambda size: repeated("1+", size, 'convention = "standard"\n[[joints]]\na = "', '1"')),
+    "lines of screws": (".txt", lambda size: repeated("0 0 0 0 0 1\n", size)),
+}  # fmt: skip
+ROWS = "joint1,joint2,joint3,joint4\n"
+PATHS: dict[str, tuple[str, Callable[[int], str]]] = {
+    "rows": (".csv", lambda size: repeated("0,0,0,0\n", size, ROWS)),
+    "columns": (".csv", lambda size: repeated(lambda i: f"c{i},", size, tail="\n1\n")),
+    "quotes": (".csv", lambda size: repeated('"a"', size, ROWS)),
+    "empty lines": (".csv", lambda size: repeated("\n", size, tail=ROWS)),
+    "comments": (".csv", lambda size: repeated("# \n", size, tail=ROWS)),
+    "decimal commas": (".csv", lambda size: repeated("0,1;0,2;0,3;0,4\n", size, ROWS.replace(",", ";"))),
+    "sums in cells": (".csv", lambda size: repeated("1+", size, ROWS, "1,0,0,0\n")),
+    "points": (".json", lambda size: repeated('{"positions":[0,0,0,0]},', size, '{"joint_names":["a"],"points":[',
+                                              "{}]}")),
+    "lists inside each other": (".json", lambda size: repeated("[", size)),
+    "flow": (".yaml", lambda size: repeated("[", size)),
+    "aliases": (".yaml", lambda size: repeated(
+        lambda i: f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9) if i else '1, 1'}]\n", size)),
+    "poses": (".csv", lambda size: repeated("0.1,0.2,0.3\n", size, "x,y,z\n")),
+}  # fmt: skip
+PROGRAMS: dict[str, tuple[str, Callable[[int], str]]] = {
+    "moves of KRL": (".src", lambda size: repeated("PTP {A1 0, A2 0, A3 0, A4 0}\n", size, "DEF p()\n", "END\n")),
+    "names of RAPID": (".mod", lambda size: repeated(
+        lambda i: f"CONST jointtarget p{i}:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n", size, "MODULE m\n")),
+    "names of URScript": (".script", lambda size: repeated(lambda i: f"a{i} = [0, 0, 0, 0]\n", size, "def p():\n")),
+    "brackets": (".script", lambda size: repeated("[", size, "movej(")),
+    "points of a TP program": (".ls", lambda size: repeated(
+        lambda i: f"P[{i}]{{ GP1: J1= 0 deg, J2= 0 deg }};\n", size, "/PROG p\n/POS\n")),
+    "points of INFORM": (".jbi", lambda size: repeated(lambda i: f"C{i:05d}=0,0,0,0\n", size, "/JOB\n")),
+}  # fmt: skip
+
+
+def _robot(path: Path, text: str) -> Any:
+    path.write_text(text, encoding="utf-8")
+    return open_robot(path)
+
+
+def _path(path: Path, text: str) -> Any:
+    if path.suffix in (".json", ".yaml"):
+        return parse_message(text, path.name, ARM, yaml=path.suffix == ".yaml")
+    if text.startswith("x,"):
+        path.write_text(text, encoding="utf-8")
+        return read_poses(path)
+    return parse_trajectory(text, path.name, ARM)
+
+
+def _program(path: Path, text: str) -> Any:
+    path.write_text(text, encoding="utf-8")
+    return read_program(path)
+
+
+def _words(path: Path, text: str) -> Any:
+    return parse_configuration(text, ARM, deg=False)
+
+
+WORDS: dict[str, tuple[str, Callable[[int], str]]] = {
+    "a sum": ("", lambda size: repeated("1+", size, tail="1,0,0,0")),
+    "numbers": ("", lambda size: repeated("0,", size)),
+    "brackets": ("", lambda size: repeated("(", size)),
+    "factorials": ("", lambda size: repeated("10!", size)),
+}
+CASES = {
+    f"{kind}: {name}": (read, ending, make)
+    for kind, read, table in (
+        ("robot", _robot, ROBOTS), ("path", _path, PATHS), ("program", _program, PROGRAMS), ("words", _words, WORDS))
+    for name, (ending, make) in table.items()
+}  # fmt: skip
+
+
+def calls_of(work: Callable[[], object]) -> int:
+    """Calls of functions, of those in C as well, until the work is done or refused."""
+    count = 0
+
+    def called(frame: FrameType, event: str, argument: object) -> None:
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    before = sys.getprofile()
+    sys.setprofile(called)
+    try:
+        work()
+    except RankdropError:
+        pass
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_ten_times_the_size_takes_ten_times_the_calls(tmp_path: Path, case: str) -> None:
+    read, ending, make = CASES[case]
+    small, large = (make(size) for size in (4_000, 40_000))
+    path = tmp_path / f"file{ending}"
+    calls_of(partial(read, path, small))  # what is imported and cached at the first call
+    few, many = (calls_of(partial(read, path, text)) for text in (small, large))
+    assert many <= MOST * max(few, 200)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_a_megabyte_is_read_or_refused_in_seconds(tmp_path: Path, case: str) -> None:
+    read, ending, make = CASES[case]
+    text = make(1_000_000)
+    said = ""
+    begun = process_time()
+    try:
+        read(tmp_path / f"file{ending}", text)
+    except RankdropError as error:
+        said = str(error)
+    assert process_time() - begun < SECONDS
+    assert len(said) < 1500
+
+
+def test_a_reader_that_looks_again_at_all_before_is_found(tmp_path: Path) -> None:
+    def quadratic(_: Path, text: str) -> None:
+        for end in range(0, len(text), 100):
+            [text.find("x", start) for start in range(0, end, 100)]
+
+    few, many = (calls_of(partial(quadratic, tmp_path, "a" * size)) for size in (4_000, 40_000))
+    assert many > MOST * few

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rankdrop import certify, jobs, motion, results, text
 from rankdrop.cli import exits
@@ -59,8 +59,12 @@ class Remedies(RemedyOptions):
     acceleration: Annotated[
         float, option("Limit of joint accelerations [rad/s², m/s²], for new time laws; arms state none", gt=0)
     ] | None = None  # fmt: skip
+    remedy: Annotated[
+        Literal["null-space", "flip", "bump", "blend", "tool-tilt", "base-shift", "retime"] | None,
+        option("Compute this kind of remedy alone"),
+    ] = None  # fmt: skip
     fixed: Annotated[
-        str | None, option("Write the first path that is proven free here, or retimed: .csv, .npz, .json",
+        str | None, option("Write the best path that is proven free here, or retimed: .csv, .npz, .json",
                            writes=(".csv", ".npz", ".json"))
     ] = None  # fmt: skip
 
@@ -68,6 +72,13 @@ class Remedies(RemedyOptions):
     def wanted(self) -> bool:
         """Whether any remedy is asked for."""
         return self.remedies or self != NO_REMEDIES
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Those that are computed: without a question for remedies the quick ones, for the advice below the verdict."""
+        if self.remedy is not None:
+            return (self.remedy if self.remedy in motion.KINDS else self.remedy.replace("-", " "),)
+        return tuple(motion.KINDS if self.wanted else motion.LOCAL)
 
 
 @dataclass(frozen=True)
@@ -194,13 +205,13 @@ def path(
             return _of_several(model, checked, len(found), many.out)
         progress = partial(report, f"{found[0].name}: stretches decided")
         result, remedies = motion.check_file(model, found[0], question, say=say, progress=progress), None
-        if mend.wanted and result.complete:
+        if result.complete and (mend.wanted or not result.clear):
             remedies = motion.mend_path(
-                result, analysis=families, acceleration=mend.acceleration,
-                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
+                result, analysis=families, acceleration=mend.acceleration, kinds=mend.kinds,
+                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump),
                 progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
             )  # fmt: skip
-    return _of_one(result, remedies, near, families, output, mend.fixed, found[0])
+    return _of_one(result, remedies, near, families, output, mend, found[0])
 
 
 def _example(
@@ -256,13 +267,15 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
 
 def _of_one(
     result: motion.PathCheck, remedies: motion.Mending | None, near: certify.ModelTolerance | None,
-    families: results.Analysis | None, output: PathOutput, fixed: str | None, file: Path,
+    families: results.Analysis | None, output: PathOutput, mend: Remedies, file: Path,
 ) -> Done:  # fmt: skip
+    fixed = mend.fixed
+    local, remedies = (None, remedies) if mend.wanted else (remedies, None)
     proven = near is not None and result.complete and result.clear and motion.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
 
     def sections() -> list[Section]:
-        found = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
+        found = [*result.sections(full=output.full, mending=local), *(() if remedies is None else remedies.sections())]
         if near is not None:
             within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
             arms = f"for every arm within {within} of this one, joint by joint"

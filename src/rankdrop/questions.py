@@ -219,6 +219,10 @@ class RemedyOptions(Options):
         float, option("Around each singularity a joint may be moved by up to this angle (slides by the length scale); "
                       "0: not at all", unit="rad", ge=0, le=pi)
     ] = radians(10.0)  # fmt: skip
+    detour: Annotated[
+        float, option("Around a singularity that the joints cannot but cross the tool may leave its path by up to this "
+                      "angle, or by as much of the length scale; 0: not at all", unit="rad", ge=0, le=pi)
+    ] = radians(2.0)  # fmt: skip
 
 
 @dataclass(frozen=True)

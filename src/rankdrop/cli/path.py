@@ -60,7 +60,7 @@ class Remedies(RemedyOptions):
         float, option("Limit of joint accelerations [rad/s², m/s²], for new time laws; arms state none", gt=0)
     ] | None = None  # fmt: skip
     remedy: Annotated[
-        Literal["null-space", "flip", "bump", "blend", "tool-tilt", "base-shift", "retime"] | None,
+        Literal["null-space", "flip", "bump", "detour", "blend", "tool-tilt", "base-shift", "retime"] | None,
         option("Compute this kind of remedy alone"),
     ] = None  # fmt: skip
     fixed: Annotated[
@@ -208,7 +208,7 @@ def path(
         if result.complete and (mend.wanted or not result.clear):
             remedies = motion.mend_path(
                 result, analysis=families, acceleration=mend.acceleration, kinds=mend.kinds,
-                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump),
+                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
                 progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
             )  # fmt: skip
     return _of_one(result, remedies, near, families, output, mend, found[0])

@@ -16,10 +16,11 @@ two sides crosses it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -29,11 +30,11 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.candidates import ToolPath
-from rankdrop.motion.curve import Curve, Spot
+from rankdrop.motion.curve import Curve, Place, Spot
 from rankdrop.motion.inverse import Aim
 from rankdrop.motion.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.motion.retime import derivatives
-from rankdrop.motion.survey import signs
+from rankdrop.motion.survey import Signs, signs
 from rankdrop.motion.trajectory import Trajectory, regular_times
 from rankdrop.robot.model import Array, Robot
 
@@ -115,6 +116,24 @@ class NoBump:
 
 
 @dataclass(frozen=True, eq=False)
+class Change:
+    """A part of a path that a local remedy changes; the rest stays as it is.
+
+    Attributes:
+        start, end: between them the joints are moved, from the old path and back to it.
+        way: (n,) how far the joints are from the old path at most [rad, m].
+        off: how far the tool is from the old path at most [m], [rad].
+        after: (n,) how far the joints are from the old path at its end, and on: zero where they are back on it.
+    """
+
+    start: Place
+    end: Place
+    way: Array
+    off: tuple[float, float]
+    after: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Bumper:
     """Looks for bumps of one checked path.
 
@@ -169,7 +188,7 @@ class Bumper:
         return self.lengths if self.path.times is None else self.path.times
 
     @cached_property
-    def sides(self) -> list[Callable[[Array], Array]]:
+    def sides(self) -> list[Signs]:
         """Signs of the determinant of a square arm; else of the conditions of families of one condition."""
         found = signs(self.robot, self.check.task, self.families)
         return [found[""]] if "" in found else list(found.values())
@@ -178,14 +197,19 @@ class Bumper:
         """(N, n) configurations of the path."""
         return self.path.at(*self.path.split(place))
 
-    def _time(self, place: Array | float) -> Array:
+    def time(self, place: Array | float) -> Array:
+        """(N,) the clock at places."""
         return np.asarray(np.interp(place, np.arange(len(self.clock)), self.clock))
+
+    def place_at(self, time: Array) -> Array:
+        """(N,) places at times of the clock."""
+        return np.asarray(np.interp(time, self.clock, np.arange(len(self.clock))))
 
     def _spread(self, low: float, high: float, count: int) -> Array:
         """(count,) places between two, evenly along the joint path."""
         rows = np.arange(len(self.lengths))
-        ends = np.interp([low, high], rows, self.lengths)
-        return np.clip(np.interp(np.linspace(*ends, count), self.lengths, rows), low, high)
+        start, end = (float(np.interp(place, rows, self.lengths)) for place in (low, high))
+        return np.asarray(np.clip(np.interp(np.linspace(start, end, count), self.lengths, rows), low, high))
 
     def cores(self, clearance: float) -> tuple[list[Core], list[Core]]:
         """Parts to be lifted; and crossings to the other side, from which the path does not come back.
@@ -199,14 +223,14 @@ class Bumper:
         lifted += [(one, one) for one in self.check.stretches
                    if one.verdict == FREE and one.closest.distance < near and one.closest.distance > 1e-6]  # fmt: skip
         found = [self._core(one, two, clearance) for one, two in lifted]
-        return _merged(found), [self._core(one, one, 0.0) for one in single]
+        return _merged(found), [self._core(one, one, clearance) for one in single]
 
     def _pairs(self, crossings: list[Stretch]) -> tuple[list[tuple[Stretch, Stretch]], list[Stretch]]:
         pairs, single = [], []
         for family in dict.fromkeys(one.family for one in crossings):
             left = [one for one in crossings if one.family == family]
             while len(left) > 1:
-                depth = [self._depth(one, two) for one, two in zip(left[:-1], left[1:], strict=True)]
+                depth = [self._depth(one, two) for one, two in pairwise(left)]
                 k = int(np.argmin(depth))
                 if depth[k] > _WIDENED * self.bound:
                     break
@@ -220,12 +244,15 @@ class Bumper:
         low, high = one.closest.place.position - 1.0, two.closest.place.position - 1.0
         return float(self.tool.room(self.at(self._spread(low, high, _LOOKS))).max())
 
+    def core(self, one: Stretch, clearance: float) -> Core:
+        """The part of a path around one stretch that is nearer to a singularity than the clearance."""
+        return self._core(one, one, clearance)
+
     def _core(self, one: Stretch, two: Stretch, clearance: float) -> Core:
         low, high = one.closest.place.position - 1.0, two.closest.place.position - 1.0
         if one is two and one.verdict not in (CROSSING, FREE):
             low, high = one.start.position - 1.0, one.end.position - 1.0
-        if clearance > 0.0:
-            low, high = self._outwards(low, clearance, -1.0), self._outwards(high, clearance, 1.0)
+        low, high = self._outwards(low, clearance, -1.0), self._outwards(high, clearance, 1.0)
         stretches = (one,) if one is two else (one, two)
         return Core(low, high, stretches, one is not two)
 
@@ -250,7 +277,7 @@ class Bumper:
             return NoBump(core, Obstacle.END)
         places = self._spread(core.low, core.high, _LOOKS)
         q, home = self.at(places), self.at(np.array([core.low, core.high]))
-        sides = [(side, np.asarray(side(home))) for side in self.sides]
+        sides = [(side, np.asarray(side(home), dtype=np.float64)) for side in self.sides]
         if any((at != 0).all() and at[0] != at[1] for _, at in sides):
             return NoBump(core, Obstacle.SIDE)
         found: list[tuple[float, bool, Bump]] = []
@@ -307,7 +334,7 @@ class Bumper:
         return np.where(arrived[:, None], solved, np.nan)
 
     def _height(
-        self, q: Array, way: Array, sides: list[tuple[Callable[[Array], Array], Array]], clearance: float, *, null: bool
+        self, q: Array, way: Array, sides: list[tuple[Signs, Array]], clearance: float, *, null: bool
     ) -> float | None:
         """The least height at which all of a core is clear, on the side of its ends."""
 
@@ -321,11 +348,11 @@ class Bumper:
         heights = np.geomspace(clearance / 4, _WIDENED * self.bound, _HEIGHTS)
         for k, height in enumerate(heights.tolist()):
             if clear(height):
-                low, high = (0.0 if k == 0 else float(heights[k - 1])), height
+                too_low, enough = (0.0 if k == 0 else float(heights[k - 1])), float(height)
                 for _ in range(_BISECTIONS):
-                    middle = (low + high) / 2
-                    low, high = (low, middle) if clear(middle) else (middle, high)
-                return high
+                    middle = (too_low + enough) / 2
+                    too_low, enough = (too_low, middle) if clear(middle) else (middle, enough)
+                return enough
         return None
 
     def _off(self, q: Array, moved: Array) -> tuple[float, float]:
@@ -335,7 +362,7 @@ class Bumper:
     def _ramped(self, bump: Bump) -> Bump | NoBump:
         """With the shortest ramps that keep limits."""
         first = _RAMP if self.path.times is not None else _SLOPE * bump.height
-        low, high = (float(x) for x in self._time(np.array([bump.core.low, bump.core.high])))
+        low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
         before, after = low - float(self.clock[0]), float(self.clock[-1]) - high
         for k in range(_RAMPS):
             length = first * 2.0**k
@@ -351,7 +378,7 @@ class Bumper:
         """Rates and accelerations of the window are within their limits, or no larger than before."""
         if self.path.times is None:
             return True
-        low, high = (float(x) for x in self._time(np.array([bump.core.low, bump.core.high])))
+        low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
         first = max(0, int(np.searchsorted(self.clock, low - bump.ramps[0])) - 2)
         last = min(len(self.clock) - 1, int(np.searchsorted(self.clock, high + bump.ramps[1])) + 2)
         now = self._needs(bump, first, last)
@@ -362,7 +389,7 @@ class Bumper:
         """Shares of the rate and acceleration limits between two rows."""
         place = self._places([] if bump is None else [bump])
         place = place[(place >= first) & (place <= last)]
-        q, times = self.changed([] if bump is None else [bump], place), self._time(place)
+        q, times = self.changed([] if bump is None else [bump], place), self.time(place)
         speed = np.diff(q, axis=0) / np.diff(times)[:, None]
         rate = float((np.abs(speed) / self.rates).max(initial=0.0))
         bend = np.diff(speed, axis=0) / ((times[2:] - times[:-2]) / 2)[:, None]
@@ -375,28 +402,28 @@ class Bumper:
 
     def window(self, bump: Bump) -> tuple[float, float]:
         """Places between which a path is changed."""
-        low, high = (float(x) for x in self._time(np.array([bump.core.low, bump.core.high])))
-        ends = np.interp([low - bump.ramps[0], high + bump.ramps[1]], self.clock, np.arange(len(self.clock)))
+        low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
+        ends = self.place_at(np.array([low - bump.ramps[0], high + bump.ramps[1]]))
         return float(ends[0]), float(ends[1])
 
     def ends(self, bump: Bump) -> tuple[Spot, Spot]:
         """The window as points of the path."""
         low, high = self.window(bump)
-        return self._spot(low), self._spot(high)
+        return self.point(low), self.point(high)
 
     def spot(self, core: Core) -> Spot:
         """Where a core is singular, or nearest to it."""
-        return self._spot(core.stretches[0].closest.place.position - 1.0)
+        return self.point(core.stretches[0].closest.place.position - 1.0)
 
-    def _spot(self, place: float) -> Spot:
+    def point(self, place: float) -> Spot:
+        """A place as a point of the path."""
         stretch, share = self.path.split(np.array([place]))
         return int(stretch[0]), float(share[0])
 
     def most_moved(self, bump: Bump) -> Array:
         """(n,) how far each joint is moved from the old path at most, with its sign [rad, m]."""
         place = np.linspace(*self.window(bump), _LOOKS)
-        moved = self.changed([bump], place) - self.at(place)
-        return np.take_along_axis(moved, np.abs(moved).argmax(axis=0)[None], axis=0)[0]
+        return largest_move(self.changed([bump], place) - self.at(place))
 
     def _places(self, bumps: list[Bump]) -> Array:
         """All rows, and places between those of ramps that are far apart."""
@@ -417,7 +444,7 @@ class Bumper:
         """(N, n) configurations of the changed path."""
         q = self.at(place)
         kept, pull = q.copy(), np.zeros_like(q)
-        time = self._time(place)
+        time = self.time(place)
         for bump in bumps:
             lift = bump.height * self._shape(bump, time)[0][:, None] * bump.way
             if bump.null:
@@ -431,9 +458,9 @@ class Bumper:
 
     def _shape(self, bump: Bump, time: Array) -> tuple[Array, Array, Array]:
         """(N,) each: B at times, and its first two derivatives."""
-        low, high = (float(x) for x in self._time(np.array([bump.core.low, bump.core.high])))
-        rise = _step((time - (low - bump.ramps[0])) / bump.ramps[0])
-        fall = _step(((high + bump.ramps[1]) - time) / bump.ramps[1])
+        low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
+        rise = step((time - (low - bump.ramps[0])) / bump.ramps[0])
+        fall = step(((high + bump.ramps[1]) - time) / bump.ramps[1])
         early = time <= (low + high) / 2
         value = np.where(early, rise[0], fall[0])
         slope = np.where(early, rise[1] / bump.ramps[0], -fall[1] / bump.ramps[1])
@@ -452,7 +479,7 @@ class Bumper:
         q[whole & still] = rows[place[whole & still].astype(np.int64)]
         times = self.path.times
         timed = times is not None
-        at = self._time(place) if timed else regular_times(len(place))
+        at = self.time(place) if timed else regular_times(len(place))
         velocities, accelerations = self._derivatives(bumps, place)
         return Trajectory("", at, q, timed, (), velocities, accelerations)
 
@@ -462,7 +489,7 @@ class Bumper:
             return None, None
         stretch, share = self.path.split(place)
         _, velocities, accelerations = derivatives(self.path, stretch, share)
-        time = self._time(place)
+        time = self.time(place)
         for bump in bumps:
             _, slope, bend = self._shape(bump, time)
             velocities = velocities + bump.height * slope[:, None] * bump.way
@@ -478,7 +505,12 @@ def tool_off(robot: Robot, q: Array, moved: Array) -> tuple[float, float]:
     return float(apart.max(initial=0.0)), float(np.linalg.norm(turn, axis=1).max(initial=0.0))
 
 
-def _step(share: Array) -> tuple[Array, Array, Array]:
+def largest_move(moves: Array) -> Array:
+    """(n,) of joint motions (N, n): the largest of each joint, with its sign."""
+    return np.asarray(np.take_along_axis(moves, np.abs(moves).argmax(axis=0)[None], axis=0)[0])
+
+
+def step(share: Array) -> tuple[Array, Array, Array]:
     """(N,) each: the quintic that goes from 0 to 1 with slope and bend zero at both ends, and its two derivatives."""
     x = np.clip(share, 0.0, 1.0)
     return x**3 * (10 - 15 * x + 6 * x * x), 30 * x**2 * (1 - x) ** 2, 60 * x * (1 - x) * (1 - 2 * x)

@@ -1,9 +1,10 @@
 """`mend_path`: what would make a path free of singularities, or keep its limits, each proven by a new check.
 
-Local changes of the joints are made in `motion.bumps`, other joint paths for the tool in `motion.candidates`, new time
-laws in `motion.retime`. One remedy is made here: a corner cut short, where a straight path reaches a singularity around a row at which it turns.
-A parabola from a point before the corner to one after it, with the corner as its control point, leaves the path in the
-direction it has there and comes back in the direction it goes on in. It stays half as far in as the corner does.
+Local changes are made in `motion.bumps` and `motion.detours`, other joint paths for the tool in `motion.candidates`,
+new time laws in `motion.retime`. One remedy is made here: a corner cut short, where a straight path reaches a
+singularity around a row at which it turns. A parabola from a point before the corner to one after it, with the corner
+as its control point, leaves the path in the direction it has there and comes back in the direction it goes on in. It
+stays half as far in as the corner does.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
-from rankdrop.motion.bumps import CLEARANCE, SPARE, Bump, Bumper, NoBump, Obstacle
+from rankdrop.motion.bumps import CLEARANCE, SPARE, Bump, Bumper, Change, NoBump, Obstacle
 from rankdrop.motion.candidates import (
     Candidate,
     Parameter,
@@ -35,7 +36,8 @@ from rankdrop.motion.candidates import (
     tool_path,
 )
 from rankdrop.motion.check import check_path
-from rankdrop.motion.curve import Curve, Place
+from rankdrop.motion.curve import Curve
+from rankdrop.motion.detours import Detour, Detourer, NoDetour
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.trajectory import Trajectory
@@ -57,32 +59,16 @@ _ON_PATH = 1e-4  # of a tool that leaves its path by less, lengths divided by th
 _SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
 _CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
 _ROUNDS = 3  # of that
-BUMP, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
-    "bump", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
+BUMP, DETOUR, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
+    "bump", "detour", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
 )  # fmt: skip
-KINDS = (NULL, FLIP, BUMP, BLEND, TILT, SHIFT, RETIME)
-LOCAL = (BUMP,)
-"""Those that keep the rest of the path as it is: they are quick."""
+KINDS = (NULL, FLIP, BUMP, DETOUR, BLEND, TILT, SHIFT, RETIME)
+LOCAL = (BUMP, DETOUR)
+"""Those that change the path around its singularities: a bump keeps the joints of the rest, a detour the tool."""
 Progress = Callable[[str, int, int], None]
 """progress(kind, done, all)."""
 Failure = tuple[str, Any]
 """A kind without a remedy, and what was tried: as `rankdrop.text.paths.remedy_note` reads it."""
-
-
-@dataclass(frozen=True, eq=False)
-class Change:
-    """A part of a path that a local remedy changes; the rest stays as it is.
-
-    Attributes:
-        start, end: between them the joints are moved, from the old path and back to it.
-        way: (n,) how far the joints are moved at most [rad, m].
-        off: how far the tool is from the old path at most [m], [rad].
-    """
-
-    start: Place
-    end: Place
-    way: Array
-    off: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,6 +258,7 @@ def mend_path(
     null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
     bump          the joints moved aside around each singularity, within `bump`, and the rest of the path as it is
+    detour        where the joints go to the other side of a singularity: the tool led around it, within `detour`
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
     base shift    the base moved, within `base_shift`
@@ -360,8 +347,7 @@ class _Mender:
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
-        if most.bump > 0.0 and BUMP in self.kinds:
-            yield self._bump(tool, most.bump)
+        yield from self._local(tool, most)
         if most.blend > 0.0 and BLEND in self.kinds:
             yield self._blend(most.blend)
         kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
@@ -382,32 +368,75 @@ class _Mender:
             found, ended = rank(partial(self._report, kind))
             yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
 
-    def _bump(self, tool: ToolPath, most: float) -> Remedy | Failure:
-        """The joints moved aside around every singularity; farther where a window is not proven free."""
+    def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """The joints moved aside; where they have to go to the other side, the tool led around it."""
         found = self.found
         families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
-        bumper = Bumper(found, tool, families, most, *self.limits)
+        bumper = Bumper(found, tool, families, most.bump, *self.limits)
         asked = SPARE * found.options.min_distance
         clearance = asked if asked > 0.0 else CLEARANCE
-        tried = 0
+        if BUMP in self.kinds and most.bump > 0.0:
+            result = self._bump(bumper, clearance)
+            yield result
+            if isinstance(result, Remedy):
+                return
+        if DETOUR in self.kinds and most.detour > 0.0:
+            bumps, failed = self._bumps(bumper, clearance) if most.bump > 0.0 else ([], [])
+            yield self._detour(bumper, bumps if failed else [], most.detour, clearance)
+
+    def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
+        """The joints moved aside at every singularity, farther where the path is not proven free."""
         for tried in range(1, _ROUNDS + 1):
-            cores, crossed = bumper.cores(clearance)
-            other_side = [NoBump(core, Obstacle.SIDE) for core in crossed]
-            results: list[Bump | NoBump] = []
-            for k, core in enumerate(cores if not other_side else ()):
-                self._report(BUMP, k, len(cores))
-                results.append(bumper.bump(core, clearance))
-            self._report(BUMP, len(cores), len(cores))
-            bumps = [one for one in results if isinstance(one, Bump)]
-            failed = other_side + [one for one in results if isinstance(one, NoBump)]
+            bumps, failed = self._bumps(bumper, clearance)
             if failed or not bumps:
-                break
+                missing = [(bumper.path.place(bumper.spot(one.core)), one.obstacle, one.needed) for one in failed]
+                return BUMP, (tried - 1, bumper.bound, missing)
             remedy = self._first(BUMP, [_bumped(bumper, bumps)])
             if remedy is not None:
                 return remedy
             clearance *= _CLEARER
-        missing = [(found.curve.place(bumper.spot(one.core)), one.obstacle, one.needed) for one in failed]
-        return BUMP, (tried, most, missing)
+        return BUMP, (_ROUNDS, bumper.bound, [])
+
+    def _bumps(self, bumper: Bumper, clearance: float) -> tuple[list[Bump], list[NoBump]]:
+        """A bump for each part of a path that has one, and why the others have none."""
+        cores, crossed = bumper.cores(clearance)
+        results: list[Bump | NoBump] = [NoBump(core, Obstacle.SIDE) for core in crossed]
+        for k, core in enumerate(cores):
+            self._report(BUMP, k, len(cores))
+            results.append(bumper.bump(core, clearance))
+        self._report(BUMP, len(cores), len(cores))
+        return [one for one in results if isinstance(one, Bump)], [one for one in results if isinstance(one, NoBump)]
+
+    def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
+        """The tool led around what no bump avoids, on the path with its bumps."""
+        try:
+            bumper.tool.aim  # noqa: B018  # refuses a task that poses do not determine
+        except TaskError:
+            return DETOUR, None
+        if bumper.path.degree != 1:
+            return DETOUR, None
+        changes: list[Change] = []
+        if bumps:
+            before = _bumped(bumper, bumps)
+            again = self._again(before.made)
+            bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
+            changes += before.changes
+        stretches = sorted((one for one in bumper.check.stretches if one.verdict != FREE), key=attrgetter("start"))
+        cores = [bumper.core(one, clearance) for one in stretches]
+        work = Detourer(bumper, most)
+        results = work.found(cores, clearance)
+        self._report(DETOUR, len(results), len(cores))
+        detours = [one for one in results if isinstance(one, Detour)]
+        failed = [(bumper.path.place(bumper.spot(one.core)), one.hindrance, one.needed)
+                  for one in results if isinstance(one, NoDetour)]  # fmt: skip
+        made = work.trajectory(detours) if detours and not failed else None
+        if made is None:
+            return DETOUR, (most, failed)
+        changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
+        trajectory, rest = made
+        off = max(rest[0], *(one.off[0] for one in changes)), max(rest[1], *(one.off[1] for one in changes))
+        proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
+        return self._first(DETOUR, [proposal]) or (DETOUR, (most, []))
 
     def _report(self, kind: str, done: int, count: int) -> None:
         if self.progress is not None:
@@ -452,13 +481,7 @@ class _Mender:
 
     def _checked(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
         made = proposal.made
-        check = check_path(
-            self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
-            accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
-            options=self.found.options, tolerances=self.found.tolerances,
-        )  # fmt: skip
-        if not check.complete:
-            raise KeyboardInterrupt
+        check = self._again(made)
         before, took = self._usage(self.found.curve), self._usage(check.curve)
         gains = {"distance": (_distance(self.found), _distance(check))}
         if before is not None and took is not None:
@@ -468,6 +491,17 @@ class _Mender:
         return Remedy(kind, proposal.how, proposal.parameters, gains, made, self.interpolate, check, took,
                       proposal.off, again, proposal.changes)  # fmt: skip
 
+    def _again(self, made: Trajectory) -> PathCheck:
+        """A changed path, checked as the path was."""
+        check = check_path(
+            self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
+            accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
+            options=self.found.options, tolerances=self.found.tolerances,
+        )  # fmt: skip
+        if not check.complete:
+            raise KeyboardInterrupt
+        return check
+
 
 def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     """A path with bumps."""
@@ -475,7 +509,7 @@ def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     changes = []
     for bump in sorted(bumps, key=lambda one: one.core.low):
         start, end = (path.place(spot) for spot in bumper.ends(bump))
-        changes.append(Change(start, end, bumper.most_moved(bump), bump.off))
+        changes.append(Change(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
     off = max(one.off[0] for one in bumps), max(one.off[1] for one in bumps)
     return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
 

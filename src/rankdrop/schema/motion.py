@@ -285,7 +285,8 @@ CHANGES = table(
     rows=(many(num("row", ge=1)), "between them the joints are moved",
         lambda one: [one.start.position, one.end.position]),
     time=(many(num("s")) | None, "", lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
-    moved=(many(num("joint")), "how far each joint is moved at most", attrgetter("way")),
+    moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
+    after=(many(num("joint")), "how far each joint is from the old path at its end, and on: 0 where it is back on it"),
     tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
 )
 FAR_TURNS = table(
@@ -297,7 +298,7 @@ FAR_TURNS = table(
 )
 FOUND = table(
     "found",
-    kind=Literal["null-space", "flip", "bump", "blend", "tool tilt", "base shift", "retime"],
+    kind=Literal["null-space", "flip", "bump", "detour", "blend", "tool tilt", "base shift", "retime"],
     words=str,
     parameters=many(PARAMETERS),
     gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}

@@ -37,7 +37,8 @@ _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
 _TURNS = 1e-6  # a joint that turns less stands still [rad]
 _MOVED = 1e-3  # a start that is nearer to the first pose counts as at it [rad]
-_SEEN = 0.05  # share of the largest joint motion below which a joint is not named
+_LARGE = 99.5  # degrees or millimetres that are printed with three digits, from here on
+_SEEN = 0.02  # share of the largest joint motion below which a joint is not named
 _NAMED = 10  # crossings whose poses are noted
 
 _EVIDENCE = {
@@ -575,6 +576,7 @@ _DONE = {
     "shift": "the base of the arm moved, in its own axes",
     "tilt": "the tool tilted about an axis through its tip, in its own axes",
     "bump": "the joints moved aside around each singularity; the rest of the path stays as it is",
+    "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
     "blend": "the corner at row {0} cut by a parabola",
     "blends": "the corners at row {0} cut by a parabola",
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
@@ -594,6 +596,12 @@ _OBSTACLES = {
     "rate": "no bump keeps the joint limits of rates and accelerations",
 }  # fmt: skip
 """Why the joints cannot be moved aside around a singularity."""
+_HINDRANCES = {
+    "end": "the path begins or ends too near to the singularity",
+    "tool": "the joints cannot follow the tool around the singularity within --detour {bound}",
+    "rest": "the tool cannot be followed on the new branch up to here",
+}
+"""Why the tool cannot be led around a singularity."""
 BOUNDED = {
     True: "rates of straight stretches, accelerations of blends between their middles, from rest to rest",
     False: "by control points of the derivatives, which enclose them",
@@ -617,6 +625,8 @@ def remedy_note(kind: str, fact: Any) -> str:
     """
     if kind == "bump":
         return _bump_note(*fact)
+    if kind == "detour":
+        return "detour: only for paths that are straight between their rows" if fact is None else _detour_note(*fact)
     if kind == "path":
         return f"the tool's path cannot be followed: {fact}"
     if kind == "retime":
@@ -646,6 +656,17 @@ def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
         parts.append(f"{_when(place)} {words}{wider}" if obstacle == "side" else f"{_when(place)}: {words}{wider}")
     more = f"; and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
     return f"bump: {'; '.join(parts)}{more}"
+
+
+def _detour_note(bound: float, missing: Sequence[Any]) -> str:
+    """Why the tool cannot be led around, and which bound would do."""
+    if not missing:
+        return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
+    parts = []
+    for place, hindrance, needed in missing[:_NAMED]:
+        wider = f"; --detour {_wider(needed)}deg does" if isfinite(needed) else ""
+        parts.append(f"{_when(place)}: {_HINDRANCES[hindrance].format(bound=f'{short(degrees(bound), 3)}°')}{wider}")
+    return f"detour: {'; '.join(parts)}"
 
 
 def _wider(needed: float) -> str:
@@ -695,8 +716,9 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
         lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
     if remedy.off[0] > 0.0:
         turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
-        middles = turn and not remedy.changes
-        where = "of its path between rows, measured in their middles" if middles else "of the old path where it leaves it"
+        where = "of the old path where it leaves it"
+        if turn and not remedy.changes:
+            where = "of its path between rows, measured in their middles"
         off = 1000 * remedy.off[0] / counted_length(robot)
         lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
     return lines
@@ -704,7 +726,10 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
-    return f"{_moves(change.way, robot)} {_between(change.start, change.end)}; the tool moves by {_off(change.off, robot)}"
+    when, off = _between(change.start, change.end), _off(change.off, robot)
+    if not change.after.any():
+        return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
+    return f"the tool moves by {off} {when}; from then on {_moves(change.after, robot)}, the tool on its path"
 
 
 def _moves(way: Array, robot: Robot) -> str:
@@ -716,7 +741,8 @@ def _moves(way: Array, robot: Robot) -> str:
 
 
 def _amount(value: float, unit: str) -> str:
-    return f"{short(degrees(value), 2)}°" if unit == "rad" else f"{short(1e3 * value, 2)} mm"
+    number = degrees(value) if unit == "rad" else 1e3 * value
+    return f"{short(number, 2 if abs(number) < _LARGE else 3)}{'°' if unit == 'rad' else ' mm'}"
 
 
 def _between(start: Any, end: Any) -> str:
@@ -750,11 +776,19 @@ def best_words(mending: Any) -> str:
         return ""
     robot = best.check.robot
     change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
-    what = best.words if change is None else f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
-    more = f", and {len(best.changes) - 1} more {plural('change', len(best.changes) - 1)}" if len(best.changes) > 1 else ""
+    if change is None:
+        what = best.words
+    elif change.after.any():
+        what = f"the tool led around it {_between(change.start, change.end)}"
+    else:
+        what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
+    others = len(best.changes) - 1
+    more = f", and {others} more {plural('change', others)}," if others > 0 else ""
+    turns = "".join(f"; {turn_far_words(turn)}" for turn in best.turns)
+    slower = " in a new time law" if best.retimed else ""
     options = f"--remedy {best.kind.replace(' ', '-')} --fixed FILE"
     off = _off(best.deviation, robot)
-    return f"{what}{more}, is free (proven), the tool within {off} of the path: {options} writes it"
+    return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:

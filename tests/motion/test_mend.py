@@ -193,7 +193,7 @@ def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
 def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     robot = open_robot("planar2r")
     found = rankdrop.check_path(robot, [[0.0, 0.5], [0.4, 0.0], [0.8, 0.5]])
-    mended = mend_path(found)
+    mended = mend_path(found, bump=0.0)
     assert mended.needed
     assert mended.remedies == ()
     assert mended.best is None

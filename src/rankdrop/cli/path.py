@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -70,8 +70,8 @@ class Remedies(RemedyOptions):
 
     @property
     def wanted(self) -> bool:
-        """Whether any remedy is asked for."""
-        return self.remedies or self != NO_REMEDIES
+        """Whether any remedy is asked for; bounds of local ones, that are computed anyway, do not ask for others."""
+        return replace(self, bump=NO_REMEDIES.bump, detour=NO_REMEDIES.detour) != NO_REMEDIES
 
     @property
     def kinds(self) -> tuple[str, ...]:

@@ -123,7 +123,8 @@ class Change:
         start, end: between them the joints are moved, from the old path and back to it.
         way: (n,) how far the joints are from the old path at most [rad, m].
         off: how far the tool is from the old path at most [m], [rad].
-        after: (n,) how far the joints are from the old path at its end, and on: zero where they are back on it.
+        after: (n,) how far the joints are from the old path at its end: zero where they are back on it; else the rest
+            is on another branch of the inverse kinematics.
     """
 
     start: Place

@@ -43,6 +43,7 @@ class Hindrance(StrEnum):
 
     END = "end"
     TOOL = "tool"
+    LIMIT = "limit"
     REST = "rest"
 
 
@@ -137,14 +138,11 @@ class Detourer:
         last, out = 0.0, list[Detour | NoDetour]()
         for k, core in enumerate(crossings):
             until = crossings[k + 1].low if k + 1 < len(crossings) else float(len(self.bumper.path.control))
-            made, needed = self._at_crossing(core, last, until, now, clearance)
-            if made is None:
-                hindrance = Hindrance.END if core.low <= last else Hindrance.TOOL
-                return [*out, NoDetour(core, hindrance, needed)]
+            made = self._at_crossing(core, last, until, now, clearance)
             out.append(made)
-            last, now = made.high, made.q[-1]
-            if self._back(made):
-                now = None
+            if isinstance(made, NoDetour):
+                break
+            last, now = made.high, None if self._back(made) else made.q[-1]
         return out
 
     def _back(self, made: Detour) -> bool:
@@ -156,8 +154,8 @@ class Detourer:
 
     def _at_crossing(
         self, core: Core, last: float, until: float, now: Array | None, clearance: float
-    ) -> tuple[Detour | None, float]:
-        """The detour around one crossing, and the size that would be needed where all are above the bound.
+    ) -> Detour | NoDetour:
+        """The detour around one crossing.
 
         Of both ways along the lost direction: the one that comes back to the old path where the arm has left it,
         within the rates if one is, and the smallest.
@@ -168,14 +166,18 @@ class Detourer:
         lost = np.linalg.svd(jacobian)[0][:, bumper.tool.rank - 1]
         ends = self._ends(core, last, until)
         if ends is None:
-            return None, np.nan
+            return NoDetour(core, Hindrance.END)
         low, high = bumper.place_at(np.array([ends[0], ends[3]])).tolist()
         start = bumper.at(np.array([low]))[0] if now is None else self._carried((last, now), low)
         if start is None:
-            return None, np.nan
-        needed, looks = np.inf, list[tuple[tuple[bool, bool, float], MovedTool, Followed]]()
+            return NoDetour(core, Hindrance.REST)
+        needed, limited = np.inf, False
+        looks = list[tuple[tuple[bool, bool, float], MovedTool, Followed]]()
         for sign in (1.0, -1.0):
             for size, moved, found in self._clear(partial(self._look, ends, low, high, start), sign * lost, clearance):
+                if not found.complete:
+                    limited = True
+                    break
                 if size > self.bound * (1 + 1e-9):
                     needed = min(needed, size)
                     break
@@ -187,18 +189,25 @@ class Detourer:
         for _, moved, _ in sorted(looks, key=lambda one: one[0]):
             made = self._made(moved, low, high, start, clearance)
             if made is not None:
-                return made, np.nan
-        return None, needed if np.isfinite(needed) else np.nan
+                return made
+        if np.isfinite(needed):
+            return NoDetour(core, Hindrance.TOOL, needed)
+        return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
 
     def _clear(
         self, look: Callable[[Array], tuple[MovedTool, Followed]], along: Array, clearance: float
     ) -> Iterator[tuple[float, MovedTool, Followed]]:
-        """The least size at which the joints follow, and one at which rates, that go as 1/ε, may keep their limits."""
+        """The least size at which the joints follow, and one at which rates, that go as 1/ε, may keep their limits; or
+        the first at which a joint reaches its limit.
+        """
         least, most = _USUAL * clearance, _WIDENED * self.bound
         count = int(np.ceil(np.log(max(most / least, 1.0)) / np.log(_GROWING))) + 1
         usual = [size for size in least * _GROWING ** np.arange(count) if size <= most]
         for size in sorted({_FINEST * clearance, *usual, self.bound}):
             moved, found = look(size * along)
+            if found.reason == "limit":  # larger ones turn the joints as far
+                yield size, moved, found
+                return
             if not found.complete or float(moved.room(found.q).min()) < _NEARER * clearance:
                 continue
             yield size, moved, found

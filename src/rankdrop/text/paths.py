@@ -599,6 +599,7 @@ _OBSTACLES = {
 _HINDRANCES = {
     "end": "the path begins or ends too near to the singularity",
     "tool": "the joints cannot follow the tool around the singularity within --detour {bound}",
+    "limit": "a joint reaches its limit before the tool is past the singularity",
     "rest": "the tool cannot be followed on the new branch up to here",
 }
 """Why the tool cannot be led around a singularity."""
@@ -729,7 +730,7 @@ def change_words(change: Any, robot: Robot) -> str:
     when, off = _between(change.start, change.end), _off(change.off, robot)
     if not change.after.any():
         return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
-    return f"the tool moves by {off} {when}; from then on {_moves(change.after, robot)}, the tool on its path"
+    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.after, robot)}"
 
 
 def _moves(way: Array, robot: Robot) -> str:

@@ -208,6 +208,21 @@ def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None
     assert max(np.linalg.norm(dense - point, axis=1).min() for point in new) < best.off[0] + 2e-3
 
 
+def test_a_detour_of_two_rows_keeps_the_tool_between_them() -> None:
+    """Rows are put in after the window: straight from its end to the last row the tool would leave its path far."""
+    robot = open_robot("planar3r")
+    q = np.array([[0.3, 0.4, 0.1], [0.5, -0.4, 0.3]])
+    best = mend_path(rankdrop.check_path(robot, q), kinds=("detour",)).best
+    assert best is not None
+    assert best.check.clear
+    assert best.off[0] < 1e-3
+    old = pose(robot, np.linspace(q[0], q[1], 20_001))[:, :2, 3]
+    new = pose(robot, (best.trajectory.q[1:] + best.trajectory.q[:-1]) / 2)[:, :2, 3]
+    assert max(np.linalg.norm(old - point, axis=1).min() for point in new) < best.off[0] + 1e-4
+    np.testing.assert_allclose(pose(robot, best.trajectory.q[-1]), pose(robot, q[-1]), atol=1e-9)
+    assert np.abs(np.sin(best.trajectory.q[:, 1])).min() > 1e-3
+
+
 @pytest.mark.slow
 def test_a_detour_says_which_joint_turns_how_far() -> None:
     _, _, best = led_around("irb120")

@@ -12,10 +12,8 @@ arm on another branch of the inverse kinematics, up to the next crossing, where 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import partial
 from typing import Self
 
 import numpy as np
@@ -23,7 +21,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.motion.bumps import Bumper, Change, Core, largest_move, step, tool_off
 from rankdrop.motion.candidates import ToolPath
-from rankdrop.motion.follow import Followed, follow
+from rankdrop.motion.follow import Followed
 from rankdrop.motion.inverse import Aim, rotation
 from rankdrop.motion.trajectory import Trajectory, regular_times
 from rankdrop.robot.model import Array
@@ -32,7 +30,6 @@ _RAMP = 0.3  # shortest ramp of a path in time [s]
 _SLOPE = 0.1  # … and of a path without times [rad]
 _FINEST, _USUAL = 1e-2, 0.5  # sizes that are tried: shares of the clearance, at an edge of reach and else …
 _WIDENED, _GROWING = 8.0, 2.0  # … up to so many times the bound, each so many times the one before
-_GENTLER = 1.1  # times the size at which rates are expected to be kept
 _LOOKS = 100  # places of a window at first, besides the rows
 _NEARER = 0.9  # share of the clearance that is kept where the joints follow
 _BACK = 1e-6  # a configuration so near to the old path is on it again [rad]
@@ -56,7 +53,8 @@ class Detour:
         place: (K,) places of its rows.
         q: (K, n) configurations there.
         off: how far the tool is from its path at most [m], [rad].
-        kept: rates within their limits.
+        rest: places and configurations after it, up to the next window or the end; None where the joints are back on
+            the old path.
     """
 
     low: float
@@ -64,7 +62,7 @@ class Detour:
     place: Array
     q: Array
     off: tuple[float, float]
-    kept: bool
+    rest: tuple[Array, Array] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +94,7 @@ class MovedTool(ToolPath):
     ends: tuple[float, float, float, float]
     clock: Array
 
-    def _with(self, place: Array) -> Self:
+    def at_places(self, place: Array) -> Self:
         q = self.path.at(*self.path.split(place))
         time = np.interp(place, np.arange(len(self.clock)), self.clock)
         begin, full, back, end = self.ends
@@ -134,15 +132,31 @@ class Detourer:
 
     def found(self, crossings: list[Core], clearance: float) -> list[Detour | NoDetour]:
         """One for each crossing in order, up to the first that has none; between them the tool is on its path."""
-        now: Array | None = None  # the configuration at the end of the last window; None: on the old path
-        last, out = 0.0, list[Detour | NoDetour]()
+        start: Array | None = None  # at the beginning of the next window; None: on the old path
+        final, out = float(len(self.bumper.path.control)), list[Detour | NoDetour]()
+        last = 0.0
         for k, core in enumerate(crossings):
-            until = crossings[k + 1].low if k + 1 < len(crossings) else float(len(self.bumper.path.control))
-            made = self._at_crossing(core, last, until, now, clearance)
+            until = crossings[k + 1].low if k + 1 < len(crossings) else final
+            ends = self._ends(core, last, until)
+            if ends is None:
+                return [*out, NoDetour(core, Hindrance.END)]
+            low, high = self.bumper.place_at(np.array([ends[0], ends[3]])).tolist()
+            if k > 0 and start is not None:
+                rest = self._rest(last, low, start)
+                if rest is None:
+                    return [*out, NoDetour(core, Hindrance.REST)]
+                before = out[-1]
+                assert isinstance(before, Detour)
+                out[-1], start = replace(before, rest=(rest[0][:-1], rest[1][:-1])), rest[1][-1]
+            made = self._at_crossing(core, ends, low, high, start, clearance)
             out.append(made)
             if isinstance(made, NoDetour):
-                break
-            last, now = made.high, None if self._back(made) else made.q[-1]
+                return out
+            last, start = high, None if self._back(made) else made.q[-1]
+        if start is not None:
+            rest, before = self._rest(last, final, start), out[-1]
+            assert isinstance(before, Detour)
+            out[-1] = NoDetour(crossings[-1], Hindrance.REST) if rest is None else replace(before, rest=rest)
         return out
 
     def _back(self, made: Detour) -> bool:
@@ -153,70 +167,52 @@ class Detourer:
         return bool((np.abs(q - self.bumper.at(np.array([place]))[0]) < _BACK).all())
 
     def _at_crossing(
-        self, core: Core, last: float, until: float, now: Array | None, clearance: float
-    ) -> Detour | NoDetour:
-        """The detour around one crossing.
+        self, core: Core, ends: tuple[float, float, float, float], low: float, high: float, start: Array | None,
+        clearance: float,
+    ) -> Detour | NoDetour:  # fmt: skip
+        """The detour around one crossing, of the least size at which the joints follow.
 
-        Of both ways along the lost direction: the one that comes back to the old path where the arm has left it,
-        within the rates if one is, and the smallest.
+        Of both ways along the lost direction the one that comes back to the old path where the arm has left it. Rates
+        go as 1/ε; where they break limits a new time law keeps them.
         """
+        bumper = self.bumper
+        lost = self._lost(core)
+        begin = bumper.at(np.array([low]))[0] if start is None else start
+        limited = False
+        ways = [lost, -lost]
+        for size in self._sizes(clearance):
+            looks = [(way, *self._look(ends, low, high, begin, size * way)) for way in ways]
+            held = [found.reason == "limit" for _, _, found in looks]  # larger ones turn the joints as far
+            limited |= any(held)
+            ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
+            clear = [one for one in looks if self._clear(one[1], one[2], clearance)]
+            if not clear:
+                continue
+            if size > self.bound * (1 + 1e-9):
+                return NoDetour(core, Hindrance.TOOL, size)
+            clear.sort(key=lambda one: start is not None and not self._same(high, one[2].q[-1]))
+            for _, moved, _ in clear:
+                made = self._made(moved, low, high, begin, clearance)
+                if made is not None:
+                    return made
+        return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
+
+    def _lost(self, core: Core) -> Array:
+        """(m,) the task direction that is lost at a crossing, in the axes of `Aim`."""
         bumper = self.bumper
         place = core.stretches[0].closest.place.position - 1.0
         jacobian = bumper.tool.aim.jacobian(bumper.at(np.array([place])))[0]
-        lost = np.linalg.svd(jacobian)[0][:, bumper.tool.rank - 1]
-        ends = self._ends(core, last, until)
-        if ends is None:
-            return NoDetour(core, Hindrance.END)
-        low, high = bumper.place_at(np.array([ends[0], ends[3]])).tolist()
-        start = bumper.at(np.array([low]))[0] if now is None else self._carried((last, now), low)
-        if start is None:
-            return NoDetour(core, Hindrance.REST)
-        needed, limited = np.inf, False
-        looks = list[tuple[tuple[bool, bool, float], MovedTool, Followed]]()
-        for sign in (1.0, -1.0):
-            for size, moved, found in self._clear(partial(self._look, ends, low, high, start), sign * lost, clearance):
-                if not found.complete:
-                    limited = True
-                    break
-                if size > self.bound * (1 + 1e-9):
-                    needed = min(needed, size)
-                    break
-                kept = self._share(moved.place, found.q) <= 1.0
-                astray = now is not None and not self._same(high, found.q[-1])
-                looks.append(((astray, not kept, size), moved, found))
-            if looks and not looks[-1][0][0]:
-                break  # the rates of the other way are much the same
-        for _, moved, _ in sorted(looks, key=lambda one: one[0]):
-            made = self._made(moved, low, high, start, clearance)
-            if made is not None:
-                return made
-        if np.isfinite(needed):
-            return NoDetour(core, Hindrance.TOOL, needed)
-        return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
+        return np.asarray(np.linalg.svd(jacobian)[0][:, bumper.tool.rank - 1])
 
-    def _clear(
-        self, look: Callable[[Array], tuple[MovedTool, Followed]], along: Array, clearance: float
-    ) -> Iterator[tuple[float, MovedTool, Followed]]:
-        """The least size at which the joints follow, and one at which rates, that go as 1/ε, may keep their limits; or
-        the first at which a joint reaches its limit.
-        """
+    def _clear(self, moved: MovedTool, found: Followed, clearance: float) -> bool:
+        return found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance
+
+    def _sizes(self, clearance: float) -> list[float]:
+        """Sizes of detours that are tried, the least first."""
         least, most = _USUAL * clearance, _WIDENED * self.bound
         count = int(np.ceil(np.log(max(most / least, 1.0)) / np.log(_GROWING))) + 1
-        usual = [size for size in least * _GROWING ** np.arange(count) if size <= most]
-        for size in sorted({_FINEST * clearance, *usual, self.bound}):
-            moved, found = look(size * along)
-            if found.reason == "limit":  # larger ones turn the joints as far
-                yield size, moved, found
-                return
-            if not found.complete or float(moved.room(found.q).min()) < _NEARER * clearance:
-                continue
-            yield size, moved, found
-            slower = size * _GENTLER * self._share(moved.place, found.q)
-            if size < slower <= self.bound:
-                moved, found = look(slower * along)
-                if found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance:
-                    yield slower, moved, found
-            return
+        usual = [float(size) for size in least * _GROWING ** np.arange(count) if size <= most]
+        return sorted({_FINEST * clearance, *usual, self.bound})
 
     def _ends(self, core: Core, last: float, until: float) -> tuple[float, float, float, float] | None:
         """Where the ramps of a window begin and end by the clock; None where there is no room for them."""
@@ -237,7 +233,7 @@ class Detourer:
         rows = np.arange(np.ceil(low), np.floor(high) + 1)
         place = np.unique(np.concatenate([[low], rows, np.linspace(low, high, _LOOKS), [high]]))
         plain = {name: getattr(bumper.tool, name) for name in ToolPath.__dataclass_fields__}
-        moved = MovedTool(**plain, twist=twist, ends=ends, clock=bumper.clock)._with(place)
+        moved = MovedTool(**plain, twist=twist, ends=ends, clock=bumper.clock).at_places(place)
         return moved, moved.followed(start)
 
     def _made(self, moved: MovedTool, low: float, high: float, start: Array, clearance: float) -> Detour | None:
@@ -250,27 +246,12 @@ class Detourer:
         if not found.complete or float(fine.room(found.q).min()) < _NEARER * clearance:
             return None
         off = self._off(fine.place, found.q)
-        return Detour(low, high, fine.place, found.q, off, self._share(fine.place, found.q) <= 1.0)
+        return Detour(low, high, fine.place, found.q, off)
 
     def _off(self, place: Array, q: Array) -> tuple[float, float]:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
         places = np.concatenate([place, (place[1:] + place[:-1]) / 2])
         return tool_off(self.bumper.robot, self.bumper.at(places), np.concatenate([q, (q[1:] + q[:-1]) / 2]))
-
-    def _share(self, place: Array, q: Array) -> float:
-        """The largest share of a rate limit that is used."""
-        if self.bumper.path.times is None:
-            return 0.0
-        rate = np.abs(np.diff(q, axis=0)) / np.diff(self.bumper.time(place))[:, None]
-        return float((rate / self.bumper.rates).max())
-
-    def _carried(self, before: tuple[float, Array], low: float) -> Array | None:
-        """The configuration at a place, followed from one on another branch at an earlier place."""
-        last, q = before
-        place = np.unique(np.concatenate([[last], np.linspace(last, low, 200), [low]]))
-        found = follow(self.bumper.robot, pose(self.bumper.robot, self.bumper.at(place)), q, self.bumper.check.task,
-                       limits=self.bumper.tool.limits)  # fmt: skip
-        return found.q[-1] if found.complete else None
 
     def changes(self, detours: list[Detour]) -> list[Change]:
         """What each of them changes."""
@@ -282,38 +263,38 @@ class Detourer:
             out.append(Change(start, end, largest_move(moves), one.off, after))
         return out
 
-    def trajectory(self, detours: list[Detour]) -> tuple[Trajectory, tuple[float, float]] | None:
+    def trajectory(self, detours: list[Detour]) -> tuple[Trajectory, tuple[float, float]]:
         """The whole path: rows before the first window, and where the joints are back, as they were; and how far the
-        tool is from the old path at most [m], [rad]. None where the rest cannot be followed.
+        tool is from the old path at most [m], [rad].
         """
         bumper, count = self.bumper, len(self.bumper.path.control)
         rows = np.concatenate([bumper.path.control[:, 0], bumper.path.control[-1:, -1]])
         first = np.arange(int(np.ceil(detours[0].low)))
         places, values = [first.astype(np.float64)], [rows[first]]
         for k, one in enumerate(detours):
-            until = detours[k + 1].low if k + 1 < len(detours) else count + 1.0
             places.append(one.place)
             values.append(one.q)
-            rest = np.arange(int(np.floor(one.high)) + 1, min(int(np.ceil(until)), count + 1))
-            if not len(rest):
+            if one.rest is not None:
+                places.append(one.rest[0])
+                values.append(one.rest[1])
                 continue
-            old = rows[rest]
-            if not self._back(one):
-                new = self._rest(one, rest.astype(np.float64))
-                if new is None:
-                    return None
-                old = new
-            places.append(rest.astype(np.float64))
-            values.append(old)
+            until = int(np.ceil(detours[k + 1].low)) if k + 1 < len(detours) else count + 1
+            after = np.arange(int(np.floor(one.high)) + 1, until)
+            places.append(after.astype(np.float64))
+            values.append(rows[after])
         place, q = np.concatenate(places), np.concatenate(values)
         timed = bumper.path.times is not None
         made = Trajectory("", bumper.time(place) if timed else regular_times(len(place)), q, timed, ())
         return made, self._off(place, q)
 
-    def _rest(self, one: Detour, rest: Array) -> Array | None:
-        """(K, n) configurations at rows after a window, on the branch that the arm is on at its end."""
-        place = np.concatenate([[one.high], rest])
-        poses = pose(self.bumper.robot, self.bumper.at(place))
-        found = follow(self.bumper.robot, poses, one.q[-1], self.bumper.check.task, limits=self.bumper.tool.limits)
-        return found.q[1:] if found.complete else None
+    def _rest(self, low: float, high: float, start: Array) -> tuple[Array, Array] | None:
+        """Places after one up to another, and the configurations there on the branch of the one at the first place."""
+        tool = self.bumper.tool
+        between = tool.place[(tool.place > low) & (tool.place < high)]
+        place = np.concatenate([[low], between, [high]])
 
+        def run(path: ToolPath) -> Followed:
+            return path.followed(start)
+
+        fine, found = tool.at_places(place).refined(run)
+        return (fine.place[1:], found.q[1:]) if found.complete else None

@@ -59,6 +59,9 @@ _ON_PATH = 1e-4  # of a tool that leaves its path by less, lengths divided by th
 _SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
 _CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
 _ROUNDS = 3  # of that
+MANY = 200
+"""Places on one path above which no local remedy is tried: such a file is not what it was meant to be."""
+_DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
 BUMP, DETOUR, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
     "bump", "detour", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
 )  # fmt: skip
@@ -286,7 +289,7 @@ def mend_path(
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> path = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]]
-        >>> mended = mend_path(check_path(open_robot("planar3r"), path), blend=0.5)
+        >>> mended = mend_path(check_path(open_robot("planar3r"), path), kinds=["blend"], blend=0.5)
         >>> [(one.kind, one.check.verdict.value) for one in mended.remedies]
         [('blend', 'free')]
     """
@@ -371,6 +374,9 @@ class _Mender:
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         found = self.found
+        if sum(one.verdict != FREE for one in found.stretches) > MANY:
+            yield "local", MANY
+            return
         families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
         bumper = Bumper(found, tool, families, most.bump, *self.limits)
         asked = SPARE * found.options.min_distance
@@ -422,6 +428,8 @@ class _Mender:
             bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
             changes += before.changes
         stretches = sorted((one for one in bumper.check.stretches if one.verdict != FREE), key=attrgetter("start"))
+        if len(stretches) > _DETOURS:
+            return DETOUR, (most, [], len(stretches))
         cores = [bumper.core(one, clearance) for one in stretches]
         work = Detourer(bumper, most)
         results = work.found(cores, clearance)
@@ -429,14 +437,13 @@ class _Mender:
         detours = [one for one in results if isinstance(one, Detour)]
         failed = [(bumper.path.place(bumper.spot(one.core)), one.hindrance, one.needed)
                   for one in results if isinstance(one, NoDetour)]  # fmt: skip
-        made = work.trajectory(detours) if detours and not failed else None
-        if made is None:
-            return DETOUR, (most, failed)
+        if failed or not detours:
+            return DETOUR, (most, failed, 0)
         changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
-        trajectory, rest = made
+        trajectory, rest = work.trajectory(detours)
         off = max(rest[0], *(one.off[0] for one in changes)), max(rest[1], *(one.off[1] for one in changes))
         proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
-        return self._first(DETOUR, [proposal]) or (DETOUR, (most, []))
+        return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
     def _report(self, kind: str, done: int, count: int) -> None:
         if self.progress is not None:

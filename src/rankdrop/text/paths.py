@@ -624,6 +624,8 @@ def remedy_note(kind: str, fact: Any) -> str:
             how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
             times it was tried, the bound, and for each place without one the place, why, and the bound that is needed.
     """
+    if kind == "local":
+        return f"bump and detour: not tried, more than {fact} places need one"
     if kind == "bump":
         return _bump_note(*fact)
     if kind == "detour":
@@ -659,8 +661,10 @@ def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
     return f"bump: {'; '.join(parts)}{more}"
 
 
-def _detour_note(bound: float, missing: Sequence[Any]) -> str:
-    """Why the tool cannot be led around, and which bound would do."""
+def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
+    """Why the tool cannot be led around, and which bound would do; `many`: crossings, if there are too many."""
+    if many:
+        return f"detour: not tried, the joints have to cross {many} times"
     if not missing:
         return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
     parts = []

@@ -376,21 +376,22 @@ class Bumper:
         return NoBump(bump.core, Obstacle.RATE)
 
     def _kept(self, bump: Bump) -> bool:
-        """Rates and accelerations of the window are within their limits, or no larger than before."""
+        """The tool is brought back wherever it has to be, and rates and accelerations are within their limits, or no
+        larger than before.
+        """
+        low, high = self.window(bump)
+        if not np.isfinite(self.changed([bump], self._places([bump], low, high))).all():
+            return False
         if self.path.times is None:
             return True
-        low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
-        first = max(0, int(np.searchsorted(self.clock, low - bump.ramps[0])) - 2)
-        last = min(len(self.clock) - 1, int(np.searchsorted(self.clock, high + bump.ramps[1])) + 2)
-        now = self._needs(bump, first, last)
-        was = self._needs(None, first, last)
+        first, last = max(0.0, np.floor(low) - 2), min(len(self.clock) - 1.0, np.ceil(high) + 2)
+        now, was = self._needs([bump], first, last), self._needs([], first, last)
         return all(new <= max(1.0, old) * (1 + 1e-9) for new, old in zip(now, was, strict=True))
 
-    def _needs(self, bump: Bump | None, first: int, last: int) -> tuple[float, float]:
+    def _needs(self, bumps: list[Bump], first: float, last: float) -> tuple[float, float]:
         """Shares of the rate and acceleration limits between two rows."""
-        place = self._places([] if bump is None else [bump])
-        place = place[(place >= first) & (place <= last)]
-        q, times = self.changed([] if bump is None else [bump], place), self.time(place)
+        place = self._places(bumps, first, last)
+        q, times = self.changed(bumps, place), self.time(place)
         speed = np.diff(q, axis=0) / np.diff(times)[:, None]
         rate = float((np.abs(speed) / self.rates).max(initial=0.0))
         bend = np.diff(speed, axis=0) / ((times[2:] - times[:-2]) / 2)[:, None]
@@ -398,7 +399,7 @@ class Bumper:
 
     def _window_off(self, bump: Bump) -> tuple[float, float]:
         low, high = self.window(bump)
-        place = np.linspace(low, high, _LOOKS)
+        place = self._places([bump], low, high)
         return self._off(self.at(place), self.changed([bump], place))
 
     def window(self, bump: Bump) -> tuple[float, float]:
@@ -423,11 +424,11 @@ class Bumper:
 
     def most_moved(self, bump: Bump) -> Array:
         """(n,) how far each joint is moved from the old path at most, with its sign [rad, m]."""
-        place = np.linspace(*self.window(bump), _LOOKS)
+        place = self._places([bump], *self.window(bump))
         return largest_move(self.changed([bump], place) - self.at(place))
 
-    def _places(self, bumps: list[Bump]) -> Array:
-        """All rows, and places between those of ramps that are far apart."""
+    def _places(self, bumps: list[Bump], first: float = 0.0, last: float = np.inf) -> Array:
+        """Rows between two places, and places between those of ramps that are far apart."""
         added = []
         for bump in bumps:
             low, high = self.window(bump)
@@ -439,7 +440,8 @@ class Bumper:
             ends = np.array([low, bump.core.low, bump.core.high, high])
             sparse = np.diff(self.clock)[np.floor(ends).astype(np.int64).clip(0, len(self.clock) - 2)]
             added.append(ends[sparse > min(bump.ramps) / _ROWS])
-        return np.unique(np.concatenate([np.arange(len(self.clock), dtype=np.float64), *added]))
+        place = np.unique(np.concatenate([np.arange(len(self.clock), dtype=np.float64), *added]))
+        return place[(place >= first) & (place <= last)]
 
     def changed(self, bumps: list[Bump], place: Array) -> Array:
         """(N, n) configurations of the changed path."""

@@ -95,6 +95,7 @@ class MovedTool(ToolPath):
     clock: Array
 
     def at_places(self, place: Array) -> Self:
+        """The same moved tool path at other places (K,)."""
         q = self.path.at(*self.path.split(place))
         time = np.interp(place, np.arange(len(self.clock)), self.clock)
         begin, full, back, end = self.ends

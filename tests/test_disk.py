@@ -153,7 +153,7 @@ def test_the_old_file_survives_the_limit_of_the_system(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (8000, 8000))
 
     done = subprocess.run(
-        [sys.executable, "-c", program, str(path)], capture_output=True, text=True, preexec_fn=limit, timeout=60
+        [sys.executable, "-c", program, str(path)], capture_output=True, text=True, preexec_fn=limit, timeout=600
     )
     assert done.stdout.startswith("ResultFileError"), done.stdout + done.stderr
     assert "File too large" in done.stdout

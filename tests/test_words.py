@@ -98,6 +98,8 @@ FOREIGN = {
     "designs/outcome.py": "keys", "designs/spec.py": "files of the user",
     "exact/reading.py": "conditions of the user", "families/monitor.py": "names of arms, for C",
     "motion/files.py": "files of the user",
+    **dict.fromkeys(("motion/fanuc_tp.py", "motion/inform.py", "motion/krl.py", "motion/program_record.py",
+                     "motion/rapid.py", "motion/urscript.py"), "programs of the user"),
     "motion/trajectory.py": "files of the user",
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
     "results/analysis.py": "keys of files", "results/known.py": "names of files",
@@ -213,3 +215,44 @@ def test_a_phrase_of_the_old_dialect_gets_rarer(phrase: str) -> None:
     pattern = re.compile(phrase, re.IGNORECASE)
     places = sum(len(pattern.findall(text)) for text in prose())
     assert places <= PHRASES[phrase], "see CONTRIBUTING.md on plain English: the field's verbs, and the noun in place"
+
+
+TYPED = re.compile(r"(?<![\w-])--[a-z]")
+NAMES_OPTIONS = {"families/reciprocal.py": 1, "robot/ideal.py": 2, "robot/numbers.py": 1, "verbs/deriving.py": 1}
+"""Module -> texts with an option of the command line in them: arguments of others, and notes in files. To be fewer."""
+OWN_ROOMS = (
+    "certify", "designs", "exact", "families", "family", "local", "motion", "results", "robot", "text", "verbs",
+)  # fmt: skip
+
+
+def typed_options(tree: ast.AST) -> Iterator[str]:
+    """Texts that name an option as it is typed, but for docstrings and the `typed` mend of an error."""
+    for node in ast.iter_child_nodes(tree):
+        docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if docstring or (isinstance(node, ast.keyword) and node.arg == "typed"):
+            continue
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and TYPED.search(node.value):
+            yield node.value
+        yield from typed_options(node)
+
+
+@pytest.mark.parametrize("room", OWN_ROOMS)
+def test_only_the_command_line_says_what_is_typed(room: str) -> None:
+    """In Python "--full" is full=True: `rankdrop.options.advised` writes either."""
+    for path in FILES:
+        if room_of(path) == room:
+            name = path.relative_to(SOURCE).as_posix()
+            found = list(typed_options(parsed(path)))
+            assert len(found) <= NAMES_OPTIONS.get(name, 0), f"{name}: {found}"
+
+
+def test_an_option_in_a_sentence_is_found() -> None:
+    tree = ast.parse(
+        """
+def f():
+    '''See --full.'''
+    g(typed="--tip t", mend="tip")
+    return f"all: --full {f}"
+"""
+    )
+    assert list(typed_options(tree)) == ["all: --full "]

@@ -18,6 +18,8 @@ A question is a frozen dataclass of the base `Options`. The verb takes it, the c
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import fields, replace
 from functools import cache
 from inspect import Parameter, signature
@@ -48,6 +50,44 @@ def option(
     schema = {"unit": unit} if unit else None
     extra = ({"name": name} if name else {}) | ({} if writes is None else {"writes": writes})
     return Meta(description=help, extra_json_schema=schema, extra=extra or None, **bounds)
+
+
+_ON_COMMAND_LINE: ContextVar[bool] = ContextVar("on_command_line", default=False)
+
+
+@contextmanager
+def on_command_line() -> Iterator[None]:
+    """Within it `advised` names options as they are typed on the command line."""
+    before = _ON_COMMAND_LINE.set(True)
+    try:
+        yield
+    finally:
+        _ON_COMMAND_LINE.reset(before)
+
+
+def advised(name: str, value: str = "", *, python: str = "") -> str:
+    """An option in a sentence of advice, as whoever reads the sentence writes it.
+
+    Args:
+        name: on the command line, without dashes.
+        value: given to it; "" for a switch, "…" for a value that the reader chooses.
+        python: what is written in Python, where it is not `name=value` of the call.
+
+    Example:
+        >>> advised("tip-tolerance", "…"), advised("task", "position"), advised("full")
+        ('tip_tolerance=…', "task='position'", 'full=True')
+        >>> with on_command_line():
+        ...     advised("tip-tolerance", "…"), advised("task", "position"), advised("full")
+        ('--tip-tolerance', '--task position', '--full')
+    """
+    if _ON_COMMAND_LINE.get():
+        return f"--{name} {value}" if value and value != "…" else f"--{name}"
+    if python:
+        return python
+    keyword = name.replace("-", "_")
+    if not value:
+        return f"{keyword}=True"
+    return f"{keyword}={value}" if value == "…" else f"{keyword}={value!r}"
 
 
 class Options:

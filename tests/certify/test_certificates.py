@@ -164,6 +164,7 @@ LIES = {
 }  # fmt: skip
 
 
+@pytest.mark.by_hand_at("ball: a larger ball altogether")
 @pytest.mark.slow_at("away: a larger distance", "ball: a larger ball altogether")
 @pytest.mark.parametrize("lie", LIES)
 def test_a_certificate_that_was_changed_does_not_hold(records, lie):

@@ -116,6 +116,7 @@ def test_rounding_stays_below_what_is_said(name):
     assert lost < 1e-12 * np.abs(made._g).sum()
 
 
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560", "ur5")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_no_box_around_a_singular_configuration_is_free(name):

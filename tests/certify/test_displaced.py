@@ -45,6 +45,7 @@ def moved_columns(robot, other, q, setting):
     return region.columns(other, q, setting) - region.columns(robot, q, setting)
 
 
+@pytest.mark.by_hand_at("random 6R", "random screws")
 @pytest.mark.slow
 @pytest.mark.slow_at("random 6R", "panda", "mimics", "random screws", "puma560", "ur5", "pa10")
 @pytest.mark.parametrize("name", ARMS)
@@ -63,6 +64,7 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()  # rounding of the model
 
 
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("stanford", "puma560")
 @pytest.mark.parametrize("name", ["puma560", "stanford"])
 def test_a_tool_point_is_moved_with_the_joints(name):

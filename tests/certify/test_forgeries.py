@@ -208,6 +208,7 @@ def test_a_forgery_is_refused_or_prints_another_claim(honest, kind):
     assert refused > 20
 
 
+@pytest.mark.by_hand_at("near arms", "ball with a slide", "ball of a point")
 @pytest.mark.by_hand_at("ball", "covering", "covering within limits", "crossing path")
 @pytest.mark.by_hand_at("covering of corank 2", "existence")
 @pytest.mark.slow

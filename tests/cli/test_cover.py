@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.families.box_matching import FOUND, PROVEN, Explainer, grouped
+from rankdrop.families.box_matching import FOUND, PROVEN, FamilyBoxes, grouped
 from rankdrop.families.distance import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
@@ -86,7 +86,7 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
     for family in known_analysis(UR5, TASK).families:
         if family.corank > 1 and not family.coupled:
             continue
-        explainer = Explainer(found, UR5, (family,), scale)
+        explainer = FamilyBoxes(found, UR5, (family,), scale)
         for cells, _ in found.tree.parts():
             by = explainer.by(cells[::7])
             q = np.zeros((len(by), 6))

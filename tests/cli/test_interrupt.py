@@ -90,7 +90,7 @@ def test_the_unfinished_corank_is_said(run, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "search", interrupting)
     analysis = analyze(open_robot("anthropomorphic"), starts=100)
     assert (analysis.complete, analysis.unfinished, len(analysis.coranks)) == (False, 2, 1)
-    ended = run("analyze", "anthropomorphic", "--starts", "100", "--quiet")
+    ended = run("analyze", "anthropomorphic", "--starts", "100", "--quiet", "--full")
     assert ended.code == exits.INTERRUPTED
     assert "Corank 1" in ended.out
     assert "Interrupted: corank 2 is unfinished" in ended.out

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.designs.compare import bits_to_text, deviations, rank, threshold
+from rankdrop.designs.ranking import bits_to_text, deviations, rank, threshold
 from rankdrop.errors import OptionError
 
 SAMPLES = 2000
@@ -19,10 +19,11 @@ def record(hits: np.ndarray) -> dict[str, Any]:
     return {"error": None, "measures": {"near": float(hits.mean())}, "near": near}
 
 
-def region(sigma: list[float | None]) -> dict[str, Any]:
+def region(sigma: list[float | None], bounds: tuple[float, float | None] = (0.0, None)) -> dict[str, Any]:
     known = [value for value in sigma if value is not None]
     measures = {"sigma": min(known), "reached": len(known) / len(sigma)}
-    return {"error": None, "measures": measures, "region": {"each": sigma}}
+    entry = {"each": sigma, "sigma_lower": bounds[0], "sigma_upper": bounds[1]}
+    return {"error": None, "measures": measures, "region": entry}
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -61,15 +62,12 @@ def test_the_error_of_a_difference_is_that_of_paired_samples() -> None:
     assert np.linalg.norm(z[0] - z[1]) == pytest.approx(paired, rel=1e-12)
 
 
-def test_a_minimum_over_poses_has_the_error_of_its_poses() -> None:
-    rng = np.random.default_rng(5)
-    sigma = rng.uniform(0.2, 1.0, 40)
-    missed = sigma.copy()
-    missed[sigma.argmin()] *= 0.9  # the posture search of one pose ended elsewhere
-    best = rank([region(sigma.tolist()), region(missed.tolist())], {"sigma": "more"})
-    assert best == ([0, 1], False)
-    better = rank([region(sigma.tolist()), region((1.5 * sigma).tolist())], {"sigma": "more"})
-    assert better.best == [1]
+def test_sigma_over_a_region_excludes_only_what_is_proven_smaller() -> None:
+    few = [region([0.3] * 40, bounds) for bounds in ((0.29, 0.33), (0.32, 0.36), (0.34, 0.4))]
+    assert rank(few, {"sigma": "more"}) == ([1, 2], False)  # 0.33 < 0.34; 0.36 is not below 0.34
+    assert rank(few, {"sigma": "less"}).best == [0, 1]
+    spent = [region([0.1] * 40, (0.0, None)), region([0.9] * 40, (0.89, 0.91))]
+    assert rank(spent, {"sigma": "more"}) == ([0, 1], False)
 
 
 def test_poses_that_are_not_reached_have_an_error_too() -> None:

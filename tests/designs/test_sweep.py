@@ -17,9 +17,9 @@ from jsonschema import Draft202012Validator
 import rankdrop
 from rankdrop.cli import main
 from rankdrop.codec import json_text
-from rankdrop.designs import Designs, side_by_side, write_tables
-from rankdrop.designs.compare import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
+from rankdrop.designs import Designs, compare, write_tables
 from rankdrop.designs.measure import families_of, nominal_conditions, with_lengths_of
+from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
@@ -212,10 +212,10 @@ def test_splits_and_joins_are_told_as_such() -> None:
 def test_the_pareto_list_is_what_none_beats() -> None:
     rng = np.random.default_rng(3)
     values = rng.integers(0, 6, (60, 2)).tolist()
-    records = [{"error": None, "measures": {"near": a, "sigma": b}} for a, b in values]
+    records = [{"error": None, "measures": {"near": a, "path_sigma": b}} for a, b in values]
     records[7]["error"] = "no arm"  # type: ignore[assignment]
-    records[9]["measures"]["sigma"] = None  # type: ignore[index]
-    goals = {"near": "less", "sigma": "more"}
+    records[9]["measures"]["path_sigma"] = None  # type: ignore[index]
+    goals = {"near": "less", "path_sigma": "more"}
     there = [i for i in range(60) if i not in (7, 9)]
 
     def beats(a: list[int], b: list[int]) -> bool:
@@ -246,6 +246,7 @@ samples = 400
 lower = [0.2, -0.3, 0]
 upper = [0.9, 0.3, 0]
 points = 20
+budget = 1000
 """
 
 
@@ -270,7 +271,7 @@ def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
         task = resolve_task("planar-position", arm, length_scale=found.spec.task.length_scale)
         assert singular_values(arm, np.array(region["q"]), task)[-1] == pytest.approx(region["sigma"])
         assert pose(arm, np.array(region["q"]))[:2, 3] == pytest.approx(region["at"][:2], abs=1e-8)
-        assert region["lowest"] <= region["sigma"]
+        assert region["sigma_lower"] <= region["sigma"] <= region["sigma_upper"]
 
 
 @pytest.mark.by_hand
@@ -306,7 +307,7 @@ def test_command_page_figure_and_tables(
 @pytest.mark.slow
 def test_records_satisfy_their_schema_which_describes_all_of_it(planar: tuple[Path, Designs], shifted: Designs) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 100}}
-    arms = side_by_side(["planar2r", "planar3r"], asks, workers=1)
+    arms = compare(["planar2r", "planar3r"], asks, workers=1)
     for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
@@ -335,7 +336,7 @@ def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tm
 @pytest.mark.by_hand
 def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 500}}
-    found = side_by_side(["planar2r", "planar3r"], asks, workers=2)
+    found = compare(["planar2r", "planar3r"], asks, workers=2)
     assert found.holds
     assert found.best("near") == (1,)
     assert found.task.length_scale == pytest.approx(max(map(reach, found.robots)))
@@ -345,15 +346,15 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     assert [one["name"] for one in record["arms"]] == ["planar2r", "planar3r"]
     assert record["schema"] == "rankdrop/side-by-side/1"
     with pytest.raises(OptionError, match=r"got 1; allowed: 2 … 10 arms"):
-        side_by_side(["ur5"], asks)
+        compare(["ur5"], asks)
     with pytest.raises(OptionError, match="an arm is there twice"):
-        side_by_side(["ur5", "ur5"], asks)
+        compare(["ur5", "ur5"], asks)
 
 
 @pytest.mark.by_hand
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
     asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
-    found = side_by_side(["ur5e", "gp7"], asks, workers=1)
+    found = compare(["ur5e", "gp7"], asks, workers=1)
     assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
     assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
     shares = [one["measures"]["near"] for one in found.records]
@@ -448,7 +449,7 @@ def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_whi
         "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
     }, workers=1)  # fmt: skip
     assert found.pareto == []
-    assert found.sentence == "2 variants of planar3r: none is ranked, since none has sigma."
+    assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
     titles = [section.title for section in found.sections()]
     assert "Variants" in titles
-    assert "Variants that no other one beats" not in titles
+    assert "Pareto-optimal variants" not in titles

@@ -18,7 +18,7 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 SCRIPTS = sorted(EXAMPLES.glob("[0-9]*_*.py"))
 WRITE = os.environ.get("RANKDROP_GOLDEN") == "write"
-SECONDS = 60  # most of them take one or two
+SECONDS = 600  # most of them take one or two; an example that hangs fails
 
 
 def rounded(text: str) -> str:
@@ -37,6 +37,7 @@ def printed(script: Path, tmp_path: Path) -> str:
     return done.stdout.decode()
 
 
+@pytest.mark.by_hand_at("11_which_tool_offset")
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_examples_print_what_is_recorded(script: Path, tmp_path: Path) -> None:

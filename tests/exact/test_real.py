@@ -242,6 +242,7 @@ def test_real_points_that_are_not_all_separated_are_reported(
     assert any("the real points of a set were not all taken apart" in text for text in left)
 
 
+@pytest.mark.by_hand_at("1", "2")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_random_points_of_a_set_satisfy_a_condition_that_was_added_to_it(seed: int) -> None:

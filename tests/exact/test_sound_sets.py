@@ -111,6 +111,7 @@ def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) ->
     assert check.holds
 
 
+@pytest.mark.by_hand_at("17", "18", "19", "20", "21", "22", "23", "24", "25", "27", "28", "29", "32")
 @pytest.mark.by_hand_at("9")
 @pytest.mark.by_hand_at("3", "4", "5", "6", "7", "8", "11", "13", "14", "15", "16")
 @pytest.mark.slow
@@ -121,6 +122,7 @@ def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> 
     assert found.left == 0 or not found.complete
 
 
+@pytest.mark.by_hand_at("1")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed: int) -> None:
@@ -132,6 +134,7 @@ def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed
     assert found.explained.tested >= 1000
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2, 5))
 def test_more_7r_arms_with_all_offsets(seed: int) -> None:

@@ -94,11 +94,13 @@ class TestEveryArm:
         for family in derived(name).families:
             assert family.ranks == (5,), family.family
 
+    @pytest.mark.by_hand_at("sawyer", "gen3")
     def test_has_families_that_do_not_meet(self, name):
         families = derived(name).families
         for one, two in combinations(families, 2):
             assert one.stratum.apart(two.stratum) is not None, (one.number, two.number)
 
+    @pytest.mark.by_hand_at("xarm7", "fetch8")
     def test_explains_every_singular_configuration_found_numerically(self, name):
         found = derived(name)
         q = singular_configurations(found.chain.robot, 300)
@@ -176,6 +178,7 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
+@pytest.mark.by_hand_at("fetch8", "canadarm2")
 @pytest.mark.by_hand_at("panda", "xarm7")
 @pytest.mark.by_hand_at("rail")
 @pytest.mark.parametrize("name", ["ur5", *(pytest.param(x, marks=pytest.mark.slow) for x in ("pa10", *GROWN))])

@@ -47,6 +47,7 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
+@pytest.mark.by_hand_at("panda", "gen3", "fetch8")
 @pytest.mark.by_hand_at("canadarm2", "sawyer")
 @pytest.mark.by_hand_at("xarm7")
 @pytest.mark.slow_at("puma560")
@@ -61,6 +62,7 @@ def test_conditions_hold_at_singular_configurations_only(name: str) -> None:
         assert sigma[:, found.generic_rank - family.corank].max() < 1e-4, family.texts
 
 
+@pytest.mark.by_hand_at("xarm7", "canadarm2", "sawyer", "z1", "fetch8")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*FAST, *SLOW])
 def test_families_explain_a_thousand_configurations(name: str) -> None:
@@ -181,6 +183,7 @@ def test_odd_arms_do_not_fail(name: str) -> None:
         assert conditions(ODD[name], task, points=20, seconds=20).generic_rank <= 3
 
 
+@pytest.mark.by_hand_at("rrrrrrrr", "rrrrrrr")
 @pytest.mark.slow
 @pytest.mark.parametrize("kinds", ["rrrrrr", *slow("rrrrrrr", "rrrrrrrr")])
 def test_the_limit_holds_on_arms_without_structure(kinds: str) -> None:

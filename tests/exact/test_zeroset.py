@@ -23,7 +23,7 @@ def ring() -> Ring:
     return Ring([1, 2, 3, 4])
 
 
-def taken_apart(ring: Ring, polynomials, most: int) -> list[ZeroSet]:
+def factor_on_stratum(ring: Ring, polynomials, most: int) -> list[ZeroSet]:
     return decompose(ring, {}, [ring.form(f) for f in polynomials], most, Work())
 
 
@@ -47,7 +47,7 @@ def test_products_of_irreducibles_fall_into_all_pairs(ring: Ring) -> None:
         one = [random_plane(ring, rng, (1, 2)), random_plane(ring, rng, (2, 3)) + ring.t[1] * ring.t[3]]
         two = [random_plane(ring, rng, (3, 4)), random_plane(ring, rng, (1, 4)) + ring.t[2] ** 2]
         system = [one[0] * one[1], two[0] * two[1]]
-        found = taken_apart(ring, system, 2)
+        found = factor_on_stratum(ring, system, 2)
         for f in one:
             for g in two:
                 assert is_there(ring, found, {}, f, g)
@@ -61,7 +61,7 @@ def test_what_a_solution_leaves_out_is_found(ring: Ring) -> None:
     a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
     f = a * t[3] + b
     g = a * t[4] + b * 7
-    found = taken_apart(ring, [f, g], 2)
+    found = factor_on_stratum(ring, [f, g], 2)
     assert is_there(ring, found, {}, a, b), "A = B = 0 with t3 and t4 free"
     assert is_there(ring, found, {}, f, 7 * t[3] - t[4])
 
@@ -71,10 +71,10 @@ def test_components_at_pi_are_found(ring: Ring, joints: tuple[int, ...]) -> None
     t = ring.t
     if len(joints) == 1:  # the leading coefficients in t3 have the common factor t1 + t2
         system = [(t[1] + t[2]) * t[3] + t[4] + 1, (t[1] + t[2]) * t[3] * t[4] + t[4] - 5]
-        assert is_there(ring, taken_apart(ring, system, 2), {3: "pi"}, t[1] + t[2])
+        assert is_there(ring, factor_on_stratum(ring, system, 2), {3: "pi"}, t[1] + t[2])
     else:
         system = [t[1] + t[2] + 2 * t[4], t[1] - t[2] + 3 * t[3]]
-        found = taken_apart(ring, system, 3)
+        found = factor_on_stratum(ring, system, 3)
         assert is_there(ring, found, {1: "pi", 2: "pi"})
 
 
@@ -83,12 +83,12 @@ def test_three_conditions_that_meet_at_pi_without_a_common_factor_are_found(ring
     one, two = t[1] + 2 * t[2] - 3, t[1] * t[2] + 5
     # at t3 = ∞ the three leading coefficients vanish where one = two = 0, pairwise they have no common factor
     system = [one * t[3] + t[4] + 1, two * t[3] + 3 * t[4] - 7, (one + two * t[4]) * t[3] + t[4] ** 2 - 11]
-    assert is_there(ring, taken_apart(ring, system, 3), {3: "pi"}, one, two)
+    assert is_there(ring, factor_on_stratum(ring, system, 3), {3: "pi"}, one, two)
 
 
 def test_sets_without_a_real_point_for_a_plain_reason_are_left_out(ring: Ring) -> None:
     t = ring.t
-    assert taken_apart(ring, [(1 + t[1] ** 2) * (2 + t[2] ** 2 + t[3] ** 2), t[1] - t[2]], 2) == []
+    assert factor_on_stratum(ring, [(1 + t[1] ** 2) * (2 + t[2] ** 2 + t[3] ** 2), t[1] - t[2]], 2) == []
     assert plainly_positive(ring, 1 + t[1] ** 2 * t[2] ** 2)
     assert not plainly_positive(ring, t[1] ** 2 + t[2] ** 2)
 
@@ -116,7 +116,7 @@ def test_a_set_satisfies_conditions_without_lying_inside(ring: Ring) -> None:
     t = ring.t
     a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
     other = (t[4] + 2) * a * t[3] + t[1] * b - b - a
-    found = taken_apart(ring, [a * t[3] + b, other], 2)
+    found = factor_on_stratum(ring, [a * t[3] + b, other], 2)
     both = next(piece for piece in found if piece.half_vanishes(a) and piece.half_vanishes(b))
     main = next(piece for piece in found if not piece.half_vanishes(a))
     main = replace(main, equations=(a * t[3] + b, other))
@@ -198,7 +198,7 @@ def test_a_set_keeps_the_condition_that_cut_it_where_its_solution_has_no_denomin
     """At A = B = 0 the equations A t3 + B = 0 and B + 5 A = 0 say nothing of t3: only t3 = 5, the first cut does."""
     t = ring.t
     a, b = t[1] ** 2 + 2 * t[2] ** 2 + 3 * t[1] * t[2] - 7, t[2] ** 2 * t[1] ** 2 + 7 * t[1] - 5
-    (solved,) = taken_apart(ring, [a * t[3] + b], 1)
+    (solved,) = factor_on_stratum(ring, [a * t[3] + b], 1)
     (plane,) = cut_half(solved, t[3] - 5, Work())
     assert not plane.half_vanishes(a)
     (found,) = cut_half(plane, a * (t[4] ** 2 + 2 * t[4] + 3) + (t[3] - 5) * t[2], Work())

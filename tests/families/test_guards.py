@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
-from rankdrop.families.inspection import Signature, inspect, polished
-from rankdrop.families.row import Linear, Row, elsewhere, membership, on_row, soundness, verified
+from rankdrop.families.inspection import Signature, inspect, verify_points
+from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verified
 from rankdrop.families.searching import search, unseen
 from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
@@ -65,7 +65,7 @@ def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_ro
 def test_a_point_on_two_rows_is_one_point(rng) -> None:
     """PA-10, corank 1: the elbow twice over. Counted twice, single points would look like pieces met twice."""
     at = problem("pa10", 1)
-    inspection = inspect(at, polished(at, search(at.robot, 1, task=at.task, starts=60).converged))
+    inspection = inspect(at, verify_points(at, search(at.robot, 1, task=at.task, starts=60).converged))
     cover = membership(at, inspection.q)
     elbow, again = pinned(at, 3), pinned(at, 3)
     once = families_module._pieces(cover, [elbow], inspection)
@@ -81,13 +81,13 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     wrist, wide = (0, 0, 0, 0, 2, 0), widened()
     found, strangers = soundness(at, System((wide,)), 1, np.random.default_rng(0))
     assert (found.holds, len(strangers)) == (True, 0)  # random starts see nothing
-    tested, strangers = elsewhere(at, coupled(wide), {}, np.random.default_rng(0))
+    tested, strangers = solve_at_special_values(at, coupled(wide), {}, np.random.default_rng(0))
     assert tested > 50
     assert len(strangers) > 0
     assert np.allclose(np.cos(strangers[:, [1, 3, 5]]), 0, atol=1e-3)
     assert singular_values(at.robot, strangers, at.task)[:, 5].min() > 1e-2
     alone = Equation((Term(1.0, "sin", wrist, zero),))
-    tested, strangers = elsewhere(at, coupled(alone), {}, np.random.default_rng(0))
+    tested, strangers = solve_at_special_values(at, coupled(alone), {}, np.random.default_rng(0))
     assert tested > 10
     assert not len(strangers)
 
@@ -105,7 +105,7 @@ def widened(joints: tuple[int, ...] = (1, 3, 5)) -> Equation:
 def test_regular_solutions_count_against_a_row(rng) -> None:
     """A row of which random starts see nothing wrong is unsound by its regular solutions, and those alone."""
     at = problem("puma560", 1)
-    inspection = inspect(at, polished(at, search(at.robot, 1, task=at.task, starts=40).converged))
+    inspection = inspect(at, verify_points(at, search(at.robot, 1, task=at.task, starts=40).converged))
     cover = membership(at, inspection.q)
     alone = Equation((Term(1.0, "sin", (0, 0, 0, 0, 2, 0), (0,) * 6),))
     for equation, sound in ((alone, True), (widened(), False)):
@@ -125,7 +125,7 @@ def test_equations_are_solved_together_from_anywhere() -> None:
     found, _ = soundness(at, System(equations), 1, np.random.default_rng(0))
     assert found.holds
     assert found.tested > 50
-    _, strangers = elsewhere(at, coupled(*equations), {}, np.random.default_rng(0))
+    _, strangers = solve_at_special_values(at, coupled(*equations), {}, np.random.default_rng(0))
     assert len(strangers) > 0
     assert np.allclose(np.sin(strangers[:, [0, 2, 4]] - (0.7, 0.4, 0.9)), 0, atol=1e-9)
 

@@ -28,6 +28,6 @@ def test_the_tables_of_the_pa10_in_a_paper(tmp_path: Path) -> None:
     paper = "\\documentclass{article}\\usepackage{amsmath}\\begin{document}\\input{pa10}\\end{document}"
     (tmp_path / "paper.tex").write_text(paper, encoding="utf-8")
     made = subprocess.run([latex, "-interaction=nonstopmode", "-halt-on-error", "paper.tex"], cwd=tmp_path,
-                          env=environment(), capture_output=True, text=True, timeout=60, check=False)  # fmt: skip
+                          env=environment(), capture_output=True, text=True, timeout=600, check=False)  # fmt: skip
     assert made.returncode == 0, made.stdout[-800:]
     assert (tmp_path / "paper.pdf").stat().st_size > 10_000

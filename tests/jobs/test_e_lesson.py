@@ -29,12 +29,12 @@ def test_the_page_opens_and_ends_with_ctrl_c(tmp_path: Path) -> None:
     try:
         assert viewer.stdout is not None
         address = urlsplit(viewer.stdout.readline().strip())
-        connection = HTTPConnection(address.hostname or "", address.port, timeout=20)
+        connection = HTTPConnection(address.hostname or "", address.port, timeout=600)
         connection.request("GET", "/?q=10,20,30,40,0,50")
         assert connection.getresponse().status == 200
         connection.close()
         viewer.send_signal(signal.SIGINT)
-        assert viewer.wait(timeout=30) == 0
+        assert viewer.wait(timeout=600) == 0
     finally:
         if viewer.poll() is None:
             viewer.kill()

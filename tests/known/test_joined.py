@@ -127,7 +127,7 @@ def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(
     record = json.loads(texts[0])
     assert (record["status"], record["families"]) == ("not derived", [])
     assert "0.001 s" in record["reason"]
-    assert main.run(["analyze", "puma560", "--starts", "100", "--quiet"]) == exits.FINE
+    assert main.run(["analyze", "puma560", "--starts", "100", "--quiet", "--full"]) == exits.FINE
     assert "Exact conditions: not derived; the derivation takes more than" in capsys.readouterr().out
     assert main.run(["analyze", "puma560", "--starts", "100", "--quiet", "--exact", "on"]) == exits.UNEXPLAINED
 
@@ -180,7 +180,7 @@ def test_the_same_settings_give_the_same_file() -> None:
 @pytest.mark.slow
 def test_exact_text_stands_in_place_of_decimals(capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
     monkeypatch.setenv("COLUMNS", "100")
-    assert main.run(["analyze", "anthropomorphic", "--starts", "300", "--quiet"]) == exits.FINE
+    assert main.run(["analyze", "anthropomorphic", "--starts", "300", "--quiet", "--full"]) == exits.FINE
     printed = capsys.readouterr().out
     assert "exactly a2 c2 + d4 c23 = 0" in printed
     assert "0.8 cos" not in printed
@@ -191,7 +191,7 @@ def test_exact_text_stands_in_place_of_decimals(capsys: pytest.CaptureFixture[st
 @pytest.mark.slow
 def test_joints_that_start_elsewhere_are_told(capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
     monkeypatch.setenv("COLUMNS", "140")
-    assert main.run(["analyze", "z1", "--starts", "1500", "--quiet", "--exact", "on"]) == exits.FINE
+    assert main.run(["analyze", "z1", "--starts", "1500", "--quiet", "--full", "--exact", "on"]) == exits.FINE
     assert "there θ3 = q3 + 2.8" in " ".join(capsys.readouterr().out.split())
 
 

@@ -15,6 +15,7 @@ def random_arm(n: int, seed: int):
     return from_dh(rows, convention="standard", name=f"random{n}r")
 
 
+@pytest.mark.by_hand_at("6-coranks0")
 @pytest.mark.slow_at("6-coranks0")
 @pytest.mark.parametrize(
     ("n", "coranks"),

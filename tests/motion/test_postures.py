@@ -55,6 +55,7 @@ def holds(found: Postures) -> None:
     assert found.verdict == CUSPIDAL
 
 
+@pytest.mark.by_hand_at("crx10ia", "j2n6s300")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(Q))
 def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str) -> None:

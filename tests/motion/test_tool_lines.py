@@ -110,6 +110,7 @@ def hold(name: str, number: int, seed: int) -> dict[str, int]:
     return verdicts
 
 
+@pytest.mark.by_hand_at("ur5e")
 @pytest.mark.by_hand_at("panda")
 @pytest.mark.slow_at("panda", "ur5e")
 @pytest.mark.parametrize("name", ["ur5e", "panda"])

@@ -41,6 +41,7 @@ def test_the_corpus_is_read_or_refused(name: str) -> None:
     assert any(taken)
 
 
+@pytest.mark.by_hand_at("mjcf")
 @pytest.mark.slow_at("poses", "mjcf")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(seed=st.integers(0, 2**32))

@@ -27,6 +27,7 @@ def records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path
     return tmp_path / "before", tmp_path / "after"
 
 
+@pytest.mark.by_hand
 @pytest.mark.slow
 @pytest.mark.shipped
 def test_records_are_repeatable_and_a_change_is_told_by_its_kind(

@@ -36,6 +36,7 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
          "--ignore-gpu-blocklist", "--disable-dev-shm-usage"]  # fmt: skip
 WRIST = [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]
 LAPTOP, PHONE = (1280, 800), (390, 844)
+PATIENCE = 180_000  # ms
 
 
 class Tab:
@@ -51,7 +52,7 @@ class Tab:
         self.page.on("pageerror", lambda one: self.said.append(str(one)))
         self.page.goto(url)
 
-    def until(self, holds: Callable[[], bool], seconds: float = 40.0) -> None:
+    def until(self, holds: Callable[[], bool], seconds: float = 180.0) -> None:
         """Let the page work until something holds."""
         for _ in range(int(10 * seconds)):
             if holds():
@@ -97,8 +98,8 @@ def laptop(browser: Any) -> Iterator[tuple[Viewer, Tab]]:
 
 def test_the_page_says_what_the_numbers_say(laptop: tuple[Viewer, Tab]) -> None:
     _, tab = laptop
-    tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
-    tab.page.get_by_text("wrist: joint 5 at 0°").first.wait_for(timeout=30_000)
+    tab.page.get_by_text("■ singular").first.wait_for(timeout=PATIENCE)
+    tab.page.get_by_text("wrist: joint 5 at 0°").first.wait_for(timeout=PATIENCE)
     assert tab.page.get_by_text("joints 4, 6").count() >= 1
 
 
@@ -108,7 +109,7 @@ def test_axe_finds_nothing_at_any_width(dark: bool, browser: Any) -> None:
     for viewer, tab in opened(browser, LAPTOP, dark=dark):
         for width in (390, 1024, 1440):
             tab.page.set_viewport_size({"width": width, "height": 900})
-            tab.page.get_by_text("singular").first.wait_for(timeout=30_000)
+            tab.page.get_by_text("singular").first.wait_for(timeout=PATIENCE)
             tab.page.wait_for_timeout(1500)
             tab.page.evaluate(program)
             rules = "{runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']}"
@@ -128,7 +129,7 @@ def test_a_state_is_copied(laptop: tuple[Viewer, Tab]) -> None:
     tab.page.get_by_role("tab", name="Share").click()
     for what, shown in (("link", viewer.share.ui.link), ("command", viewer.share.ui.line)):
         tab.page.get_by_role("button", name=f"copy the {what}").click()
-        tab.page.get_by_text("copied").first.wait_for(timeout=10_000)
+        tab.page.get_by_text("copied").first.wait_for(timeout=PATIENCE)
         assert tab.page.evaluate("() => navigator.clipboard.readText()") == shown.value
     tab.page.get_by_role("tab", name="Joints").click()
 
@@ -163,7 +164,7 @@ def test_nearest_never_lags_behind_the_verdict(
     held, explain = Event(), session.explain
 
     def waiting(*args: Any, **named: Any) -> Any:
-        held.wait(timeout=60.0)
+        held.wait(timeout=180.0)
         return explain(*args, **named)
 
     monkeypatch.setattr(session, "explain", waiting)
@@ -216,7 +217,7 @@ def test_a_slice_is_drawn(laptop: tuple[Viewer, Tab]) -> None:
     before = tab.picture()
     tab.page.get_by_role("tab", name="Slice").click()
     tab.page.get_by_text("draw the singular set").click()
-    tab.page.get_by_text("starts arrived").first.wait_for(timeout=30_000)
+    tab.page.get_by_text("starts arrived").first.wait_for(timeout=PATIENCE)
     tab.page.wait_for_timeout(1000)
     assert tab.picture() != before
     viewer.slice.clear()
@@ -225,7 +226,7 @@ def test_a_slice_is_drawn(laptop: tuple[Viewer, Tab]) -> None:
 @pytest.mark.parametrize("dark", [False, True])
 def test_it_fits_a_phone(browser: Any, dark: bool) -> None:
     for viewer, tab in opened(browser, PHONE, dark=dark):
-        tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
+        tab.page.get_by_text("■ singular").first.wait_for(timeout=PATIENCE)
         wide = tab.page.evaluate("document.documentElement.scrollWidth")
         assert wide <= PHONE[0]
         assert len(viewer.server.get_clients()) == 1

@@ -47,7 +47,7 @@ def viewer() -> Iterator[Viewer]:
 def answer(viewer: Viewer, path: str = "/", **headers: str) -> tuple[int, dict[str, str]]:
     """Status and headers of a request; handshakes too, with `Upgrade`."""
     port = viewer.server.get_port()
-    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection = HTTPConnection("127.0.0.1", port, timeout=180)
     try:
         given = {"Host": f"localhost:{port}", **{name.replace("_", "-"): text for name, text in headers.items()}}
         connection.request("GET", path, headers=given)
@@ -113,7 +113,7 @@ def test_junk_of_a_client_is_one_line(kind: str, viewer: Viewer, caplog: pytest.
         page.send(JUNK[kind])
         with contextlib.suppress(ConnectionClosed):
             while True:
-                page.recv(timeout=20)
+                page.recv(timeout=180)
     told = [caplog.handler.format(record) for record in caplog.records if record.name.startswith("rankdrop")]
     assert len(told) == 1
     assert "\n" not in told[0]
@@ -157,7 +157,7 @@ def test_ctrl_c_ends_it_with_exit_code_0() -> None:
         assert "Ctrl-C ends it" in process.stderr.readline()
         process.send_signal(signal.SIGINT)
         try:
-            out, err = process.communicate(timeout=30)
+            out, err = process.communicate(timeout=180)
         finally:
             process.kill()
     assert process.returncode == exits.FINE
@@ -181,7 +181,7 @@ except KeyboardInterrupt:
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signals of threads")
 def test_a_ctrl_c_that_wakes_nothing_ends_it() -> None:
-    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=20)
+    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=180)
     assert (done.stdout, done.returncode) == ("ended\n", 0), done.stderr
 
 

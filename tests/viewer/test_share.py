@@ -64,7 +64,7 @@ def test_a_link_that_says_nothing_moves_nothing(path: str) -> None:
 def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     target = np.radians([0.0, -90.0, 60.0, 0.0, 80.0, 0.0])
     port = viewer.server.get_port()
-    connection = HTTPConnection("127.0.0.1", port, timeout=10)
+    connection = HTTPConnection("127.0.0.1", port, timeout=180)
     connection.request("GET", f"/?q={state_text(ARM, target)}", headers={"Host": f"127.0.0.1:{port}"})
     assert connection.getresponse().status == 200
     connection.close()
@@ -198,7 +198,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
 
     monkeypatch.setattr(controls, "_tell", slowly)
     controls.explained(found)
-    looking.join(timeout=10.0)
+    looking.join(timeout=180)
     assert controls.now is not None
     assert np.array_equal(controls.now.q, other)
     assert "to the singular set" in controls._status.content

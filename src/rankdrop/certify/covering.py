@@ -382,7 +382,7 @@ def tables_of(robot: Robot, plan: Plan) -> _core.Split:
     )  # fmt: skip
 
 
-def looked_into(
+def classify_boxes(
     robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, near: Near | None = None, threads: int = 0
 ) -> Looked:
     """Leaves (M, d) looked at more closely: free after all (0), proven to hold a singularity (1), or neither (2).

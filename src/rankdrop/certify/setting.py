@@ -120,6 +120,27 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     return tuple(found)
 
 
+def setting_at_tip(robot: Robot, task: Task) -> Setting:
+    """The setting whose Jacobian is that of the task itself, but for a rotation of its axes: it has the task's σ.
+
+    Raises:
+        OptionError: as `settings_for`; or the reference point of the task is not carried by the tip.
+    """
+    rows = _whole_rows(robot, task)
+    rank = generic_rank(robot, task)
+    _check(robot, task, rank)
+    link = len(robot.joints)
+    if task.frame.origin not in (TIP, link + 1):
+        raise OptionError("the reference point of the task is not carried by the tip", got=task.frame,
+                          allowed="a point of the tip")  # fmt: skip
+    matters, repeats = _moved(robot, link)
+    tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(task.frame.point)
+    return Setting(
+        link, task.frame.point, task.scale(robot), task.rows if rows is None else rows, rank, _arms(robot, link, tip),
+        joint_scale(robot, task), matters, repeats, tool=True,
+    )  # fmt: skip
+
+
 def _check(robot: Robot, task: Task, rank: int) -> None:
     if rank == 0:
         raise OptionError("no joint moves anything this task takes: there is no rank to lose", got=task.name)

@@ -135,7 +135,8 @@ class CompareOptions(Options):
     task: Annotated[str | None, option(f"{TASKS}; else the first arm's")] = None
     within: Annotated[str, option("Report the share of the joint space within this distance of singularities")] = "5deg"
     speed: Annotated[
-        str | None, option("Report the share inside the limits where the tool is slower along a line (25mm/s)")
+        str | None,
+        option("Report the shares inside the limits, and of the box, where the tool is slower along a line (25mm/s)"),
     ] = None
     lower: Annotated[str | None, option("Corner of a box of the workspace, in the base frame: x,y,z [m]; 300mm")] = None
     upper: Annotated[str | None, option("The opposite corner")] = None
@@ -177,7 +178,8 @@ class CompareOptions(Options):
         if self.lower is not None or self.upper is not None:
             region = {"lower": _three(self.lower, "--lower"), "upper": _three(self.upper, "--upper")}
             turned = {} if self.rpy is None else {"rpy": _three(self.rpy, "--rpy")}
-            asked["region"] = {**region, "points": self.points, **turned}
+            speed = {} if self.speed is None else {"speed": self.speed}
+            asked["region"] = {**region, "points": self.points, **turned, **speed}
         if self.path:
             asked["paths"] = {"files": list(self.path)}
         if self.certified is not None:
@@ -205,7 +207,7 @@ def compare(
 
     Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
     """
-    found = designs.side_by_side(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
+    found = designs.compare(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
                                  report=report)  # fmt: skip
     def blocks() -> Iterable[Block]:
         sections = list(found.sections(full=options.full))

@@ -45,6 +45,7 @@ try:
     from rankdrop.cli.command import Help, prose
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
+    from rankdrop.options import on_command_line
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
@@ -235,7 +236,8 @@ def _printed_json(words: Sequence[str]) -> Iterator[str]:
 def _run(argv: Sequence[str]) -> int:
     try:
         whole_help(argv[0])
-        code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
+        with on_command_line():
+            code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except CycloptsError as error:
         say(f"error: {_in_our_words(error)}")

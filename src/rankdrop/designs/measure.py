@@ -10,13 +10,7 @@ whole joint space. What is left open, where a length is special, is done again:
     else                 the same with three times the starts: a small family may have had too few points
     else                 conditions fitted to the points, three and ten times the starts
 
-How well an arm does its task over a region of its workspace is told by the best posture found at seeded poses in it.
-
-    σ(pose) = max over the solutions q of the inverse found, within the limits, of σ_r(J(q))
-
-The smallest of these over the region says how near to singular the arm has to come there, whatever posture it takes; a
-posture that was missed can only make it larger, so that it is a bound from below at the poses looked at, and says
-nothing between them. Solutions come from Newton's method with damping from random starts, all poses at once.
+How well an arm does its task over a region of its workspace: see `rankdrop.designs.region`.
 """
 
 from __future__ import annotations
@@ -31,21 +25,23 @@ import numpy as np
 
 from rankdrop.certify.covering import plan_of
 from rankdrop.codec import encode, plain, restored
-from rankdrop.designs.compare import bits_to_text, form_of, key_of
+from rankdrop.designs.postures import reached, slow_poses, targets_of
+from rankdrop.designs.ranking import bits_to_text, form_of, key_of
+from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
 from rankdrop.exact import ExactFamily, exact_chain
 from rankdrop.families import search
-from rankdrop.families.share import near_shares, slow_share
+from rankdrop.families.share import NearShare, near_shares, slow_share
 from rankdrop.families.table import families
 from rankdrop.family import CorankSummary, Family
 from rankdrop.family.record import CorankFamilies, family_out_of_units
-from rankdrop.local import generic_rank, sample, singular_values
-from rankdrop.motion import FREE, Aim, check_poses
-from rankdrop.problem import Problem, into_limits
+from rankdrop.local import generic_rank
+from rankdrop.motion import FREE, check_poses
+from rankdrop.problem import Problem
 from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
 from rankdrop.results.analysis import Settings
-from rankdrop.robot import Array, Drawing, Robot, from_xyz_rpy
+from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
 from rankdrop.schema.design import NEAR_SHARE
 from rankdrop.task import Task
@@ -241,17 +237,38 @@ def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Me
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
     sigma, q, lowest = reached(problem, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed)
     there = np.isfinite(sigma)
-    worst = int(np.nanargmin(sigma)) if there.any() else None
-    entry = {
-        "poses": len(targets),
-        "reached": int(there.sum()),
-        "each": [finite(value) for value in sigma],
-        "lowest": finite(lowest),
-        "sigma": None if worst is None else float(sigma[worst]),
-        "at": None if worst is None else targets[worst, :3, 3].tolist(),
-        "q": None if worst is None else q[worst].tolist(),
-    }
-    return {"region": entry}, {"sigma": entry["sigma"], "reached": float(there.mean())}
+    entry: Record = {
+        "poses": len(targets), "reached": int(there.sum()), "each": [finite(value) for value in sigma],
+        "lowest": finite(lowest), "sigma": None, "at": None, "q": None, "sigma_lower": None, "sigma_upper": None,
+        "covered": None, "narrow": None, "tested": None,
+    }  # fmt: skip
+    if there.any():
+        found = sigma[there], targets[there, :3, 3], q[there]
+        bounds = region_bounds(problem, np.array(asked["lower"]), np.array(asked["upper"]), rpy, found,
+                               starts=asked["starts"], seed=seed, budget=asked["budget"])  # fmt: skip
+        entry |= {
+            "sigma": bounds.sigma, "at": bounds.at.tolist(), "q": bounds.q.tolist(), "sigma_lower": bounds.lower,
+            "sigma_upper": finite(bounds.upper), "covered": bounds.covered, "narrow": not bounds.spent,
+            "tested": bounds.tested,
+        }  # fmt: skip
+    values: Record = {"sigma": entry["sigma"], "reached": float(there.mean())}
+    if asked["speed"] is not None:
+        entry["slow"] = _slow_poses(problem, targets, asked, seed, oriented=rpy is not None)
+        values["slow_poses"] = None if entry["slow"] is None else entry["slow"]["share"]
+    return {"region": entry}, values
+
+
+def _slow_poses(
+    problem: Problem, targets: Array, asked: Mapping[str, Any], seed: int, *, oriented: bool
+) -> Record | None:  # fmt: skip
+    """Share of the poses reached at which the tool is slow, with its interval; None where there is none."""
+    found = slow_poses(problem, targets, oriented=oriented, speed=asked["speed"], starts=asked["starts"], seed=seed)
+    if found is None or not found[0].any():
+        return None
+    there, slow, bound = found
+    share = NearShare("", int(slow.sum()), int(there.sum()), bound)
+    return {"slower_than": asked["speed"], "share": share.share, "interval": list(share.interval), "bound": bound,
+            "reached": share.samples, "seed": seed, "poses": len(targets), "hits": bits_to_text(slow)}  # fmt: skip
 
 
 def _paths(problem: Problem, known: Analysis, asked: Mapping[str, Any], _: int) -> Measured:
@@ -294,49 +311,6 @@ _MEASURES: dict[str, Callable[..., Measured]] = {
 }  # fmt: skip
 """What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
 NEED_FAMILIES = ("families", "near", "paths")
-_ITERATIONS = 40
-_EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
-_CLOSE = 1e-9  # |e| at a solution: lengths divided by the length scale, angles in rad
-_ROWS_OF_POSITION = 3
-
-
-def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: int) -> Array:
-    """(count, 4, 4) poses in a box of the base frame [m]: the same for every arm that is asked."""
-    places = np.random.default_rng([seed, 5]).uniform(lower, upper, (count, 3))
-    turned = from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0] if rpy is None else rpy.tolist())
-    found = np.repeat(turned[None], count, axis=0)
-    found[:, :3, 3] = places
-    return found
-
-
-def reached(problem: Problem, targets: Array, *, oriented: bool, starts: int, seed: int) -> tuple[Array, Array, float]:
-    """The best posture found at every pose.
-
-    Args:
-        problem: the arm, the task of which σ counts, and whether solutions have to be inside the joint limits.
-        targets: (P, 4, 4) [m].
-        oriented: the orientation is meant too, as far as the task has rows for it; else places alone.
-        starts: random starts for each pose.
-        seed: of the starts.
-
-    Returns:
-        (P,) the largest σ_r of a solution, NaN where none was found; (P, n) that solution; the smallest σ_r of any
-        solution, inf where there is none.
-    """
-    robot, task = problem.robot, problem.task
-    rows = tuple(row for row in task.rows if oriented or row < _ROWS_OF_POSITION)
-    aim = Aim(robot, Task(",".join(map(str, rows)), rows, task.frame, task.scale(robot)))
-    begin = sample(robot, task, len(targets) * starts, seed, limits=problem.limits)
-    q, step = aim.descend(np.repeat(targets, starts, axis=0), begin, close=_CLOSE, rounds=_ITERATIONS)
-    good = step >= 0
-    if problem.limits:
-        q = into_limits(robot, q)
-        good &= ((q >= robot.lower - _EDGE) & (q <= robot.upper + _EDGE)).all(axis=1)
-    sigma = np.where(good, singular_values(robot, q, task)[:, problem.generic_rank - 1], -np.inf)
-    sigma, q = sigma.reshape(-1, starts), q.reshape(-1, starts, robot.n)
-    best, every = sigma.argmax(axis=1), np.arange(len(targets))
-    top, lowest = sigma[every, best], sigma[np.isfinite(sigma)].min(initial=np.inf)
-    return np.where(np.isfinite(top), top, np.nan), q[every, best], float(lowest)
 
 
 def variants(plan: Record, chunk: int) -> bytes:

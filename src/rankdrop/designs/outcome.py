@@ -23,17 +23,18 @@ from typing import Any, ClassVar
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.designs.compare import Change, Ranking, Structure, changes, neighbours, rank, structures
+from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
+from rankdrop.options import advised
 from rankdrop.robot import Robot, reach
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.brief import compared_arms, compared_sentence
-from rankdrop.text.words import SWEEP_NEXT
+from rankdrop.text.brief import compared_arms, compared_sentence, sigma_note, slow_poses_note
+from rankdrop.text.words import sweep_next
 
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
@@ -162,7 +163,7 @@ class Designs(Result):
             self.sentence,
             *(f"{head}: {', '.join(map(' '.join, zip(titles, row, strict=True)))}." for row in best),
             *([f"Range: {', '.join(ranges)}."] if ranges else []),
-            SWEEP_NEXT,
+            sweep_next(),
         )
 
     def sections(self, *, every: bool = False) -> Iterator[Section]:
@@ -194,7 +195,8 @@ class Designs(Result):
         rows = tuple((str(i + 1), *self.row(self.records[i])) for i in chosen[:most])
         wants = ", ".join(f"{want} {name}" for name, want in goals.items())
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
-        after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
+        more = f"and {len(chosen) - most:,} more: {advised('all', python='sections(every=True)')}"
+        after = (more,) if len(chosen) > most else ()
         notes = tuple(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in names)
         yield Section("Pareto-optimal variants" if best else "Variants", summary,
                       columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
@@ -203,7 +205,7 @@ class Designs(Result):
     def row(self, record: Mapping[str, Any]) -> tuple[str, ...]:
         """Parameters and measures of a variant, for people."""
         values = [shown(x, one) for x, one in zip(record["values"], self.parameters, strict=True)]
-        return (*values, *(measure_text(name, record["measures"].get(name)) for name in self.measures))
+        return (*values, *(measure_cell(name, record) for name in self.measures))
 
     def _in_order(self, numbers: Iterable[int]) -> list[int]:
         """Variants by the first goal, best first; variants without it last."""
@@ -297,12 +299,34 @@ def in_doubt(record: Mapping[str, Any]) -> bool:
 
 def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     """How far a share may be off, by its samples; "" for a measure without error."""
+    regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
+    if measure == "slow_poses":
+        slow = [one["slow"] for one in regions if one.get("slow")]
+        wide = max((one["interval"][1] - one["interval"][0] for one in slow), default=0.0)
+        return slow_poses_note(slow[0]["slower_than"], wide) if slow else ""
+    if measure == "sigma":
+        wide_bounds = sum(not one.get("narrow") for one in regions)
+        return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
     tables = {"near": [one["near"]["any"] for one in records if one.get("near")],
               "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
     shares = tables.get(measure, [])
     most = max((float(one["error"]) for one in shares), default=0.0)
     larger = " or more" if any(one["bound"] for one in shares) else ""
     return f", by samples: ± {APART * 100 * most:.2g} %{larger}" if most else ""
+
+
+def measure_cell(name: str, record: Mapping[str, Any]) -> str:
+    """A measure of a variant for people; σ over a region with its proven bounds: "0.305 (0.302 … 0.308)"."""
+    value = record["measures"].get(name)
+    text = measure_text(name, value)
+    region = record.get("region") or {}
+    if name == "slow_poses" and region.get("slow"):
+        low, high = (100 * end for end in region["slow"]["interval"])
+        return f"{text} ({low:.2g} … {high:.2g} %)"
+    if name != "sigma" or value is None or region.get("sigma_lower") is None:
+        return text
+    upper = region.get("sigma_upper")
+    return f"{text} ({region['sigma_lower']:.4g} … {'?' if upper is None else format(upper, '.4g')})"
 
 
 def shown(value: float, parameter: Parameter) -> str:
@@ -428,6 +452,7 @@ _BEST = {
     "near": "smallest share of the joint space near singularities",
     "sigma": "largest σ over the region",
     "reached": "most poses of the region reached",
+    "slow_poses": "fewest slow poses",
     "path_sigma": "largest σ on the paths",
     "path_distance": "largest distance from singularities on the paths",
     "paths_free": "most paths proven free",
@@ -488,7 +513,7 @@ class SideBySide(Result):
         rows = [("joints", *(str(robot.n) for robot in self.robots)),
                 ("reach", *(f"{reach(robot):.4g} m" for robot in self.robots))]  # fmt: skip
         rows += [
-            (name, *(measure_text(name, one["measures"].get(name)) + ("  ←" if i in self._ranked_best(name) else "")
+            (name, *(measure_cell(name, one) + ("  ←" if i in self._ranked_best(name) else "")
                      for i, one in enumerate(self.records)))
             for name in self.measures
         ]  # fmt: skip

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.designs.region import BUDGET
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.families import MOST_STARTS
 from rankdrop.families.share import WIDEST
@@ -31,12 +32,12 @@ MOST_VARIANTS = 1_000_000
 MOST_PARAMETERS = 12
 ASKS = ("families", "near", "slow", "region", "paths", "certified")
 GOALS = {
-    "families": "less", "near": "less", "slow": "less", "sigma": "more", "reached": "more", "path_sigma": "more",
-    "path_distance": "more", "paths_free": "more", "free": "more",
+    "families": "less", "near": "less", "slow": "less", "sigma": "more", "reached": "more", "slow_poses": "less",
+    "path_sigma": "more", "path_distance": "more", "paths_free": "more", "free": "more",
 }  # fmt: skip
 """Every measure, and whether less or more of it is better."""
 _MEASURES = {
-    "families": ("families",), "near": ("near",), "slow": ("slow",), "region": ("sigma", "reached"),
+    "families": ("families",), "near": ("near",), "slow": ("slow",), "region": ("sigma", "reached", "slow_poses"),
     "paths": ("path_sigma", "path_distance", "paths_free"), "certified": ("free",),
 }  # fmt: skip
 
@@ -74,7 +75,8 @@ class Asks:
         families: starts, fresh and exact.
         near: within [rad] and samples.
         slow: speed [m/s], turn_speed [rad/s] and samples.
-        region: lower, upper [m], rpy [rad] or None, points and starts.
+        region: lower, upper [m], rpy [rad] or None, points, starts, budget of each proven bound of σ, and
+            speed [m/s] or None.
         paths: name of each file -> its poses (P, 4, 4) [m] and times (P,) [s] or None.
         certified: width of the boxes [rad].
     """
@@ -89,7 +91,9 @@ class Asks:
     @property
     def measures(self) -> list[str]:
         """Names of the measures that result: the columns of the table."""
-        return [name for ask in ASKS if getattr(self, ask) is not None for name in _MEASURES[ask]]
+        names = [name for ask in ASKS if getattr(self, ask) is not None for name in _MEASURES[ask]]
+        speed = None if self.region is None else self.region.get("speed")
+        return [name for name in names if name != "slow_poses" or speed is not None]
 
 
 @dataclass(frozen=True)
@@ -268,6 +272,10 @@ def _speed(value: Any, where: str, measure: str) -> float:
     return speed
 
 
+def _region_speed(value: Any, where: str, measure: str) -> float | None:
+    return None if value is None else _speed(value, where, measure)
+
+
 def _width(value: Any, where: str, most: float) -> float:
     width = quantity(value, "angle", where=where)
     if not 0.0 < width <= most:
@@ -336,7 +344,8 @@ TABLES: dict[str, dict[str, Entry]] = {
     "region": {
         "lower": (_three, None, "length", "[x, y, z]"), "upper": (_three, None, "length", "[x, y, z]"),
         "rpy": (_three, None, "angle", "[roll, pitch, yaw]"), "points": (_whole_number, 40, 1, 100_000),
-        "starts": (_whole_number, 12, 1, 1000),
+        "starts": (_whole_number, 12, 1, 1000), "budget": (_whole_number, BUDGET, 0, 10_000_000),
+        "speed": (_region_speed, None, "length"),
     },
     "paths": {"files": (_files, None)},
     "certified": {"width": (_width, 0.2, 1.0)},

@@ -207,7 +207,7 @@ _MINORS = 60  # minors that are factored in search of a condition
 _ENOUGH = 6  # conditions that are compared
 
 
-def separated(
+def add_separating_condition(
     chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: list[Polynomial], work: Work
 ) -> ZeroSet | None:
     """The set with one more condition, which fails at some of the strays; None where none was found.
@@ -346,7 +346,7 @@ def _sharp(
     piece = tidy(drop.piece, work)
     found = reality(chain, piece, drop.rank, rng)
     for _ in range(_SEPARATED):
-        more = separated(chain, piece, drop.rank, found.strays, known, work)
+        more = add_separating_condition(chain, piece, drop.rank, found.strays, known, work)
         if more is None:
             break
         piece, found = more, reality(chain, more, drop.rank, rng)
@@ -354,7 +354,7 @@ def _sharp(
         return piece, found
     strays = special_strays(chain, piece, drop.rank)
     for _ in range(_SEPARATED):
-        more = separated(chain, piece, drop.rank, strays, known, work)
+        more = add_separating_condition(chain, piece, drop.rank, strays, known, work)
         if more is None:
             break
         piece, strays = more, special_strays(chain, more, drop.rank)

@@ -122,7 +122,7 @@ def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
         tree: of it, with letters; every system was looked into.
         plain: of the arm with numbers for its lengths.
     """
-    return tree.complete and plain.finished and covered(chain, tree, plain)
+    return tree.complete and plain.finished and covered_by_numeric_tree(chain, tree, plain)
 
 
 def splits(chain: Chain, tree: Tree) -> bool:
@@ -158,7 +158,7 @@ def with_equal_lengths(chain: Chain) -> Chain | None:
     return chain.with_letters(changed) if changed else None
 
 
-def covered(chain: Chain, tree: Tree, plain: Tree) -> bool:
+def covered_by_numeric_tree(chain: Chain, tree: Tree, plain: Tree) -> bool:
     """Whether every drop of the arm with numbers lies in one that was derived with letters.
 
     Args:

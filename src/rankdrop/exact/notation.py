@@ -466,7 +466,7 @@ class Text:
         if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
             whole = form.factors[0][0]
             text = self.sum([replace(part, number=form.number * part.number) for part in whole.parts])
-            return text if self.most is None or len(text) <= self.most else f"[{held(whole)}]"
+            return text if self.most is None or len(text) <= self.most else f"[{describe_sum(whole)}]"
         return self.sum([form])
 
     def fraction(self, above: Product, below: Product) -> str:
@@ -494,13 +494,13 @@ class Text:
         if isinstance(factor, Sum):
             text = f"({self.sum(factor.parts)})"
             if self.most is not None and len(text if power == 1 else self.power(text, factor, power)) > self.most:
-                text = f"[{held(factor)}]"
+                text = f"[{describe_sum(factor)}]"
         else:
             text = self.symbol(factor) if isinstance(factor, Symbol) else self.wave(factor)
         return text if power == 1 else self.power(text, factor, power)
 
 
-def held(factor: Factor) -> str:
+def describe_sum(factor: Factor) -> str:
     """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
     inside = [*_leaves(factor)]
     waves = [one for one in inside if isinstance(one, Wave)]

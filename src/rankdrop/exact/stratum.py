@@ -10,10 +10,10 @@ lengths alone decide its variable. Every step is a proof, as long as one more eq
 only whether an equation itself is among the atoms of a condition is seen. Factors in lengths alone are taken for ≠ 0:
 `assumed` holds them by their text, one record for all strata of a derivation.
 
-`taken_apart` writes a polynomial on a stratum as a product of conditions, each one trigonometric polynomial. Factors
-are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to cos θ.
-Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of each
-piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
+`factor_on_stratum` writes a polynomial on a stratum as a product of conditions, each one trigonometric polynomial.
+Factors are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to
+cos θ. Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of
+each piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def atoms_on(piece: ZeroSet, condition: Equality, assumed: Assumed | None = None
         parts = [_restricted(piece, atom, assumed) for atom in condition.atoms]
     else:
         here = piece.ring.at(condition.whole, piece.pins)
-        parts = [None if here == 0 else _put_in(piece, piece.ring.to_half(here), assumed)]
+        parts = [None if here == 0 else _substitute_solutions(piece, piece.ring.to_half(here), assumed)]
     for part in parts:
         if part is None:
             return None
@@ -179,9 +179,9 @@ def meet(piece: ZeroSet, atom: Atom, assumed: Assumed) -> list[ZeroSet]:
     if _never(piece, atom):
         return []
     if atom.pinned:
-        return _again(piece, {**piece.pins, atom.joint: atom.value}, piece.equations, assumed)
+        return _rebuild_set(piece, {**piece.pins, atom.joint: atom.value}, piece.equations, assumed)
     if _root(piece.ring, atom.f) is not None:
-        return _again(piece, piece.pins, piece.equations, assumed, atom.f)
+        return _rebuild_set(piece, piece.pins, piece.equations, assumed, atom.f)
     if any(_contradict(piece.ring, atom.f, f, assumed) for f in piece.equations):
         return []
     return [_with_equations(piece, piece.pins, (*piece.equations, atom.f))]
@@ -214,7 +214,7 @@ def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> S
         pins = {j: value for j, value in piece.pins.items() if degrees[ring.index[f"t{j}"]]}
         if not pins and not any(degrees[one.place] for one in piece.solved):
             return (atom,)
-        return _put_in(piece, ring.form(atom.f).at(pins), assumed)
+        return _substitute_solutions(piece, ring.form(atom.f).at(pins), assumed)
     here = piece.pins.get(atom.joint)
     if here is not None:
         return None if here == atom.value else ()
@@ -235,7 +235,7 @@ def _inside(piece: ZeroSet, other: ZeroSet) -> bool:
     )
 
 
-def _again(
+def _rebuild_set(
     piece: ZeroSet, pins: Mapping[int, str], equations: Sequence[Polynomial], assumed: Assumed, *solving: Polynomial
 ) -> list[ZeroSet]:
     """A piece put together anew with more joints pinned, or another variable solved."""
@@ -271,7 +271,7 @@ def _contradict(ring: Ring, f: Polynomial, g: Polynomial, assumed: Assumed) -> b
     return True
 
 
-def _put_in(piece: ZeroSet, form: Form, assumed: Assumed | None) -> list[Atom] | None:
+def _substitute_solutions(piece: ZeroSet, form: Form, assumed: Assumed | None) -> list[Atom] | None:
     """The atoms of a form without the pinned joints, the solved variables put in; None where it is zero."""
     f, degrees = form.f, list(form.degrees)
     for one in piece.solved:
@@ -343,7 +343,7 @@ class Product:
     letters: tuple[Polynomial, ...]
 
 
-def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
+def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
     """The factors of a trigonometric polynomial on a stratum, short ones first; None where it vanishes on a piece."""
     ring = stratum.ring
     p = stratum.short(p)

@@ -26,7 +26,7 @@ from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
-from rankdrop.exact.stratum import Product, Stratum, atoms_on, joined, taken_apart, vanishes
+from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, joined, vanishes
 from rankdrop.exact.writing import Value
 
 Columns = Sequence[Sequence[Polynomial]]
@@ -465,7 +465,7 @@ class _Derivation:
 
         for six, p in sorted(options, key=place):
             self.work.check()
-            product = taken_apart(stratum, p) if self.nowhere_zero(stratum, p) else None
+            product = factor_on_stratum(stratum, p) if self.nowhere_zero(stratum, p) else None
             if product is not None:
                 return Basic(six, product)
         return None
@@ -515,7 +515,7 @@ class _Derivation:
 
     def at(self, case: Case, obstacle: Obstacle | None) -> Case:
         """Split a case at the zeros of a minor."""
-        product = taken_apart(case.stratum, obstacle.minor) if obstacle is not None else None
+        product = factor_on_stratum(case.stratum, obstacle.minor) if obstacle is not None else None
         if product is None or not product.factors:
             return self.apart(case)
         self.assume(product)

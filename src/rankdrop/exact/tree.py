@@ -429,7 +429,7 @@ def _by_rank(columns: list[list[Polynomial]], piece: ZeroSet, work: Work) -> Ite
         if remaining is None or atom.value == "pi":
             continue  # sets with a further joint at π have been taken apart from this one
         whole = remaining
-        inside, remaining = whole.parted(zero_where(ring, atom), atom.f)
+        inside, remaining = whole.split_by_zero(zero_where(ring, atom), atom.f)
         if inside is None:
             continue
         for part in pinned(whole, atom.joint, atom.value, work, whole.codimension) if atom.pinned else (inside,):

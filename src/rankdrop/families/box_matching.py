@@ -149,7 +149,7 @@ _STEPS = 12  # of Newton's method
 _SUBSETS = 20  # of a family's equations that are walked by
 
 
-class Explainer:
+class FamilyBoxes:
     """Families of one arm in the variables of a covering.
 
     Args:

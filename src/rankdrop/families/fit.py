@@ -23,7 +23,7 @@ from rankdrop.families.inspection import (
     candidates,
     independent,
     inspect,
-    polished,
+    verify_points,
 )
 from rankdrop.families.library import (
     FitProblem,
@@ -41,10 +41,10 @@ from rankdrop.families.row import (
     boxes,
     clusters,
     completed,
-    elsewhere,
     on_any,
     on_row,
     sharp_values,
+    solve_at_special_values,
 )
 from rankdrop.families.searching import refine
 from rankdrop.family.equation import Equation, Mask, System, Term, normalised
@@ -272,7 +272,7 @@ class FamilyPoints:
         found = refine(
             problem.robot, self.q[base] + way, problem.corank, task=problem.task, tolerances=problem.tolerances
         )
-        inspection = inspect(problem, polished(problem, found.converged))
+        inspection = inspect(problem, verify_points(problem, found.converged))
         same = np.array([one == self.row.signature for one in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, problem.rank] <= 1e-12
         same &= (np.abs(self.row.linear.away(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)
@@ -448,7 +448,7 @@ def _strangers(source: FamilyPoints, equations: Sequence[Equation]) -> tuple[int
         if len(strangers):
             return tested, strangers
     for _ in range(ROUNDS if tested else 0):
-        _, strangers = elsewhere(problem, row, {}, source.rng)
+        _, strangers = solve_at_special_values(problem, row, {}, source.rng)
         if len(strangers):
             break
     return tested, strangers

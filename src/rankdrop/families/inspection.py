@@ -234,7 +234,7 @@ Numbers = NDArray[Any]
 """An array of `flint.arb`."""
 
 
-def polished(problem: Problem, q: Array, iterations: int = 8) -> Array:
+def verify_points(problem: Problem, q: Array, iterations: int = 8) -> Array:
     """Singular points driven on to σ ≤ 1e-15: signatures of arms that are nearly special need it."""
     if not len(q):
         return q
@@ -300,7 +300,7 @@ def near_misses(
             _, others = explained(Cloud(points.robot, points.task, q, np.full(len(q), corank)), families)
             return ~np.isin(np.arange(len(q)), others)
 
-        mistakes, lowest = not_singular(problem, polished(problem, points.q[mine]), on_family)
+        mistakes, lowest = not_singular(problem, verify_points(problem, points.q[mine]), on_family)
         wrong.append(mine[mistakes])
         least = min(least, lowest)
     return np.concatenate(wrong), least

@@ -564,7 +564,7 @@ REGULAR = 1e-2
 """σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
 
 
-def elsewhere(
+def solve_at_special_values(
     problem: Problem, row: Row, marks: Mapping[int, Sequence[float]], rng: np.random.Generator
 ) -> tuple[int, Array]:
     """Solve a row's equations with some of their joints held at special values.

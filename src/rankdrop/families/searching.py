@@ -61,7 +61,7 @@ LOWEST = 32
 """Near misses that are looked at more closely: those of the smallest σ."""
 _FINISHED = 4  # so many at a time are brought down to the end
 _SAME = 4  # decimals to which all singular values of two near misses agree where they are one minimum
-_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
+_DIGITS = 6  # of what it comes down to: the rest depends on the library of linear algebra
 
 
 Progress = Callable[[int, int], None]
@@ -189,14 +189,14 @@ class Search:
         if self.method != "lm":
             return float(self.sigma[lowest[0], self.rank])
         own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
-        q, sigma = to_the_ground(own, into_units(self.robot, self.q[lowest[:LOWEST]]))
+        q, sigma = descend_to_minimum(own, into_units(self.robot, self.q[lowest[:LOWEST]]))
         order = np.argsort(sigma[:, self.rank], kind="stable")
         order = order[sigma[order, self.rank] > self.tolerances.singular]  # others were on a saddle on the way to zero
         q, sigma = q[order], sigma[order]
         if not len(q):
             return None
         if self.rank == sigma.shape[1] - 1:
-            return float(sigma[0, self.rank])
+            return float(f"{sigma[0, self.rank]:.{_DIGITS}g}")
         _, members = np.unique(np.round(sigma, _SAME), axis=0, return_index=True)
         q = q[np.sort(members)]  # often all of them are one minimum, met again and again
         quick = brought_down(own, q, iterations=60, effort=3)
@@ -382,7 +382,7 @@ def _followed(problem: Problem, parts: list[_Part]) -> None:
     places = sorted(places, key=lambda place: float(place[0][1][place[1], problem.rank]))[:LOWEST]
     if not places:
         return
-    q, sigma = to_the_ground(problem, np.array([part[0][row] for part, row in places]))
+    q, sigma = descend_to_minimum(problem, np.array([part[0][row] for part, row in places]))
     for (part, row), at, values in zip(places, q, sigma, strict=True):
         if values[problem.rank] <= problem.tolerances.singular:
             part[0][row], part[1][row], part[2][row] = at, values, Outcome.CONVERGED
@@ -465,7 +465,7 @@ def _assemble(
     )
 
 
-def to_the_ground(problem: Problem, q: Array) -> tuple[Array, Array]:
+def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Where the descents from (N, n) configurations end, known as well as `Tolerances.stationary` says, and σ there."""
     told = problem.tolerances
     settings = _core.SearchSettings(

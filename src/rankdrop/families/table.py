@@ -9,9 +9,9 @@ derivation finished, conditions are fitted to the cloud:
    equations of coupled joints are fitted.
 
 Both kinds of rows are tested in the same way. Soundness: the equations are solved from random starts and the rank is
-taken; a fitted row that fails there is dropped. Then they are solved at special places (`elsewhere`); solutions there
-that are regular are counted, and make the row unsound for everyone to see. Completeness: fresh points from another
-seed, none of which was used before, lie on the rows or are listed as a family without a name.
+taken; a fitted row that fails there is dropped. Then they are solved at special places (`solve_at_special_values`);
+solutions there that are regular are counted, and make the row unsound for everyone to see. Completeness: fresh points
+from another seed, none of which was used before, lie on the rows or are listed as a family without a name.
 
 Last the posture in which a family is shown: one of its members that people would choose, see `rankdrop.local.fault`.
 """
@@ -26,15 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.fit import find_rows
-from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, polished
+from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
 from rankdrop.families.row import (
     Linear,
     Membership,
     Row,
-    elsewhere,
     membership,
     on_any,
     row_of,
+    solve_at_special_values,
     soundness,
     stated_row,
     witness,
@@ -108,7 +108,7 @@ def families(
         return replace(inner, families=outer)
     report = progress or (lambda done, total: None)
     problem = cloud.problem
-    points = polished(problem, cloud.converged)
+    points = verify_points(problem, cloud.converged)
     inspection = inspect(problem, points, signatures=known is None)
     cover = membership(problem, points)
     if known is None:
@@ -119,7 +119,7 @@ def families(
     tested = _tested(problem, rows, inspection, cover, seed)
     kept = list(tested)
     report(60, STEPS)
-    others = polished(problem, _fresh(cloud, inspection, seed, threads, fresh))
+    others = verify_points(problem, _fresh(cloud, inspection, seed, threads, fresh))
     checked = inspect(problem, others, signatures=False)
     report(80, STEPS)
     new = membership(problem, others)
@@ -131,7 +131,7 @@ def families(
     )
     for mask, mistakes in zip(left, np.split(wrong, [int(left[0].sum())]), strict=True):
         mask[mask] = ~mistakes
-    rest = leftovers(problem, inspection, left[0], checked, left[1])
+    rest = unexplained_families(problem, inspection, left[0], checked, left[1])
     share = Check(int(((checked.exact & on_rows) | left[1]).sum()), int((checked.exact & on_rows).sum()))
     listed = []
     for count, row in enumerate(kept if known is not None else sorted(kept, key=_order)):
@@ -186,7 +186,7 @@ def _tested(
         fitted_badly = row.family is None and not sound.holds
         if fitted_badly or (not len(points) and (row.family is None or problem.limits)):
             continue
-        count, regular = elsewhere(problem, stated, marks, rng)
+        count, regular = solve_at_special_values(problem, stated, marks, rng)
         whole = Check(sound.tested + count, sound.agree + count - len(regular))
         found[row] = (whole, points, room)
     return found
@@ -331,7 +331,7 @@ Shape = tuple[bool, int, Joints, Joints, Joints]
 """Regular or not; rank of D; joints pinned, free, coupled."""
 
 
-def leftovers(
+def unexplained_families(
     problem: Problem, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
 ) -> list[tuple[Family, int]]:
     """Families without a name: the points of exactly this corank that are left, grouped by the shape of their tangent.

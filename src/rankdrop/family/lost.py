@@ -14,6 +14,8 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Frame, Task
 from rankdrop.units import counted_length, given_exponent, shifted
 
+_DECIMALS = 10
+
 
 class MotionKind(StrEnum):
     """What a lost direction u = (v; ω) takes away.
@@ -33,7 +35,7 @@ class LostFreedom:
 
     Attributes:
         direction: u = (v; ω), a unit vector in `frame`: u · (vx vy vz ωx ωy ωz) = 0 for every twist the joints can
-            make, `length` counted as 1 rad [1].
+            make, `length` counted as 1 rad [1]; ten decimals, which are the same with every library of linear algebra.
         frame: axes and reference point [m].
         everywhere: whether u is the same, in this frame, on the whole family; else it is that of the witness.
         length: see `rankdrop.units.counted_length` [m].
@@ -43,6 +45,9 @@ class LostFreedom:
     frame: Frame
     everywhere: bool
     length: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", tuple(round(x, _DECIMALS) + 0.0 for x in self.direction))
 
     @property
     def kind(self) -> MotionKind:
@@ -81,7 +86,7 @@ def freedoms_of(robot: Robot, framed: FramedDirections, *, everywhere: bool) -> 
     """
     x, y, z = (shifted(part, given_exponent(robot)) for part in framed.frame.point)
     frame, length = replace(framed.frame, point=(x, y, z)), counted_length(robot)
-    return tuple(LostFreedom(tuple(row), frame, everywhere, length) for row in (framed.directions + 0.0).tolist())
+    return tuple(LostFreedom(tuple(row), frame, everywhere, length) for row in framed.directions.tolist())
 
 
 def freedoms_at_witness(robot: Robot, q: Array, task: Task, corank: int) -> tuple[LostFreedom, ...]:

@@ -534,7 +534,7 @@ def _on_cluster(job: Job, chunks: list[int], address: str) -> Generator[Made, No
     try:
         client = distributed.Client(address, timeout=10)
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: encryption is required, and not used
-        raise OptionError("no scheduler answers", where="--scheduler", got=address,
+        raise OptionError("no scheduler answers", where="scheduler", got=address,
                           allowed="a Dask scheduler: tcp://HOST:8786 or tls://HOST:8786") from error  # fmt: skip
     try:
         plan = client.scatter(job.plan, broadcast=True, hash=False)

@@ -135,7 +135,7 @@ def figure_names(content: Content, wanted: Sequence[str] = ()) -> list[str]:
     names = {name: (name, name.split("-")[0]) for name in every_figure(content)}
     for one in wanted:
         if not any(one in known for known in names.values()):
-            raise OptionError("this arm has no such figure", where="--figure", got=one, allowed=", ".join(names))
+            raise OptionError("this arm has no such figure", where="figure", got=one, allowed=", ".join(names))
     return [name for name, known in names.items() if not wanted or set(known) & set(wanted)]
 
 
@@ -152,7 +152,7 @@ def check_figures(analysis: Analysis, wanted: Sequence[str]) -> None:
         kind, _, family = name.partition("-")
         if kind not in KINDS or (family and family not in ids):
             allowed = ", ".join(KINDS) + ", each with -FAMILY (lines-k1.f1) or without"
-            raise OptionError("there is no such figure", where="--figure", got=name, allowed=allowed)
+            raise OptionError("there is no such figure", where="figure", got=name, allowed=allowed)
 
 
 def figures(content: Content, names: Sequence[str], format: str) -> Iterator[tuple[str, bytes]]:

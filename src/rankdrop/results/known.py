@@ -174,11 +174,11 @@ def _named_after(analysis: Analysis, robot: Robot) -> Analysis:
     pairs = zip(robot.joints, analysis.robot.joints, strict=True)
     moved = np.abs(robot.home - analysis.robot.home).max() > _SAME
     if moved or any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
-        families = tuple(_retold(family, robot, analysis.task) for family in families)
+        families = tuple(_lost_in_these_frames(family, robot, analysis.task) for family in families)
     return replace(analysis, robot=robot, families=families)
 
 
-def _retold(family: Family, robot: Robot, task: Task) -> Family:
+def _lost_in_these_frames(family: Family, robot: Robot, task: Task) -> Family:
     """The family with its lost motions for other link frames than those of the file."""
     at = np.array(family.witness)
     return replace(

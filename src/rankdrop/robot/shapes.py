@@ -198,7 +198,7 @@ def _package(name: str, file: Path, packages: dict[str, Path], where: str) -> Pa
     if folder is None:
         raise RobotError(
             "a package is not found", where=where, got=repr(name), allowed=f"a package of this name {PLACES}",
-            mend=f"--package {name}=FOLDER",
+            mend=f"packages={{{name!r}: FOLDER}}", typed=f"--package {name}=FOLDER",
         )
     packages[name] = folder
     return folder

@@ -62,14 +62,16 @@ JACOBIAN_FILE = file(
     checks=many(CHECKS),
     holds=(bool, "whether every check does"),
 )
-UNITS = {"families": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share", "path_sigma": "1",
-         "path_distance": "rad", "paths_free": "share", "free": "share"}  # fmt: skip
+UNITS = {"families": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share", "slow_poses": "share",
+         "path_sigma": "1", "path_distance": "rad", "paths_free": "share", "free": "share"}  # fmt: skip
 MEANINGS = {
     "families": "number of families of every corank",
     "near": "share of the joint space near any family",
     "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
-    "sigma": "over the region: smallest, over its poses, of the σ of the best posture found",
+    "sigma": "over the region: smallest, over its poses, of the σ of the best posture, with its proven bounds",
     "reached": "share of the region's poses for which a posture was found",
+    "slow_poses": "share of the region's poses reached at which some straight motion of the tool is slow, in every "
+    "posture found",
     "path_sigma": "smallest σ on the paths",
     "path_distance": "smallest distance from a singular configuration on the paths",
     "paths_free": "share of the paths proven free as a whole",
@@ -119,15 +121,33 @@ ARMS_SLOW = table(
     samples=Positive,
     hits=(str, "which configurations are slow, as those of near"),
 )
+SLOW_POSES = table(
+    "slow_poses",
+    slower_than=num("m/s", gt=0),
+    share=(num("1", ge=0, le=1), "of the poses reached"),
+    interval=(row(num("1"), 2), "95 %, by Wilson's rule"),
+    bound=(bool, "true: the share may be larger"),
+    reached=Positive,
+    seed=Count,
+    poses=(Positive, "of the region, uniform in the box"),
+    hits=(str, "which poses are slow, as those of near"),
+)
 REGION = table(
     "region",
     poses=int,
     reached=int,
     each=(optional(many(num("1") | None)), "σ of the best posture at each pose; null where none was found"),
     lowest=num("1") | None,
-    sigma=num("1") | None,
+    sigma=(num("1") | None, "smallest σ of a best posture found"),
     at=many(num("m")) | None,
     q=many(num("joint")) | None,
+    sigma_lower=(optional(num("1") | None), "proven: σ of the best posture is at least this at every pose of the box"),
+    sigma_upper=(optional(num("1") | None),
+        "proven: σ of the best posture is at most this at some pose of the box; null where nothing is proven"),
+    covered=(optional(bool | None), "every pose of the box is proven to be reached"),
+    narrow=(optional(bool | None), "the two bounds are near each other; else their budget was spent"),
+    slow=optional(SLOW_POSES | None),
+    tested=(optional(int | None), "cells of the box and boxes of joint space tested"),
 )
 ARMS_PATH = table(
     "arms_path",

@@ -1,4 +1,3 @@
-from .brief import FULL as FULL
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line
 from .brief import assumed_line as assumed_line

@@ -14,11 +14,12 @@ from rankdrop.families.share import Near
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.lost import LostFreedom
 from rankdrop.family.record import Family, Pin, short_name
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.conditions import SHIPPED, angles_text, condition_lines, values_in_degrees
+from rankdrop.text.conditions import angles_text, condition_lines, shipped_line, values_in_degrees
 from rankdrop.text.families import (
     exact_conditions,
     joints_named,
@@ -33,7 +34,6 @@ from rankdrop.text.families import (
 from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.text.words import listing
 
-FULL = "--full"
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
 
 
@@ -161,7 +161,8 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
     """Each of several arms in a line: its families by corank, or what could not be measured."""
     lines = tuple(f"{name}: {_measured(one)}" for name, one in zip(names, records, strict=True))
-    return Section("Families", lines=lines, notes=(f"every family with its share, and how it was verified: {FULL}",))
+    more = f"every family with its share, and how it was verified: {advised('full')}"
+    return Section("Families", lines=lines, notes=(more,))
 
 
 def _measured(record: Mapping[str, Any]) -> str:
@@ -187,5 +188,20 @@ def assumed_line(conditions: Any) -> str:
 
 def more_line(seconds: float | None = None) -> str:
     """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
-    more = f"All conditions, lost motions and tests: {FULL}."
-    return f"{more} {SHIPPED}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+    more = f"All conditions, lost motions and tests: {advised('full', python='print(result)')}."
+    return f"{more} {shipped_line()}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+
+
+def sigma_note(variants: int, wide: int, uncovered: int) -> str:
+    """What the proven bounds of σ over a region say of a comparison: how many are wide, or have no lower bound."""
+    note = "; a variant is worse only where its upper bound is below the lower bound of another"
+    if wide:
+        note += f"; {wide:,} of {variants:,} intervals stayed wide within their budget and exclude little"
+    if uncovered:
+        note += f"; for {uncovered:,} it is not proven that every pose is reached: the lower bound is 0"
+    return note
+
+
+def slow_poses_note(speed: float, width: float) -> str:
+    """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
+    return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"

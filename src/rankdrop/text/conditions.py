@@ -34,6 +34,7 @@ from rankdrop.family.summary import (
     Verdict,
     summarised,
 )
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
@@ -47,8 +48,6 @@ _LONGEST = 600  # a longer condition is for programs
 _UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
 _ALIKE = 2  # sets that are not real for the same reason of which more are only counted
 _LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
-SHIPPED = f"As shipped with rankdrop {VERSION}; --fresh derives it anew."
-"""What is printed in place of the time that a derivation took."""
 _METHOD = {
     "suppression": "dependent-screw suppression", "singular-vector": "the singular vector",
     **{name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")},
@@ -137,7 +136,7 @@ def _determinants(conditions: Any) -> Iterator[Section]:
         minors = conditions.determinants
         title = "Determinant" if len(minors.minors) == 1 or minors.product else "Minors"
         folded = any(step.whole for step in conditions.steps) or minors.folded()
-        notes = ("what is folded here is whole with --steps-out and --json",) if folded else ()
+        notes = (f"the whole of it: {advised('steps-out', 'FILE', python='steps_text(conditions)')}",) if folded else ()
         yield Section(title, "", tuple(minors.lines()), notes=notes)
 
 
@@ -176,7 +175,7 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
     notes = (
         _LEGEND if texts else "",
         lost_note(conditions.robot, [one for family in conditions.families for one in family.lost_freedoms]),
-        "decimals are shown with six digits; --python, --c and --json have all of them" if decimals else "",
+        _all_digits() if decimals else "",
         f"nothing is said about coranks above {last}: they were not asked for" if last < r else "",
     )
     if any(notes):
@@ -225,7 +224,7 @@ def condition_lines(family: ExactFamily) -> list[str]:
     parts = ["; ".join(pin.text() for pin in family.pins)] if family.pins else []
     for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
-        whole = "whole with --latex, --python, --c, --json"
+        whole = f"whole with {advised('latex', python='latex()')}, {advised('json', python='to_dict()')}"
         parts.append(text if len(text) <= _LONGEST else f"a condition on {on}, {len(text):,} characters long ({whole})")
     line = "; ".join(parts)
     return [Formula(part) for part in ([line] if len(line) <= _TOGETHER else parts)]
@@ -242,12 +241,14 @@ def _assumed(conditions: Any) -> Iterator[Section]:
             lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
     others = [one.text for one in conditions.assumptions if one.holds and not one.words]
     if others:
-        more = "" if conditions.settings.special else " (--special derives arms with other lengths)"
+        more = "" if conditions.settings.special else f" ({advised('special')} derives arms with other lengths)"
         short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
         number = len(others) - len(short)
         lines.append(f"true here; what happens otherwise was not derived{more}:")
         lines += [Formula(f"    {text}") for text in short]
-        lines += [f"    and {number} more polynomials in the lengths (all of them with --json)"] if number else []
+        if number:
+            every = advised("json", python="to_dict()")
+            lines.append(f"    and {number} more polynomials in the lengths (all of them: {every})")
     if lines:
         yield Section("Assumptions on the lengths", "", tuple(lines))
 
@@ -288,14 +289,15 @@ def _checks(conditions: Any) -> Iterator[Section]:
     if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
         lines.append(f"corank 1 derived twice: rank tree and {_method(conditions)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
-    lines.append(SHIPPED if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
+    lines.append(shipped_line() if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
 
 
 def _unfinished(conditions: Any) -> Iterator[Section]:
     if conditions.left:
         limit = f"the limit is {conditions.settings.seconds:g} s of processor time, half of it for the counted work"
-        more = f"; {limit}, and a longer --time-limit may finish it" if conditions.limited else ""
+        longer = advised("time-limit", "…", python="seconds=…")
+        more = f"; {limit}, and a longer {longer} may finish it" if conditions.limited else ""
         ended = f"the exact derivation ended after {conditions.seconds:.1f} s{more}"
         yield Section("Not finished", ended, tuple(conditions.left))
 
@@ -333,6 +335,15 @@ _EVIDENCE: dict[tuple[str, ...], Evidence] = {
 """Claims of a verdict -> how the families were verified."""
 
 
+def shipped_line() -> str:
+    """What is printed in place of the time that a derivation took."""
+    return f"As shipped with rankdrop {VERSION}; {advised('fresh')} derives it anew."
+
+
+def _all_digits() -> str:
+    return f"decimals are shown with six digits; {advised('json', python='to_dict()')} has all of them"
+
+
 def sections_of(conditions: Any) -> tuple[Section, ...]:
     """The answer and how it was verified, then the conditions."""
     first, second = conditions.verdict.beside(conditions.answer)
@@ -350,7 +361,8 @@ def opening(summary: FamilySummary) -> str:
     1 (rank 3)."
     """
     if not summary.ranks:
-        return f"{summary.arm}: no family of singularities was found."
+        so_far = " so far" if summary.evidence is Evidence.NONE else ""
+        return f"{summary.arm}: no family of singularities was found{so_far}."
     first, *others = summary.ranks
     parts = [f"{_names(first)} (rank {first.rank})"]
     for before, one in zip(summary.ranks, others, strict=False):

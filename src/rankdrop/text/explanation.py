@@ -28,6 +28,7 @@ from rankdrop.local.nearest import Nearest
 from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
+from rankdrop.options import advised
 from rankdrop.results.explanation import Explanation, Summary
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
@@ -179,7 +180,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     name, parts = facts["name"], parts_words(summary.place)
     for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
         facts["name"] = here
-        facts["lost"] = _motions_words(summary.lost, shown) if summary.lost else "see --full"
+        facts["lost"] = _motions_words(summary.lost, shown) if summary.lost else f"see {advised('full')}"
         words = [text.format_map(facts) for text in (what, lost, way, sure)]
         lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
                  f"Verified: {size}{words[3]}.")  # fmt: skip
@@ -284,7 +285,7 @@ def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence
 def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
     hint = degrees_hint(explanation.q, explanation.robot)
     if hint is not None:
-        yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+        yield Section("Degrees?", "", (f"{hint}; {advised('deg', python='np.radians(q)')} reads them as degrees",))
     first, *lines = summary_lines(explanation)
     what = (*_never_lines(explanation), *_warnings(explanation, full))
     yield Section(first, "", (*lines, *what), tone=TONE[explanation.verdict])
@@ -300,7 +301,8 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
     if other is not None:
         here = at(robot, explanation.q, other, explanation.here.tolerances).measured
         verdict = "singular" if here.corank else "regular"
-        words = POINTING_HERE.format(name=other.name, verdict=verdict, rank=here.rank, r=here.generic_rank)
+        asked = advised("task", other.name)
+        words = POINTING_HERE.format(task=asked, verdict=verdict, rank=here.rank, r=here.generic_rank)
         yield f"{NEVER_TURNS.format(robot.n)}. {words}."
     elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
         motions = _motions_words(explanation.lost.never.tolist())
@@ -659,7 +661,8 @@ def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
     rows = tuple((angle(one.distance), f"{one.family.name} (corank {one.family.corank})") for one in far.families)
     if lines or rows:
         columns = ("distance", "family") if rows else ()
-        yield Section(_how_far(explanation), "", tuple(lines), columns, rows, (0, 1), notes=(MORE_NEAREST,))
+        more = MORE_NEAREST.format(advised("full"))
+        yield Section(_how_far(explanation), "", tuple(lines), columns, rows, (0, 1), notes=(more,))
 
 
 def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:
@@ -816,7 +819,13 @@ def _place(explanation: Explanation, _: bool) -> Iterator[Section]:
     yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)),))
 
 
-_MORE = "more with --full: joint rates, failures, σ and angles, circuits, redundancy, …"
+def _more(_: Explanation, full: bool) -> Iterator[Section]:
+    """What else there is, where it is not printed."""
+    if not full:
+        there = "joint rates, failures, σ and angles, circuits, redundancy, …"
+        yield Section("", "", notes=(f"more with {advised('full')}: {there}",))
+
+
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "summary": _summary,
     "which": _which,
@@ -837,7 +846,7 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
         if explanation.disagreements else ()
     ),
     "place": _place,
-    "more": lambda _, full: iter(() if full else (Section("", "", notes=(_MORE,)),)),
+    "more": _more,
 }
 """Every part by its name, in order."""
 DETAILS = frozenset(

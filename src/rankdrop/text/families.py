@@ -25,6 +25,7 @@ from rankdrop.families.distance import nearest_turns
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
+from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
@@ -202,7 +203,8 @@ def condition_text(equation: Equation) -> str:
     """One condition for reading; a very long one is only counted."""
     if len(equation.terms) <= _MOST_TERMS:
         return f"{equation.pretty()} = 0"
-    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
+    joints, every = ", ".join(map(str, equation.joints)), advised("json", python="to_dict()")
+    return f"fitted: {len(equation.terms)} terms on joints {joints} (all of them: {every})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -364,7 +366,8 @@ def folded(robot: Robot, rows: Sequence[Family]) -> str:
     parts += [f"{others:,} of other kinds"] * (others > 0)
     unsound = sum(map(_unsound, rows))
     sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
-    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them with --all."
+    every = advised("all", python="to_dict()")
+    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them: {every}."
 
 
 def _unsound(row: Family) -> bool:
@@ -416,7 +419,7 @@ def exact_conditions(row: Family, derivation: Derivation | None) -> str:
 
 def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
-    whole = "whole with --json, or with `rankdrop conditions --latex`"
+    whole = f"whole with {advised('json', python='to_dict()')}"
     return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
 
 

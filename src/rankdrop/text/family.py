@@ -13,7 +13,7 @@ def sections_of(family: Family) -> tuple[Section, ...]:
     """For notebooks: what the family asks of each joint, what is lost, how it was tested."""
     slides = _slides(family)
     stands = {one.number: (f"joint {one.number}, {one.joint}",
-                           " or ".join(_stands(value, one.number in slides) for value in one.values))
+                           " or ".join(_format_value(value, one.number in slides) for value in one.values))
               for one in family.pinned}  # fmt: skip
     stands |= {number: (f"joint {number}", "any value") for number in family.free}
     stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
@@ -40,5 +40,5 @@ def _slides(family: Family) -> set[int]:
     return {*family.slides, *(number for one in powers for number, power in enumerate(one, start=1) if power)}
 
 
-def _stands(value: float, slides: bool) -> str:
+def _format_value(value: float, slides: bool) -> str:
     return (f"{value:.6g} m" if slides else f"{degrees(value):.5g}°").replace("-", "−")

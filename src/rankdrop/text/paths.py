@@ -14,6 +14,7 @@ import numpy as np
 
 from rankdrop.local.block import generic_rank
 from rankdrop.local.pointing import pointing_task, turn_follows
+from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
@@ -102,6 +103,11 @@ def evidence_words(stretch: Any, check: Any) -> str:
     return _EVIDENCE[stretch.evidence].format(
         condition=stretch.condition, rank=rank, sigma=stretch.closest.sigma, limit=check.tolerances.singular
     )
+
+
+def _remedies() -> str:
+    """What computes changes of a path."""
+    return advised("remedies", python="rankdrop.motion.mend_path")
 
 
 def branch_chosen(tool: Any) -> str:
@@ -267,7 +273,7 @@ def _never_lines(check: Any) -> Iterator[str]:
     if turn_follows(check.robot, check.task):
         yield f"{NEVER_TURNS.format(check.robot.n)}. {CHECKED_POINTING}."
     elif pointing_task(check.robot, check.task) is not None:
-        yield f"{NEVER_TURNS.format(check.robot.n)}. --task tool-axis-free checks position and tool axis."
+        yield f"{NEVER_TURNS.format(check.robot.n)}. {advised('task', 'tool-axis-free')} checks position and tool axis."
 
 
 def _branches_words(check: Any) -> str:
@@ -311,7 +317,8 @@ def _branches_section(check: Any, *, deg: bool) -> Section:
                   for x, joint in zip((one.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
         taken = f"{number} (taken)" if one.chosen else str(number)
         rows.append((taken, _branch_verdict(one, robot), ", ".join(one.posture) or "–", *values))
-    return Section("Branches", "by the configuration at pose 1, those first that people use; --start takes another",
+    other = f"by the configuration at pose 1, those first that people use; {advised('start', '…')} takes another"
+    return Section("Branches", other,
                    columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip
 
 
@@ -329,25 +336,29 @@ def _advice(check: Any) -> str:
         return "run the same command again"
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
-        return f"run it at {short(1 / worst, 2)} of the speed, or let --remedies compute a new time law or path"
+        return f"run it at {short(1 / worst, 2)} of the speed, or let {_remedies()} compute a new time law or path"
     if check.tool is not None and not check.tool.complete and turn_follows(check.robot, check.task):
-        return (f"{check.robot.n} joints reach few poses: --task tool-axis-free or --task position leave free what "
-                "they cannot do; explain --pose says how far a pose is out of reach")  # fmt: skip
+        axis, place = advised("task", "tool-axis-free"), advised("task", "position")
+        far = advised("pose", "…", python="rankdrop.inverse(arm, pose)")
+        return (f"{check.robot.n} joints reach few poses: {axis} or {place} leave free what they cannot do; "
+                f"explain with {far} says how far a pose is out of reach")  # fmt: skip
     if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
-        return "make the turn first, then run the command with --start at its end"
+        return f"make the turn first, then check the path again with {advised('start', '…')} at its end"
     branches = () if check.tool is None else check.tool.branches
     free = [(number, one) for number, one in enumerate(branches, start=1) if one.free and one.complete]
     if free and not any(one.chosen for _, one in free):
         number, one = free[0]
         start = ",".join(f"{x:.6g}" for x in one.start.tolist())
-        return f'branch {number} is free to the end: --start "{start}" (rad)'
+        taken = advised("start", f'"{start}"', python=f"start=[{start}]")
+        return f"branch {number} is free to the end: {taken} (rad)"
     if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
-        return "a larger --tip-tolerance and --turn-tolerance need fewer rows; or begin another file at that pose"
+        tip, turn = advised("tip-tolerance", "…"), advised("turn-tolerance", "…")
+        return f"a larger {tip} and {turn} need fewer rows; or begin another file at that pose"
     if check.verdict == "undecided":
-        return "a larger --evaluations may decide it"
+        return f"a larger {advised('evaluations', '…')} may decide it"
     if check.verdict == "crossing" and check.tool is None:
-        return f"{_joint_move(check)}; --remedies computes changes for a tool move"
-    return "--remedies computes changes that avoid it; --full prints every stretch"
+        return f"{_joint_move(check)}; {_remedies()} computes changes for a tool move"
+    return f"{_remedies()} computes changes that avoid it; {advised('full')} prints every stretch"
 
 
 def _joint_move(check: Any) -> str:
@@ -408,11 +419,11 @@ def path_sections(
     sections = [Section(first, lines=tuple(others), tone=tone)]
     met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
     if full or len(met) <= DESCRIBED:
-        lines = [line for one in met for line in _crossing_lines(one, check, deg=deg, full=full)]
+        lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
     else:
         lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
         more = f"and {len(met) - LISTED} more; " if len(met) > LISTED else ""
-        lines.append(f"{more}--full describes each of them")
+        lines.append(f"{more}{advised('full')} describes each of them")
     if lines:
         sections.append(Section("Singularities on the path", lines=tuple(lines)))
     if check.tool is not None and len(check.tool.branches) > 1:
@@ -425,7 +436,8 @@ def path_sections(
     return tuple(sections)
 
 
-def _crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+    """A stretch that is not free: what it reaches, where, and what is lost."""
     yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
     yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
@@ -892,6 +904,11 @@ def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: S
     yield from (f"{name}: {note}" for note in notes)
     if unused:
         yield f"{name}: not used: {', '.join(unused)}"
+
+
+def degrees_advice(hint: str) -> str:
+    """A hint that angles look like degrees, with what reads them so."""
+    return f"{hint}; {advised('deg')} reads them as degrees"
 
 
 DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"

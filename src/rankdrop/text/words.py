@@ -17,6 +17,7 @@ from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
 from rankdrop.local.ordered import Hunt, OrderedReport
 from rankdrop.local.ways_out import Escape
+from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
@@ -110,13 +111,13 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
 
 
-MORE_NEAREST = "the motion to each family, σ and the joint values: --full"
+MORE_NEAREST = "the motion to each family, σ and the joint values: {}"
 MOTION_TO_IT = "motion to it: {}"
 NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
 """What an arm of five joints cannot do."""
 CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"
 """The task that such an arm is checked for."""
-POINTING_HERE = "For position and tool axis (--task {name}) it is {verdict} here, rank {rank} of {r}"
+POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
 """What the pose alone leaves out."""
 NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"
 """What an arm with fewer freedoms than rows cannot do."""
@@ -156,6 +157,12 @@ def wrench_text(screw: Screw) -> str:
         return f"a torque about {along}"
     line = f"a force along {along} through {vector(screw.point)} m"
     return line if abs(screw.pitch) < _ZERO else f"{line} with {short(screw.pitch)} N m about it per N"
+
+
+def sweep_next() -> str:
+    """Last line of what a sweep begins with."""
+    every, maps = advised("all", python="sections(every=True)"), advised("html", "FILE", python="report.design_page")
+    return f"Next: {every} lists every variant, {maps} draws maps of the measures."
 
 
 def numbers(members: Sequence[int]) -> str:
@@ -215,8 +222,6 @@ _EDGE = {
     "one sign": "the tool is at an edge of its reach: it can go back, not on",
     "flat": "whether the tool is at an edge of its reach is not decided here",
 }
-SWEEP_NEXT = "Next: --all lists every variant, --html FILE draws maps of the measures."
-"""Last line of what a sweep begins with."""
 _LOST_TYPE = {
     1: "the tool moves along {which} only like the square of the joint motion",
     2: "the tool moves along {which} only after a motion of the joints that leaves it still",
@@ -340,7 +345,7 @@ def _tolerance_sentences(tolerant: Tolerant) -> Iterator[str]:
         yield f"no configuration can have more than {most} by this measure{reached}"
     else:
         yield f"where the best of them stands no worst case can be above {bound}"
-        yield f"by --relative, σ{tolerant.generic_rank} left / σ1, none anywhere can be above {most}"
+        yield f"by the relative measure, σ{tolerant.generic_rank} left / σ1, none anywhere can be above {most}"
     if tolerant.free:
         yield f"{FREE}: {plural('joint', len(tolerant.free))} {numbers(tolerant.free)} may take any value"
     if not tolerant.optimal:

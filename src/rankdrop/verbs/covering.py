@@ -23,15 +23,15 @@ from rankdrop.certify.covering import (
     batch_to_bytes,
     chunk_of,
     chunks_of,
+    classify_boxes,
     finished_leaves,
     load_covering,
-    looked_into,
     plan_of,
     put_together,
     write_covering,
 )
 from rankdrop.errors import OptionError
-from rankdrop.families.box_matching import Explainer, spots
+from rankdrop.families.box_matching import FamilyBoxes, spots
 from rankdrop.family.record import Family
 from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
@@ -224,12 +224,12 @@ def _account(
     found: Covering, robot: Robot, task: Task, families: tuple[Family, ...], source: str, threads: int, tell: Report
 ) -> Account:
     scale = joint_scale(robot, task)
-    explainer = Explainer(found, robot, families, scale)
+    explainer = FamilyBoxes(found, robot, families, scale)
     by_families, left, proven = explainer.all(lambda done, total: tell("boxes explained", done, total))
     open_ = np.flatnonzero(~proven)
-    judged, by = looked_into(
+    judged, by = classify_boxes(
         robot, task, found, left[open_], threads=threads,
-        near=lambda parts, halvings: Explainer(found, robot, families, scale, halvings).by(parts),
+        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).by(parts),
     )  # fmt: skip
     proven = proven.copy()
     proven[open_] = judged == 1

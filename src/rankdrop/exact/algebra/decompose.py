@@ -378,7 +378,7 @@ def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
         work.assume(letters)
     pieces: list[ZeroSet] = []
     for atom, _ in found.atoms:
-        inside, outside = one.parted(zero_where(ring, atom), atom.f) if one.several else (None, one)
+        inside, outside = one.split_by_zero(zero_where(ring, atom), atom.f) if one.several else (None, one)
         if inside is not None:
             pieces += pinned(one, atom.joint, atom.value, work, one.codimension) if atom.pinned else [inside]
         if outside is None:
@@ -456,7 +456,7 @@ def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
     pieces += _edges(one, work)
     pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
     zero = ring.trig_zero_set(f)
-    vanishing = [piece.parted(zero, f)[0] if piece.several else piece for piece in pieces]
+    vanishing = [piece.split_by_zero(zero, f)[0] if piece.several else piece for piece in pieces]
     return independent([piece for piece in vanishing if piece is not None and piece.half_vanishes(f)])
 
 

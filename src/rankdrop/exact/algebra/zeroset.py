@@ -186,17 +186,38 @@ class ZeroSet:
         if place >= len(self.rest):
             yield values
             return
-        own = self._own(place)
+        own = self._own(self._ordered, place)
         if own is None:
             return
         name = self.ring.names[own]
-        for root in roots(univariate(self.ring, self.rest[place], name, values), values.prime):
+        for root in roots(univariate(self.ring, self._ordered[place], name, values), values.prime):
             yield from self._towers(values.changed({name: root}), place + 1)
 
-    def _own(self, place: int) -> int | None:
-        """A variable of an unsolved condition that those before it are not in; None where there is none."""
-        before = {p for f in self.rest[:place] for p in used(f)} | {one.place for one in self.solved}
-        return next((p for p in used(self.rest[place]) if p < self.ring.moving and p not in before), None)
+    def _own(self, conditions: Sequence[Polynomial], place: int) -> int | None:
+        """A variable of one of some conditions that those before it are not in; None where there is none."""
+        before = {p for f in conditions[:place] for p in used(f)} | {one.place for one in self.solved}
+        return next((p for p in used(conditions[place]) if p < self.ring.moving and p not in before), None)
+
+    @cached_property
+    def _ordered(self) -> tuple[Polynomial, ...]:
+        """The unsolved conditions: two, then those that have a variable of their own each; as given without such two.
+
+        A short pair is preferred.
+        """
+        if len(self.rest) <= 2:
+            return self.rest
+        for pair in combinations(sorted(self.rest, key=len), 2):
+            ordered = list(pair)
+            waiting = [f for f in sorted(self.rest, key=len) if not any(f is one for one in pair)]
+            while waiting:
+                top = next((f for f in waiting if self._own([*ordered, f], len(ordered)) is not None), None)
+                if top is None:
+                    break
+                ordered.append(top)
+                waiting = [f for f in waiting if f is not top]
+            if not waiting:
+                return tuple(ordered)
+        return self.rest
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
         """Random points modulo primes, fewer than `count` where they are not met."""
@@ -245,7 +266,7 @@ class ZeroSet:
     @cached_property
     def _base(self) -> int:
         """How many unsolved conditions are solved together: three where the third has no variable of its own."""
-        return 3 if len(self.rest) > 2 and self._own(2) is None else 2
+        return 3 if len(self.rest) > 2 and self._own(self._ordered, 2) is None else 2
 
     def _spread(self, rng: random.Random, primes: Sequence[int]) -> list[Point] | None:
         """All points on slices in which two or three variables move and the others stand still at random.
@@ -258,7 +279,7 @@ class ZeroSet:
         Returns:
             None where three conditions have zeros on a slice that are not isolated: then a set is larger than thought.
         """
-        ring, first = self.ring, self.rest[: self._base]
+        ring, first = self.ring, self._ordered[: self._base]
         own = [{*self._moving(f)} for f in first]
         points: list[Point] = []
         for moving in combinations(sorted(set.union(*own)), len(first)):
@@ -282,7 +303,7 @@ class ZeroSet:
             if point is not None and self._chosen(point):
                 yield point
 
-    def parted(self, p: Polynomial, f: Polynomial) -> tuple[ZeroSet | None, ZeroSet | None]:
+    def split_by_zero(self, p: Polynomial, f: Polynomial) -> tuple[ZeroSet | None, ZeroSet | None]:
         """The sets among several on which a condition holds, and those on which it does not; None for no such set.
 
         Args:

@@ -7,8 +7,9 @@ arms that were searched by sampling: a change between them lies somewhere on the
 between two neighbours is not seen.
 
 Every variant is measured on the same random configurations and poses. So two variants are compared by paired
-differences: of a mean over samples, error² = Σ (d − mean d)²/N² with d the difference at each sample; of a minimum
-over poses, the jackknife. A measure that is not sampled has no error.
+differences: of a share of samples, error² = Σ (d − mean d)²/N² with d the difference at each sample. σ over a region
+has proven bounds: a variant is worse only where its upper bound is below the lower bound of another one. A measure that
+is neither sampled nor bounded has no error.
 """
 
 from __future__ import annotations
@@ -247,11 +248,15 @@ def deviations(record: Record, measure: str) -> Array:
         sampled = record.get(measure) or {}
         hits = np.frombuffer(bytes.fromhex(sampled.get("hits", "")), np.uint8)
         return _of_mean(np.unpackbits(hits)[: sampled.get("samples", 0)].astype(float))
-    each = (record.get("region") or {}).get("each")
-    if each is None or measure not in ("sigma", "reached"):
+    region = record.get("region") or {}
+    if measure == "slow_poses":
+        slow = region.get("slow") or {}
+        hits = np.frombuffer(bytes.fromhex(slow.get("hits", "")), np.uint8)
+        return _of_mean(np.unpackbits(hits)[: slow.get("poses", 0)].astype(float))
+    each = region.get("each")
+    if each is None or measure != "reached":
         return np.zeros(0)
-    values = np.array([np.nan if value is None else value for value in each])
-    return _of_mean(np.isfinite(values).astype(float)) if measure == "reached" else _of_minimum(values)
+    return _of_mean(np.array([value is not None for value in each], dtype=float))
 
 
 def _of_mean(values: Array) -> Array:
@@ -259,13 +264,14 @@ def _of_mean(values: Array) -> Array:
     return np.asarray((values - values.mean()) / len(values)) if len(values) else values
 
 
-def _of_minimum(values: Array) -> Array:
-    """Of the minimum over poses, NaN where a pose has no value: the jackknife."""
-    values = np.where(np.isfinite(values), values, np.inf)
-    first, second = np.partition(values, 1)[:2] if len(values) > 1 else (values[0], values[0])
-    without = np.full(len(values), first)  # the minimum without each pose in turn
-    without[values.argmin()] = second if np.isfinite(second) else first
-    return np.asarray(np.sqrt(1.0 - 1.0 / len(values)) * (without - without.mean()))
+def proven_bounds(record: Record, measure: str) -> tuple[float, float]:
+    """Lower and upper end of a measure: of σ over a region the proven ones, of others the value."""
+    if measure != "sigma":
+        value = float(record["measures"][measure])
+        return value, value
+    region = record.get("region") or {}
+    lower, upper = region.get("sigma_lower"), region.get("sigma_upper")
+    return 0.0 if lower is None else float(lower), float("inf") if upper is None else float(upper)
 
 
 def threshold(variants: int, measures: int = 1) -> float:
@@ -307,8 +313,9 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
 
     def better(name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
         """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
-        cost = np.array([one["measures"][name] for one in ranked]) * (1.0 if goals[name] == "less" else -1.0)
-        return _smaller(cost, spreads[name], beyond, rows, columns)
+        lower, upper = np.array([proven_bounds(one, name) for one in ranked]).T
+        low, high = (lower, upper) if goals[name] == "less" else (-upper, -lower)
+        return _smaller(low, high, spreads[name], beyond, rows, columns)
 
     def dominated(rows: Rows) -> NDArray[np.bool_]:
         """(R,) whether some variant dominates each of `rows`."""
@@ -329,11 +336,15 @@ def _blocks(rows: Rows) -> Iterator[Rows]:
     return (rows[first : first + BLOCK] for first in range(0, len(rows), BLOCK))
 
 
-def _smaller(cost: Array, spread: Array, beyond: float, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
-    """(R, C) whether each cost of `rows` is below each of `columns` by more than so many errors |z − z'|."""
-    gap = cost[None, columns] - cost[rows, None]
+def _smaller(
+    low: Array, high: Array, spread: Array, beyond: float, rows: Rows, columns: Rows
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(R, C) whether each cost of `rows` is below each of `columns`: its upper end `high` below their lower end `low`,
+    by more than so many errors |z − z'|."""
     if not spread.shape[1]:
-        return np.asarray(gap > 0.0)
+        return np.asarray(high[rows, None] < low[None, columns])
+    cost = low
+    gap = cost[None, columns] - cost[rows, None]
     first, second = spread[rows], spread[columns]
     square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1)[None, :] - 2.0 * first @ second.T
     rounding = 1e-9 * np.maximum(np.abs(cost[rows, None]), np.abs(cost[None, columns]))

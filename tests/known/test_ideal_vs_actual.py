@@ -16,9 +16,9 @@ from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.verbs.beside import Idealised, Nearby, here, idealised, nearby
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.explain import explain
+from rankdrop.verbs.ideal_vs_actual import Idealised, Nearby, here, idealised, nearby
 
 CALIBRATED = Path(__file__).parents[1] / "data" / "ur5_calibrated.toml"
 

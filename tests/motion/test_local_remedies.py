@@ -156,10 +156,10 @@ def test_the_bound_that_would_do_is_named_and_does() -> None:
     tight = mend_path(found, kinds=("bump",), bump=np.radians(0.5))
     assert tight.best is None
     (note,) = tight.notes
-    assert "no joint motion within --bump 0.5° avoids it; --bump" in note
-    needed = float(note.split("; --bump ")[1].split("deg")[0])
-    assert DEPTH < needed < DEPTH + 0.5
-    assert mend_path(found, kinds=("bump",), bump=np.radians(needed)).best is not None
+    assert "no joint motion within bump=0.00873 avoids it; bump=" in note
+    needed = float(note.split("; bump=")[1].split()[0])
+    assert np.radians(DEPTH) < needed < np.radians(DEPTH + 0.5)
+    assert mend_path(found, kinds=("bump",), bump=needed).best is not None
 
 
 def test_a_spare_joint_leaves_the_tool_where_it_is() -> None:
@@ -310,4 +310,4 @@ def test_without_a_remedy_the_command_names_the_bound(
     assert main.run(["path", "irb120", str(file), "--quiet", "--bump", "0.5deg", "--detour", "0"]) == 3
     said = capsys.readouterr().out
     assert "Local remedy: none: bump: " in said
-    assert "--bump 0.5° avoids it; --bump 1.6deg does" in said
+    assert "--bump 0.5deg avoids it; --bump 1.6deg does" in said

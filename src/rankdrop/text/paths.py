@@ -604,13 +604,13 @@ _OBSTACLES = {
     "side": "goes to the other side of the singularity and does not come back; every joint path between the two sides "
     "crosses it",
     "end": "the path begins or ends too near to the singularity",
-    "height": "no joint motion within --bump {bound} avoids it",
+    "height": "no joint motion within {bound} avoids it",
     "rate": "no bump keeps the joint limits of rates and accelerations",
 }  # fmt: skip
 """Why the joints cannot be moved aside around a singularity."""
 _HINDRANCES = {
     "end": "the path begins or ends too near to the singularity",
-    "tool": "the joints cannot follow the tool around the singularity within --detour {bound}",
+    "tool": "the joints cannot follow the tool around the singularity within {bound}",
     "limit": "a joint reaches its limit before the tool is past the singularity",
     "rest": "the tool cannot be followed on the new branch up to here",
 }
@@ -666,8 +666,8 @@ def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
         return f"bump: {tried} {plural('clearance', tried)} tried, none was proven free"
     parts = []
     for place, obstacle, needed in missing[:_NAMED]:
-        words = _OBSTACLES[obstacle].format(bound=f"{short(degrees(bound), 3)}°")
-        wider = f"; --bump {_wider(needed)}deg does" if isfinite(needed) else ""
+        words = _OBSTACLES[obstacle].format(bound=_bound("bump", bound))
+        wider = f"; {_wider('bump', needed)} does" if isfinite(needed) else ""
         parts.append(f"{_when(place)} {words}{wider}" if obstacle == "side" else f"{_when(place)}: {words}{wider}")
     more = f"; and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
     return f"bump: {'; '.join(parts)}{more}"
@@ -681,14 +681,21 @@ def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
         return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
     parts = []
     for place, hindrance, needed in missing[:_NAMED]:
-        wider = f"; --detour {_wider(needed)}deg does" if isfinite(needed) else ""
-        parts.append(f"{_when(place)}: {_HINDRANCES[hindrance].format(bound=f'{short(degrees(bound), 3)}°')}{wider}")
+        words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
+        wider = f"; {_wider('detour', needed)} does" if isfinite(needed) else ""
+        parts.append(f"{_when(place)}: {words}{wider}")
     return f"detour: {'; '.join(parts)}"
 
 
-def _wider(needed: float) -> str:
-    """A bound in degrees that is large enough, rounded up."""
-    return f"{np.ceil(10.0 * degrees(needed) * 1.001) / 10.0:g}"
+def _bound(name: str, bound: float) -> str:
+    """A bound of a remedy as it is given."""
+    return advised(name, f"{short(degrees(bound), 3)}deg", python=f"{name}={short(bound, 3)}")
+
+
+def _wider(name: str, needed: float) -> str:
+    """The bound that is large enough, rounded up to a tenth of a degree."""
+    tenths = np.ceil(10.0 * degrees(needed) * 1.001)
+    return advised(name, f"{tenths / 10.0:g}deg", python=f"{name}={np.ceil(1e4 * np.radians(tenths / 10)) / 1e4:g}")
 
 
 def remedies_sentence(mending: Any) -> str:
@@ -803,7 +810,8 @@ def best_words(mending: Any) -> str:
     more = f", and {others} more {plural('change', others)}," if others > 0 else ""
     turns = "".join(f"; {turn_far_words(turn)}" for turn in best.turns)
     slower = " in a new time law" if best.retimed else ""
-    options = f"--remedy {best.kind.replace(' ', '-')} --fixed FILE"
+    kind = best.kind.replace(" ", "-")
+    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
     off = _off(best.deviation, robot)
     return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
 

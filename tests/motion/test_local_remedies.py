@@ -211,7 +211,7 @@ def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None
 def test_a_detour_of_two_rows_keeps_the_tool_between_them() -> None:
     """Rows are put in after the window: straight from its end to the last row the tool would leave its path far."""
     robot = open_robot("planar3r")
-    q = np.array([[0.3, 0.4, 0.1], [0.5, -0.4, 0.3]])
+    q = np.array([[0.3, 0.4, 0.1], [1.5, -1.4, 0.3]])
     best = mend_path(rankdrop.check_path(robot, q), kinds=("detour",)).best
     assert best is not None
     assert best.check.clear

@@ -93,7 +93,7 @@ def test_conditions_that_hold_where_the_rank_is_higher_are_told(
     t = chain.ring.t
     f = t[5] * (t[4] - t[1] * 3)
     piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
-    monkeypatch.setattr(families, "separated", lambda *_: None)
+    monkeypatch.setattr(families, "add_separating_condition", lambda *_: None)
     left: list[str] = []
     sets, _ = real_sets(chain, [Drop(piece, 5)], Work(), left)
     assert len(sets) == 1

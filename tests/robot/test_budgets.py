@@ -350,3 +350,23 @@ def test_a_name_too_long_for_a_file_is_refused(name: str) -> None:
         robot_from_toml(f'name = "{name}"\n{DH}{ROW}', file="a.toml")
     assert robot_from_toml(f'name = "{name[:60]}"\n{DH}{ROW}', file="a.toml").name == name[:60]
 
+
+
+def test_a_long_row_of_followers_is_walked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each one traced its leaders to the first: 484 kB took a minute, before joints were counted."""
+    joints = []
+    for i in range(150):
+        leader = f'<mimic joint="j{i - 1}" multiplier="-1" offset="0.01"/>' if i else ""
+        joints.append(
+            f'<link name="l{i + 1}"/><joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/>'
+            f'<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>{leader}</joint>'
+        )
+    calls = []
+    whole = urdf_reader.number
+    monkeypatch.setattr(urdf_reader, "number", lambda *given: calls.append(given[2]) or whole(*given))
+    arm = from_urdf(f'<robot name="r"><link name="l0"/>{"".join(joints)}</robot>')
+    assert calls.count("multiplier") == 149
+    mimics = [joint.mimic for joint in arm.joints if joint.mimic is not None]
+    assert {mimic.leader for mimic in mimics} == {"j0"}
+    assert [mimic.multiplier for mimic in mimics[:3]] == [-1.0, 1.0, -1.0]
+    assert [round(mimic.offset, 12) for mimic in mimics[:3]] == [0.01, 0.0, 0.01]  # o_j = o − o_(j−1)

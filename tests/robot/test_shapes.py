@@ -72,7 +72,7 @@ def test_meshes_are_read_with_scale_and_place(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("mesh", "said"),
     [
-        ('<mesh filename="package://nowhere/part.stl"/>', "--package nowhere=FOLDER"),
+        ('<mesh filename="package://nowhere/part.stl"/>', "packages={'nowhere': FOLDER}"),
         ('<mesh filename="https://example.org/part.stl"/>', "this machine only"),
         ('<mesh filename="/etc/passwd"/>', "no mesh that can be read"),
         ('<mesh filename="missing.dae"/>', "no such mesh"),

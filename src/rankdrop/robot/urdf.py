@@ -84,10 +84,11 @@ def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic]
     outside: dict[str, tuple[str, Mimic]] = {}  # leader outside -> its first follower and how that one follows
     notes: list[str] = []
     away = "which is not in the chain"
+    known: dict[str, Mimic] = {}
     for joint in chain:
         if joint.element.first("mimic") is None:
             continue
-        traced = _trace(tree, joint)
+        traced = _trace(tree, joint, known)
         leader = traced.leader
         if leader in inside:
             mimics[joint.name] = traced
@@ -103,17 +104,26 @@ def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic]
     return mimics, notes
 
 
-def _trace(tree: Tree, joint: TreeJoint) -> Mimic:
-    multiplier, offset = 1.0, 0.0
-    met = [joint.name]
+def _trace(tree: Tree, joint: TreeJoint, known: dict[str, Mimic]) -> Mimic:
+    """How a follower depends on the joint at the end of its leaders.
+
+    Args:
+        tree: with all leaders.
+        joint: the follower.
+        known: what was traced before, by the follower's name; what is traced now is added, so that a long row of
+            followers is walked once.
+    """
+    steps: list[tuple[str, float, float]] = []  # follower, multiplier, offset
+    passed = {joint.name: None}
     current = joint
-    while (element := current.element.first("mimic")) is not None:
+    while current.name not in known and (element := current.element.first("mimic")) is not None:
         where = tree.where(current, "mimic")
         name = element.attributes.get("joint", "")
         if name not in tree.joints:
             raise RobotError("the mimic joint follows a joint that is not in the file", where=where, got=repr(name))
-        if name in met:
-            raise RobotError("mimic joints follow one another in a circle", where=where, got=" -> ".join([*met, name]))
+        if name in passed:
+            circle = " -> ".join([*passed, name])
+            raise RobotError("mimic joints follow one another in a circle", where=where, got=circle)
         factor = number(element.attributes.get("multiplier", "1"), where, "multiplier")
         measure = "length" if current.kind == "prismatic" else "angle"
         shift = number(element.attributes.get("offset", "0"), where, "offset", measure)
@@ -122,12 +132,16 @@ def _trace(tree: Tree, joint: TreeJoint) -> Mimic:
                 "the multiplier of a mimic joint is zero", where=where, got=0, allowed="a number other than 0",
                 mend='a joint that never moves has type "fixed"',
             )
-        offset, multiplier = offset + multiplier * shift, multiplier * factor
+        steps.append((current.name, factor, shift))
         current = tree.joints[name]
-        met.append(name)
+        passed[name] = None
         if not current.moves:
             raise RobotError("the mimic joint follows a fixed joint", where=where, got=repr(name))
-    return Mimic(current.name, multiplier, offset)
+    last = known.get(current.name) or Mimic(current.name, 1.0, 0.0)
+    for name, factor, shift in reversed(steps):
+        last = Mimic(last.leader, factor * last.multiplier, factor * last.offset + shift)
+        known[name] = last
+    return last
 
 
 _KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
+from math import pi, radians
 from typing import Annotated, Literal
 
 from rankdrop.options import Options, option
@@ -215,6 +215,14 @@ class RemedyOptions(Options):
     blend: Annotated[
         float, option("Where a corner is cut the tool point may leave the path by up to this length", unit="m", ge=0)
     ] = 0.0  # fmt: skip
+    bump: Annotated[
+        float, option("Around each singularity a joint may be moved by up to this angle (slides by the length scale); "
+                      "0: not at all", unit="rad", ge=0, le=pi)
+    ] = radians(10.0)  # fmt: skip
+    detour: Annotated[
+        float, option("Around a singularity that the joints cannot but cross the tool may leave its path by up to this "
+                      "angle, or by as much of the length scale; 0: not at all", unit="rad", ge=0, le=pi)
+    ] = radians(2.0)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import remedies as module
 from rankdrop.motion.files import WRITTEN, read_trajectory, trajectory_bytes
-from rankdrop.motion.remedies import Mending, mend_path
+from rankdrop.motion.remedies import KINDS, LOCAL, Mending, mend_path
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task
 from rankdrop.units import scaled
@@ -24,6 +24,7 @@ WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4,
 CORNER = np.array([[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]])  # planar3r, through θ2 = 0 and back
 INNER = np.linspace([0.3, 0.4, np.pi - 0.5], [0.6, -0.4, np.pi + 0.5], 41)  # planar3r in position: θ2 = 0, θ3 = π
 TILT, SHIFT = np.radians(10), 0.05
+WHOLE = tuple(kind for kind in KINDS if kind not in LOCAL)  # local ones have their tests in `test_local_remedies`
 
 
 @cache
@@ -31,7 +32,7 @@ def wrist() -> Mending:
     """All kinds that the PUMA has for a wrist crossing."""
     found = rankdrop.check_path(open_robot("puma560"), WRIST, np.linspace(0.0, 3.0, 41))
     assert found.verdict == "crossing"
-    return mend_path(found, tool_tilt=TILT, base_shift=SHIFT, acceleration=6.0)
+    return mend_path(found, kinds=WHOLE, tool_tilt=TILT, base_shift=SHIFT, acceleration=6.0)
 
 
 @cache
@@ -40,7 +41,7 @@ def inner() -> Mending:
     robot = open_robot("planar3r")
     found = rankdrop.check_path(robot, INNER, np.linspace(0.0, 3.0, 41), task="planar-position")
     assert found.verdict != "free"
-    return mend_path(found)
+    return mend_path(found, kinds=WHOLE)
 
 
 def at_old_rows(one, old_rows: np.ndarray) -> np.ndarray:
@@ -127,7 +128,7 @@ def test_null_space_motion_keeps_the_tool_and_the_joints_move_otherwise() -> Non
 def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     robot = open_robot("planar3r")
     found = rankdrop.check_path(robot, CORNER, [0.0, 1.0, 2.0])
-    mended = mend_path(found, blend=0.01)
+    mended = mend_path(found, kinds=WHOLE, blend=0.01)
     (one,) = mended.remedies
     assert (one.kind, one.check.verdict) == ("blend", "free")
     legs = [np.linspace(*CORNER[k : k + 2], 4001) for k in (0, 1)]
@@ -136,7 +137,7 @@ def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     assert 0.0 < max(off) < one.off[0] + 1e-4
     assert one.off[0] <= 0.01
     np.testing.assert_array_equal(one.trajectory.q[[0, -1]], CORNER[[0, -1]])
-    assert mend_path(found, blend=1e-4).remedies == ()
+    assert mend_path(found, kinds=WHOLE, blend=1e-4).remedies == ()
 
 
 def test_limits_are_kept_by_every_remedy_in_time() -> None:
@@ -184,7 +185,7 @@ def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.4, 0.1], [0.2, -1.1, 1.3, 0.2, 0.06, 0.3], 21)
     found = rankdrop.check_path(robot, q, min_distance=0.1)
     assert found.verdict == "too near"
-    mended = mend_path(found, tool_tilt=TILT)
+    mended = mend_path(found, kinds=WHOLE, tool_tilt=TILT)
     assert mended.needed
     assert mended.remedies
     assert all(one.check.margin == "kept" for one in mended.remedies)
@@ -193,7 +194,7 @@ def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
 def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     robot = open_robot("planar2r")
     found = rankdrop.check_path(robot, [[0.0, 0.5], [0.4, 0.0], [0.8, 0.5]])
-    mended = mend_path(found)
+    mended = mend_path(found, bump=0.0, detour=0.0)
     assert mended.needed
     assert mended.remedies == ()
     assert mended.best is None
@@ -213,7 +214,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     a = (120 * s**3 - 180 * s**2 + 60 * s)[:, None] * way / 9
     found = rankdrop.check_path(robot, q, t, velocities=v, accelerations=a, interpolate=how)
     assert found.verdict == "crossing"
-    one = mend_path(found).remedies[0]
+    one = mend_path(found, kinds=WHOLE).remedies[0]
     assert (one.kind, one.interpolate, one.check.options.interpolate) == ("flip", how, how)
     assert one.trajectory.velocities is not None
     assert (one.trajectory.accelerations is None) == (how == "cubic")
@@ -224,7 +225,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
 def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     found = wrist().before
     monkeypatch.setattr(module, "check_path", lambda *args, **kwargs: found)
-    mended = mend_path(found)
+    mended = mend_path(found, kinds=WHOLE)
     assert mended.remedies == ()
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
 
@@ -234,7 +235,7 @@ def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
     task = Task("part", (0, 1), Frame(1, -1))  # rows in axes that turn
     found = rankdrop.check_path(open_robot("planar2r"), [[0.0, 0.5], [0.4, -0.1], [0.8, 0.5]], task=task)
     assert found.verdict == "crossing"
-    mended = mend_path(found, blend=0.5, tool_tilt=TILT)
+    mended = mend_path(found, kinds=WHOLE, blend=0.5, tool_tilt=TILT)
     assert [one.kind for one in mended.remedies] == ["blend"]
     assert "cannot be followed: the pose of the tip does not determine" in mended.notes[0]
 
@@ -248,7 +249,7 @@ def test_interrupted_it_keeps_what_is_done() -> None:
         if kind == "tool tilt":
             raise KeyboardInterrupt
 
-    mended = mend_path(wrist().before, tool_tilt=TILT, base_shift=SHIFT, progress=stop)
+    mended = mend_path(wrist().before, kinds=WHOLE, tool_tilt=TILT, base_shift=SHIFT, progress=stop)
     assert [one.kind for one in mended.remedies] == ["flip"]
     assert not mended.complete
     assert "interrupted" in mended.sentence
@@ -284,7 +285,7 @@ def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)
     mended = [
-        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01)
+        mend_path(rankdrop.check_path(arm, CORNER), kinds=WHOLE, base_shift=size * 0.05, blend=size * 0.01)
         for arm, size in ((robot, 1.0), (other, 1000.0))
     ]
     one, two = (part.remedies for part in mended)

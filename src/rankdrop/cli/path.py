@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rankdrop import certify, jobs, motion, results, text
 from rankdrop.cli import exits
@@ -59,15 +59,26 @@ class Remedies(RemedyOptions):
     acceleration: Annotated[
         float, option("Limit of joint accelerations [rad/s², m/s²], for new time laws; arms state none", gt=0)
     ] | None = None  # fmt: skip
+    remedy: Annotated[
+        Literal["null-space", "flip", "bump", "detour", "blend", "tool-tilt", "base-shift", "retime"] | None,
+        option("Compute this kind of remedy alone"),
+    ] = None  # fmt: skip
     fixed: Annotated[
-        str | None, option("Write the first path that is proven free here, or retimed: .csv, .npz, .json",
+        str | None, option("Write the best path that is proven free here, or retimed: .csv, .npz, .json",
                            writes=(".csv", ".npz", ".json"))
     ] = None  # fmt: skip
 
     @property
     def wanted(self) -> bool:
-        """Whether any remedy is asked for."""
-        return self.remedies or self != NO_REMEDIES
+        """Whether any remedy is asked for; bounds of local ones, that are computed anyway, do not ask for others."""
+        return replace(self, bump=NO_REMEDIES.bump, detour=NO_REMEDIES.detour) != NO_REMEDIES
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Those that are computed: without a question for remedies the quick ones, for the advice below the verdict."""
+        if self.remedy is not None:
+            return (self.remedy if self.remedy in motion.KINDS else self.remedy.replace("-", " "),)
+        return tuple(motion.KINDS if self.wanted else motion.LOCAL)
 
 
 @dataclass(frozen=True)
@@ -200,13 +211,13 @@ def path(
         result, remedies = motion.check_any_file(model, found[0], question, say=say, progress=progress), None
         if isinstance(result, motion.ProgramCheck):
             return _of_program(result, output)
-        if mend.wanted and result.complete:
+        if result.complete and (mend.wanted or not result.clear):
             remedies = motion.mend_path(
-                result, analysis=families, acceleration=mend.acceleration,
-                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend),
+                result, analysis=families, acceleration=mend.acceleration, kinds=mend.kinds,
+                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
                 progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
             )  # fmt: skip
-    return _of_one(result, remedies, near, families, output, mend.fixed, found[0])
+    return _of_one(result, remedies, near, families, output, mend, found[0])
 
 
 def _example(
@@ -283,13 +294,15 @@ def _of_program(result: motion.ProgramCheck, output: PathOutput) -> Done:
 
 def _of_one(
     result: motion.PathCheck, remedies: motion.Mending | None, near: certify.ModelTolerance | None,
-    families: results.Analysis | None, output: PathOutput, fixed: str | None, file: Path,
+    families: results.Analysis | None, output: PathOutput, mend: Remedies, file: Path,
 ) -> Done:  # fmt: skip
+    fixed = mend.fixed
+    local, remedies = (None, remedies) if mend.wanted else (remedies, None)
     proven = near is not None and result.complete and result.clear and motion.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
 
     def sections() -> list[Section]:
-        found = [*result.sections(full=output.full), *(() if remedies is None else remedies.sections())]
+        found = [*result.sections(full=output.full, mending=local), *(() if remedies is None else remedies.sections())]
         if near is not None:
             within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
             arms = f"for every arm within {within} of this one, joint by joint"

@@ -37,6 +37,8 @@ from .record import TOUCHING as TOUCHING
 from .record import UNDECIDED as UNDECIDED
 from .record import PathCheck as PathCheck
 from .record import Stretch as Stretch
+from .remedies import KINDS as KINDS
+from .remedies import LOCAL as LOCAL
 from .remedies import Mending as Mending
 from .remedies import Remedy as Remedy
 from .remedies import mend_path as mend_path

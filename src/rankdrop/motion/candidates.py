@@ -29,6 +29,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
+from typing import Self
 
 import numpy as np
 
@@ -126,17 +127,17 @@ class ToolPath:
         """The arm has self-motions."""
         return self.robot.n > self.rank
 
-    def coarse(self) -> ToolPath:
+    def coarse(self) -> Self:
         """Some places, evenly along the length of the joint path, the ends among them."""
         if len(self.place) <= _COARSE:
             return self
         until = self.lengths
         rows = np.unique(np.searchsorted(until, np.linspace(0.0, until[-1], _COARSE)).clip(0, len(until) - 1))
-        return self._with(self.place[rows])
+        return self.at_places(self.place[rows])
 
-    def spread(self, count: int) -> ToolPath:
+    def spread(self, count: int) -> Self:
         """So many places, evenly along the length of the joint path, samples or not."""
-        return self._with(np.interp(np.linspace(0.0, self.lengths[-1], count), self.lengths, self.place))
+        return self.at_places(np.interp(np.linspace(0.0, self.lengths[-1], count), self.lengths, self.place))
 
     @property
     def lengths(self) -> Array:
@@ -169,7 +170,7 @@ class ToolPath:
         """(N,) within the joint limits, where they count."""
         return within(self.robot, q) if self.limits else np.ones(len(q), dtype=np.bool_)
 
-    def refined(self, run: Run) -> tuple[ToolPath, Followed]:
+    def refined(self, run: Run) -> tuple[Self, Followed]:
         """A joint path at more places where it moves far between two, or far for how near it is to a
         singularity: a path that bounces off one comes nearer with every place, and is not complete.
         """
@@ -187,7 +188,7 @@ class ToolPath:
                 break
             k, part = numbered(np.maximum(parts, 1))
             added = tool.place[k] + part / np.maximum(parts, 1)[k] * (tool.place[k + 1] - tool.place[k])
-            tool = tool._with(np.append(added, tool.place[-1]))
+            tool = tool.at_places(np.append(added, tool.place[-1]))
         return tool, replace(found, complete=False)
 
     def trajectory(self, q: Array, interpolate: str) -> Trajectory:
@@ -206,12 +207,13 @@ class ToolPath:
         """
         k = np.arange(len(made.q) - 1)
         now = pose(self.robot, made.curve(interpolate).at(k, np.full(len(k), 0.5)))
-        wanted = self._with((self.place[:-1] + self.place[1:]) / 2).poses
+        wanted = self.at_places((self.place[:-1] + self.place[1:]) / 2).poses
         turn = orientation_coordinates(now[:, :3, :3] @ wanted[:, :3, :3].swapaxes(1, 2), "rotvec")
         apart = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1)
         return float(apart.max(initial=0.0)), float(np.linalg.norm(turn, axis=1).max(initial=0.0))
 
-    def _with(self, place: Array) -> ToolPath:
+    def at_places(self, place: Array) -> Self:
+        """The same tool path at other places (K,)."""
         q = self.path.at(*self.path.split(place))
         return replace(self, place=place, q=q, poses=self.moved[0] @ pose(self.robot, q) @ self.moved[1])
 

@@ -17,6 +17,7 @@ import numpy as np
 from rankdrop.codec import Result
 from rankdrop.motion.curve import Curve, Index, Place
 from rankdrop.motion.follow import Followed
+from rankdrop.motion.turns import FarTurn, far_turns
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
@@ -234,6 +235,11 @@ class PathCheck(Result):
         return tuple(sorted(met, key=attrgetter("start")))
 
     @property
+    def turns(self) -> tuple[FarTurn, ...]:
+        """Joints that turn far within a short part of it."""
+        return far_turns(self.robot, self.curve)
+
+    @property
     def sentence(self) -> str:
         """The verdict for people."""
         return text.sentence(self)
@@ -253,6 +259,6 @@ class PathCheck(Result):
         """Why the tool path could not be followed to its end; "" where it was, or joints were given."""
         return "" if self.tool is None else text.why_ended(self.tool, self.robot)
 
-    def sections(self, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
-        """As sections of text; `full`: every crossing and every free stretch."""
-        return text.path_sections(self, deg=deg, full=full)
+    def sections(self, *, deg: bool = True, full: bool = False, mending: Any = None) -> tuple[Section, ...]:
+        """As sections of text; `full`: every crossing and every free stretch; `mending`: local remedies of it."""
+        return text.path_sections(self, deg=deg, full=full, mending=mending)

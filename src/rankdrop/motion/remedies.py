@@ -1,15 +1,18 @@
 """`mend_path`: what would make a path free of singularities, or keep its limits, each proven by a new check.
 
-One remedy is made here: a corner cut short, where a straight path reaches a singularity around a row at which it turns.
-A parabola from a point before the corner to one after it, with the corner as its control point, leaves the path in the
-direction it has there and comes back in the direction it goes on in. It stays half as far in as the corner does.
+Local changes are made in `motion.bumps` and `motion.detours`, other joint paths for the tool in `motion.candidates`,
+new time laws in `motion.retime`. One remedy is made here: a corner cut short, where a straight path reaches a
+singularity around a row at which it turns. A parabola from a point before the corner to one after it, with the corner
+as its control point, leaves the path in the direction it has there and comes back in the direction it goes on in. It
+stays half as far in as the corner does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import attrgetter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,15 +23,29 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
-from rankdrop.motion.candidates import Candidate, Parameter, Ranking, branches, null_spaces, shifts, tilts, tool_path
+from rankdrop.motion.bumps import CLEARANCE, SPARE, Bump, Bumper, Change, NoBump, Obstacle
+from rankdrop.motion.candidates import (
+    Candidate,
+    Parameter,
+    Ranking,
+    ToolPath,
+    branches,
+    null_spaces,
+    shifts,
+    tilts,
+    tool_path,
+)
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve
+from rankdrop.motion.detours import Detour, Detourer, NoDetour
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.trajectory import Trajectory
+from rankdrop.motion.turns import FarTurn, far_turns
 from rankdrop.options import takes
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.text import paths as text
@@ -38,16 +55,42 @@ _POINTS = 33  # of a parabola
 _SIZES = 8
 _LOOKS = 201
 _CHECKED = 4  # candidates of a kind that are checked, widest first
+_ON_PATH = 1e-4  # of a tool that leaves its path by less, lengths divided by the length scale
 _SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
-RETIME, NULL, FLIP, BLEND, TILT, SHIFT = "retime", "null-space", "flip", "blend", "tool tilt", "base shift"
-KINDS = (NULL, FLIP, BLEND, TILT, SHIFT, RETIME)
-"""Those that leave the tool's path come first; retime changes the time only."""
+_CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
+_ROUNDS = 3  # of that
+MANY = 200
+"""Places on one path above which no local remedy is tried: such a file is not what it was meant to be."""
+_DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
+BUMP, DETOUR, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
+    "bump", "detour", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
+)  # fmt: skip
+KINDS = (NULL, FLIP, BUMP, DETOUR, BLEND, TILT, SHIFT, RETIME)
+LOCAL = (BUMP, DETOUR)
+"""Those that change the path around its singularities: a bump keeps the joints of the rest, a detour the tool."""
 Progress = Callable[[str, int, int], None]
 """progress(kind, done, all)."""
-Proposal = tuple[tuple[str, Any], tuple[Parameter, ...], Trajectory, tuple[float, float]]
-"""A changed path to be checked: what is done, with which numbers, its rows, how far off the tool is [m, rad]."""
 Failure = tuple[str, Any]
 """A kind without a remedy, and what was tried: as `rankdrop.text.paths.remedy_note` reads it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A changed path to be checked.
+
+    Attributes:
+        how: what is done, and a fact about it.
+        parameters: with which numbers.
+        made: its rows.
+        off: how far off the tool is [m, rad].
+        changes: the parts that are changed; empty where all of it is.
+    """
+
+    how: tuple[str, Any]
+    parameters: tuple[Parameter, ...]
+    made: Trajectory
+    off: tuple[float, float]
+    changes: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +110,9 @@ class Remedy:
         usage: shares of the rate and acceleration limits that it nowhere exceeds, at most 1; None without times or
             limits.
         off: how far the tool is from the path meant, at most, in the middle between two of its rows [m], [rad];
-            at the rows it is on it. Of a blend: from the old path, at sampled points.
+            at the rows it is on it. Of a blend and a bump: from the old path, at sampled points.
         retimed: it has a new time law as well, because the old one would break limits.
+        changes: of a local remedy the parts that it changes, in order.
     """
 
     kind: str
@@ -81,6 +125,27 @@ class Remedy:
     usage: Usage | None
     off: tuple[float, float]
     retimed: bool
+    changes: tuple[Change, ...] = ()
+
+    @property
+    def deviation(self) -> tuple[float, float]:
+        """How far the tool leaves the path that it was given at most [m], [rad]: `off`, and what the tool is tilted."""
+        tilt = next((value for name, value, _ in self.parameters if name == "tool tilt"), 0.0)
+        assert isinstance(tilt, float)
+        return self.off[0], float(np.nan_to_num(self.off[1])) + tilt
+
+    @property
+    def turns(self) -> tuple[FarTurn, ...]:
+        """Joints that turn far on the new path."""
+        return far_turns(self.check.robot, self.check.curve)
+
+    @property
+    def rank(self) -> tuple[bool, bool, float, float]:
+        """What remedies are sorted by: proven free, the base where it is, deviation of the tool, duration."""
+        away, turned = self.deviation
+        size = away / self.check.length_scale + turned
+        _, after = self.gains.get("duration", (0.0, 0.0))
+        return not self.check.clear, self.kind == SHIFT, 0.0 if size < _ON_PATH else size, after
 
     @property
     def words(self) -> str:
@@ -94,7 +159,7 @@ class Mending(Result):
 
     Attributes:
         before: the judgement of the path as it was.
-        remedies: found and proven, in the order of `KINDS`.
+        remedies: found and proven; those first whose tool leaves its path least, then the shorter ones.
         failures: for each kind without one, what was tried.
         needed: the path needs one: it is not proven free and far enough, or breaks limits.
         complete: False where it was interrupted; what was found until then holds.
@@ -114,7 +179,7 @@ class Mending(Result):
 
     @property
     def best(self) -> Remedy | None:
-        """The first that is proven free, in the order of `KINDS`; None where there is none."""
+        """The first that is proven free; None where there is none."""
         return next((one for one in self.remedies if one.check.clear), None)
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
@@ -152,7 +217,7 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
         if off <= most:
             parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
             made = replace(tool, place=place).trajectory(q, "linear")
-            yield ("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan)
+            yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan))
 
 
 def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float) -> tuple[Array, Array, float]:
@@ -186,6 +251,7 @@ def mend_path(
     *,
     analysis: Analysis | None = None,
     acceleration: ArrayLike | None = None,
+    kinds: Collection[str] = KINDS,
     options: RemedyOptions | None = None,
     progress: Progress | None = None,
     **given: Any,
@@ -194,6 +260,8 @@ def mend_path(
 
     null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
+    bump          the joints moved aside around each singularity, within `bump`, and the rest of the path as it is
+    detour        where the joints go to the other side of a singularity: the tool led around it, within `detour`
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
     base shift    the base moved, within `base_shift`
@@ -208,6 +276,7 @@ def mend_path(
         found: the judgement; its settings are those of the new ones.
         analysis: families, where `found` was checked with an analysis.
         acceleration: () or (n,) limits [rad/s², m/s²]; None: none. Arms state none of their own.
+        kinds: those of `KINDS` that are tried.
         options: how far the path may be changed; its fields are taken as keywords as well.
         progress: called with the kind, and how much of it is done.
 
@@ -220,12 +289,15 @@ def mend_path(
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> path = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]]
-        >>> mended = mend_path(check_path(open_robot("planar3r"), path), blend=0.5)
+        >>> mended = mend_path(check_path(open_robot("planar3r"), path), kinds=["blend"], blend=0.5)
         >>> [(one.kind, one.check.verdict.value) for one in mended.remedies]
         [('blend', 'free')]
     """
     how = RemedyOptions.of(options, given)
-    work = _Mender(found, analysis, _limits(found, acceleration), progress)
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown:
+        raise OptionError("there is no such remedy", where="kinds", got=unknown[0], allowed=", ".join(KINDS))
+    work = _Mender(found, analysis, _limits(found, acceleration), frozenset(kinds), progress)
     results: list[Remedy | Failure] = []
     complete = True
     try:
@@ -233,7 +305,7 @@ def mend_path(
             results.append(one)  # what is made before Ctrl-C is kept
     except KeyboardInterrupt:
         complete = False
-    remedies = sorted((one for one in results if isinstance(one, Remedy)), key=lambda one: KINDS.index(one.kind))
+    remedies = sorted((one for one in results if isinstance(one, Remedy)), key=attrgetter("rank"))
     failures = tuple(one for one in results if not isinstance(one, Remedy))
     return Mending(found, tuple(remedies), failures, not found.clear or work.breaks(found), complete)
 
@@ -252,6 +324,7 @@ class _Mender:
     found: PathCheck
     analysis: Analysis | None
     limits: tuple[Array, Array]
+    kinds: frozenset[str]
     progress: Progress | None
 
     def __post_init__(self) -> None:
@@ -268,7 +341,7 @@ class _Mender:
         """A remedy of each kind, or what was tried."""
         if not self.found.clear:
             yield from self._changed_paths(most)
-        if self.breaks(self.found):
+        if RETIME in self.kinds and self.breaks(self.found):
             yield self._in_new_time()
 
     def _usage(self, path: Curve) -> Usage | None:
@@ -277,6 +350,9 @@ class _Mender:
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
+        yield from self._local(tool, most)
+        if most.blend > 0.0 and BLEND in self.kinds:
+            yield self._blend(most.blend)
         kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
             NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
         }  # fmt: skip
@@ -284,16 +360,90 @@ class _Mender:
             kinds[TILT] = partial(tilts, tool, most.tool_tilt)
         if most.base_shift:
             kinds[SHIFT] = partial(shifts, tool, most.base_shift)
+        kinds = {kind: rank for kind, rank in kinds.items() if kind in self.kinds}
         try:
             tool.aim  # noqa: B018  # refuses a task that poses do not determine
         except TaskError as error:
-            yield "path", error.what
+            if kinds:
+                yield "path", error.what
             kinds = {}
-        if most.blend > 0.0:
-            yield self._blend(most.blend)
         for kind, rank in kinds.items():
             found, ended = rank(partial(self._report, kind))
             yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
+
+    def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """The joints moved aside; where they have to go to the other side, the tool led around it."""
+        found = self.found
+        if sum(one.verdict != FREE for one in found.stretches) > MANY:
+            yield "local", MANY
+            return
+        families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
+        bumper = Bumper(found, tool, families, most.bump, *self.limits)
+        asked = SPARE * found.options.min_distance
+        clearance = asked if asked > 0.0 else CLEARANCE
+        if BUMP in self.kinds and most.bump > 0.0:
+            result = self._bump(bumper, clearance)
+            yield result
+            if isinstance(result, Remedy):
+                return
+        if DETOUR in self.kinds and most.detour > 0.0:
+            bumps, failed = self._bumps(bumper, clearance) if most.bump > 0.0 else ([], [])
+            yield self._detour(bumper, bumps if failed else [], most.detour, clearance)
+
+    def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
+        """The joints moved aside at every singularity, farther where the path is not proven free."""
+        for tried in range(1, _ROUNDS + 1):
+            bumps, failed = self._bumps(bumper, clearance)
+            if failed or not bumps:
+                missing = [(bumper.path.place(bumper.spot(one.core)), one.obstacle, one.needed) for one in failed]
+                return BUMP, (tried - 1, bumper.bound, missing)
+            remedy = self._first(BUMP, [_bumped(bumper, bumps)])
+            if remedy is not None:
+                return remedy
+            clearance *= _CLEARER
+        return BUMP, (_ROUNDS, bumper.bound, [])
+
+    def _bumps(self, bumper: Bumper, clearance: float) -> tuple[list[Bump], list[NoBump]]:
+        """A bump for each part of a path that has one, and why the others have none."""
+        cores, crossed = bumper.cores(clearance)
+        results: list[Bump | NoBump] = [NoBump(core, Obstacle.SIDE) for core in crossed]
+        for k, core in enumerate(cores):
+            self._report(BUMP, k, len(cores))
+            results.append(bumper.bump(core, clearance))
+        self._report(BUMP, len(cores), len(cores))
+        return [one for one in results if isinstance(one, Bump)], [one for one in results if isinstance(one, NoBump)]
+
+    def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
+        """The tool led around what no bump avoids, on the path with its bumps."""
+        try:
+            bumper.tool.aim  # noqa: B018  # refuses a task that poses do not determine
+        except TaskError:
+            return DETOUR, None
+        if bumper.path.degree != 1:
+            return DETOUR, None
+        changes: list[Change] = []
+        if bumps:
+            before = _bumped(bumper, bumps)
+            again = self._again(before.made)
+            bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
+            changes += before.changes
+        stretches = sorted((one for one in bumper.check.stretches if one.verdict != FREE), key=attrgetter("start"))
+        if len(stretches) > _DETOURS:
+            return DETOUR, (most, [], len(stretches))
+        cores = [bumper.core(one, clearance) for one in stretches]
+        work = Detourer(bumper, most)
+        results = work.found(cores, clearance)
+        self._report(DETOUR, len(results), len(cores))
+        detours = [one for one in results if isinstance(one, Detour)]
+        failed = [(bumper.path.place(bumper.spot(one.core)), one.hindrance, one.needed)
+                  for one in results if isinstance(one, NoDetour)]  # fmt: skip
+        if failed or not detours:
+            return DETOUR, (most, failed, 0)
+        changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
+        trajectory, rest = work.trajectory(detours)
+        off = max(rest[0], *(one.off[0] for one in changes)), max(rest[1], *(one.off[1] for one in changes))
+        proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
+        return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
     def _report(self, kind: str, done: int, count: int) -> None:
         if self.progress is not None:
@@ -304,17 +454,18 @@ class _Mender:
             tool, followed = other.tool.refined(other.run)
             if followed.complete:
                 made = tool.trajectory(followed.q, self.interpolate)
-                yield (other.how, None), other.parameters, made, tool.deviation(made, self.interpolate)
+                off = tool.deviation(made, self.interpolate)
+                yield Proposal((other.how, None), other.parameters, made, off)
 
     def _first(self, kind: str, proposals: Iterable[Proposal]) -> Remedy | None:
         """The first proposal that is proven free; one in time that breaks a limit gets another time law."""
         for proposal in proposals:
-            made = proposal[2]
+            made = proposal.made
             took = self._usage(made.curve(self.interpolate)) if made.timed else None
             again = took is not None and took.slower > _SLOWER
             if again:
                 made = retimed(made.curve(self.interpolate), *self.limits, self.scale)
-            remedy = self._checked(kind, (*proposal[:2], made, proposal[3]), again=again)
+            remedy = self._checked(kind, replace(proposal, made=made), again=again)
             if remedy.check.clear:
                 return remedy
         return None
@@ -331,12 +482,24 @@ class _Mender:
         made = retimed(self.found.curve, *self.limits, self.scale)
         if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
             return RETIME, None
-        remedy = self._checked(RETIME, (("retime", None), (), made, (0.0, 0.0)), again=True)
+        remedy = self._checked(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
         self._report(RETIME, 1, 1)
         return remedy
 
     def _checked(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
-        how, parameters, made, off = proposal
+        made = proposal.made
+        check = self._again(made)
+        before, took = self._usage(self.found.curve), self._usage(check.curve)
+        gains = {"distance": (_distance(self.found), _distance(check))}
+        if before is not None and took is not None:
+            gains |= {"speed": (1 / before.slower, 1 / took.slower),
+                      "duration": (_duration(self.found), _duration(check))}  # fmt: skip
+        made = replace(made, name="mended")
+        return Remedy(kind, proposal.how, proposal.parameters, gains, made, self.interpolate, check, took,
+                      proposal.off, again, proposal.changes)  # fmt: skip
+
+    def _again(self, made: Trajectory) -> PathCheck:
+        """A changed path, checked as the path was."""
         check = check_path(
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
             accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
@@ -344,13 +507,18 @@ class _Mender:
         )  # fmt: skip
         if not check.complete:
             raise KeyboardInterrupt
-        before, took = self._usage(self.found.curve), self._usage(check.curve)
-        gains = {"distance": (_distance(self.found), _distance(check))}
-        if before is not None and took is not None:
-            gains |= {"speed": (1 / before.slower, 1 / took.slower),
-                      "duration": (_duration(self.found), _duration(check))}  # fmt: skip
-        made = replace(made, name="mended")
-        return Remedy(kind, how, parameters, gains, made, self.interpolate, check, took, off, again)
+        return check
+
+
+def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
+    """A path with bumps."""
+    path = bumper.path
+    changes = []
+    for bump in sorted(bumps, key=lambda one: one.core.low):
+        start, end = (path.place(spot) for spot in bumper.ends(bump))
+        changes.append(Change(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
+    off = max(one.off[0] for one in bumps), max(one.off[1] for one in bumps)
+    return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
 
 
 def _distance(check: PathCheck) -> float:

@@ -129,7 +129,7 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     parts = np.clip(np.ceil(length / _PIECE[path.degree]), _FEWEST, _MOST).astype(np.int64)
     stretch, part = numbered(parts)
     step = lasts[stretch] / parts[stretch]
-    low, middle, high = (_derivatives(path, stretch, (part + at) / parts[stretch]) for at in (0.0, 0.5, 1.0))
+    low, middle, high = (derivatives(path, stretch, (part + at) / parts[stretch]) for at in (0.0, 0.5, 1.0))
     slope = np.concatenate([low[1], high[1][-1:]])
     cap = np.minimum(1.0, ((rates / np.maximum(np.abs(slope), 1e-300)).min(axis=1)) ** 2)
     ahead, bend = middle[1] / (2 * step[:, None]), middle[2] / 2
@@ -144,7 +144,7 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     return _slowed(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
 
 
-def _derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[Array, Array, Array]:
+def derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[Array, Array, Array]:
     """q, dq/dt and d²q/dt² at shares of stretches, (N, n) each."""
     assert path.times is not None
     lasts = np.diff(path.times)[stretch][:, None]

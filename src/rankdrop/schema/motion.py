@@ -281,9 +281,25 @@ TRAJECTORY = table(
     velocities=many(many(num("joint/s"))) | None,
     accelerations=many(many(num("joint/s²"))) | None,
 )
+CHANGES = table(
+    "changes",
+    rows=(many(num("row", ge=1)), "between them the joints are moved",
+        lambda one: [one.start.position, one.end.position]),
+    time=(many(num("s")) | None, "", lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
+    moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
+    after=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
+    tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
+)
+FAR_TURNS = table(
+    "far_turns",
+    joint=(int, "number from 1"),
+    angle=(num("rad"), "how far it turns in one go"),
+    rows=(many(num("row", ge=1)), "", lambda one: [one.start.position, one.end.position]),
+    time=(many(num("s")) | None, "", lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
+)
 FOUND = table(
     "found",
-    kind=Literal["null-space", "flip", "blend", "tool tilt", "base shift", "retime"],
+    kind=Literal["null-space", "flip", "bump", "detour", "blend", "tool tilt", "base shift", "retime"],
     words=str,
     parameters=many(PARAMETERS),
     gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
@@ -298,6 +314,8 @@ FOUND = table(
         "how far the tool is from its path between rows, measured in their middles; of a blend from the old "
         "path", attrgetter("off")),
     retimed=(bool, "it has a new time law"),
+    changes=(many(CHANGES), "parts that a local remedy changes; outside them the path is as it was"),
+    turns=(many(FAR_TURNS), "joints that turn far within a short part of the new path"),
     trajectory=(TRAJECTORY, "", lambda one: {**vars(one.trajectory), "interpolate": one.interpolate}),
 )
 REMEDIES = table(

@@ -38,6 +38,8 @@ _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
 _TURNS = 1e-6  # a joint that turns less stands still [rad]
 _MOVED = 1e-3  # a start that is nearer to the first pose counts as at it [rad]
+_LARGE = 99.5  # degrees or millimetres that are printed with three digits, from here on
+_SEEN = 0.02  # share of the largest joint motion below which a joint is not named
 _NAMED = 10  # crossings whose poses are noted
 
 _EVIDENCE = {
@@ -236,7 +238,7 @@ def _open(check: Any) -> Iterator[str]:
         yield "interrupted"
 
 
-def summary(check: Any) -> tuple[str, ...]:
+def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
     """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
     times = check.curve.times
     lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
@@ -251,6 +253,7 @@ def summary(check: Any) -> tuple[str, ...]:
         lines.append(f"Branch: {_branches_words(check)}.")
     if not check.holds:
         lines.append(f"Next: {_advice(check)}.")
+        lines += [] if mending is None else _local_lines(mending)
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
                key=lambda one: one.closest.distance, default=None)  # fmt: skip
     if near is not None:
@@ -393,20 +396,24 @@ def notes(check: Any) -> tuple[str, ...]:
         far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1" if check.tool.moved > _MOVED else ""
         lines.append(f"branch: {branch_chosen(check.tool)}{far}")
         lines += [half_turn_words(check.tool.half_turns)] if check.tool.half_turns else []
+        lines += [turn_far_words(turn) for turn in check.turns]
         lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
 
 
-def path_sections(check: Any, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
+def path_sections(
+    check: Any, *, deg: bool = True, full: bool = False, mending: Any = None
+) -> tuple[Section, ...]:
     """The summary, crossings, with `full` the free stretches, and notes.
 
     Args:
         check: the path.
         deg: joint angles in degrees.
         full: every crossing and every free stretch.
+        mending: local remedies that were looked for; None: none were.
     """
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
-    first, *others = summary(check)
+    first, *others = summary(check, mending)
     scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
     about = f"{check.robot.name}, {check.task.name}"
     sections = [Section(first, lines=tuple(others), tone=tone)]
@@ -580,6 +587,8 @@ _DONE = {
     "branch": "another branch of the inverse kinematics runs the same tool path",
     "shift": "the base of the arm moved, in its own axes",
     "tilt": "the tool tilted about an axis through its tip, in its own axes",
+    "bump": "the joints moved aside around each singularity; the rest of the path stays as it is",
+    "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
     "blend": "the corner at row {0} cut by a parabola",
     "blends": "the corners at row {0} cut by a parabola",
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
@@ -591,6 +600,21 @@ _CHANGES = {
 }  # fmt: skip
 _BLENDS = {None: "only paths that are straight between their rows have corners",
            0: "no corner is near enough for the tool to stay within the bound"}  # fmt: skip
+_OBSTACLES = {
+    "side": "goes to the other side of the singularity and does not come back; every joint path between the two sides "
+    "crosses it",
+    "end": "the path begins or ends too near to the singularity",
+    "height": "no joint motion within {bound} avoids it",
+    "rate": "no bump keeps the joint limits of rates and accelerations",
+}  # fmt: skip
+"""Why the joints cannot be moved aside around a singularity."""
+_HINDRANCES = {
+    "end": "the path begins or ends too near to the singularity",
+    "tool": "the joints cannot follow the tool around the singularity within {bound}",
+    "limit": "a joint reaches its limit before the tool is past the singularity",
+    "rest": "the tool cannot be followed on the new branch up to here",
+}
+"""Why the tool cannot be led around a singularity."""
 BOUNDED = {
     True: "rates of straight stretches, accelerations of blends between their middles, from rest to rest",
     False: "by control points of the derivatives, which enclose them",
@@ -609,8 +633,15 @@ def remedy_note(kind: str, fact: Any) -> str:
     Args:
         kind: of the remedy; "path": of every kind that keeps the tool's path.
         fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
-            how many candidates run the whole path, and how many of the others end for each reason.
+            how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
+            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed.
     """
+    if kind == "local":
+        return f"bump and detour: not tried, more than {fact} places need one"
+    if kind == "bump":
+        return _bump_note(*fact)
+    if kind == "detour":
+        return "detour: only for paths that are straight between their rows" if fact is None else _detour_note(*fact)
     if kind == "path":
         return f"the tool's path cannot be followed: {fact}"
     if kind == "retime":
@@ -627,6 +658,44 @@ def remedy_note(kind: str, fact: Any) -> str:
     if run:
         parts.append(f"{run} run it as far as a first look tells, and none of them was proven free")
     return f"{kind}: {tried} tried: {', '.join(parts)}"
+
+
+def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
+    """Why the joints cannot be moved aside, and which bound would do."""
+    if not missing:
+        return f"bump: {tried} {plural('clearance', tried)} tried, none was proven free"
+    parts = []
+    for place, obstacle, needed in missing[:_NAMED]:
+        words = _OBSTACLES[obstacle].format(bound=_bound("bump", bound))
+        wider = f"; {_wider('bump', needed)} does" if isfinite(needed) else ""
+        parts.append(f"{_when(place)} {words}{wider}" if obstacle == "side" else f"{_when(place)}: {words}{wider}")
+    more = f"; and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+    return f"bump: {'; '.join(parts)}{more}"
+
+
+def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
+    """Why the tool cannot be led around, and which bound would do; `many`: crossings, if there are too many."""
+    if many:
+        return f"detour: not tried, the joints have to cross {many} times"
+    if not missing:
+        return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
+    parts = []
+    for place, hindrance, needed in missing[:_NAMED]:
+        words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
+        wider = f"; {_wider('detour', needed)} does" if isfinite(needed) else ""
+        parts.append(f"{_when(place)}: {words}{wider}")
+    return f"detour: {'; '.join(parts)}"
+
+
+def _bound(name: str, bound: float) -> str:
+    """A bound of a remedy as it is given."""
+    return advised(name, f"{short(degrees(bound), 3)}deg", python=f"{name}={short(bound, 3)}")
+
+
+def _wider(name: str, needed: float) -> str:
+    """The bound that is large enough, rounded up to a tenth of a degree."""
+    tenths = np.ceil(10.0 * degrees(needed) * 1.001)
+    return advised(name, f"{tenths / 10.0:g}deg", python=f"{name}={np.ceil(1e4 * np.radians(tenths / 10)) / 1e4:g}")
 
 
 def remedies_sentence(mending: Any) -> str:
@@ -655,6 +724,9 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
     lines = [f"{remedy.kind}: {remedy.words}"]
     robot = remedy.check.robot
     lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
+    lines += [f"    {change_words(change, robot)}" for change in remedy.changes[:LISTED]]
+    lines += [f"    and {len(remedy.changes) - LISTED} more changes"] if len(remedy.changes) > LISTED else []
+    lines += [f"    {turn_far_words(turn)}" for turn in remedy.turns[:_NAMED]]
     for what, values in remedy.gains.items():
         name, unit = GAINS[what]
         before, after = (short(value) if isfinite(value) else "not known" for value in values)
@@ -668,10 +740,80 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
         lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
     if remedy.off[0] > 0.0:
         turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
-        where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
+        where = "of the old path where it leaves it"
+        if turn and not remedy.changes:
+            where = "of its path between rows, measured in their middles"
         off = 1000 * remedy.off[0] / counted_length(robot)
         lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
     return lines
+
+
+def change_words(change: Any, robot: Robot) -> str:
+    """A local change: which joints move how far, between which places, and how far the tool is moved."""
+    when, off = _between(change.start, change.end), _off(change.off, robot)
+    if not change.after.any():
+        return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
+    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.after, robot)}"
+
+
+def _moves(way: Array, robot: Robot) -> str:
+    """Joint motions, the largest first: "joint 5 by 1.5°, joint 3 by −1.1°"; what is below 1 % of it left out."""
+    turns = np.array([joint.unit == "rad" for joint in robot.variables])
+    size = np.abs(way) / np.where(turns, 1.0, counted_length(robot))
+    order = [int(i) for i in np.argsort(-size, kind="stable") if size[i] >= _SEEN * size.max()]
+    return ", ".join(f"joint {i + 1} by {_amount(float(way[i]), robot.variables[i].unit)}" for i in order)
+
+
+def _amount(value: float, unit: str) -> str:
+    number = degrees(value) if unit == "rad" else 1e3 * value
+    return f"{short(number, 2 if abs(number) < _LARGE else 3)}{'°' if unit == 'rad' else ' mm'}"
+
+
+def _between(start: Any, end: Any) -> str:
+    """Two places of a path: "between 1.2 and 1.8 s"."""
+    if start.time is not None and end.time is not None:
+        return f"between {start.time:.5g} and {end.time:.5g} s"
+    return f"between rows {_row(start)} and {_row(end)}"
+
+
+def _off(off: tuple[float, float], robot: Robot) -> str:
+    """A deviation of the tool."""
+    return f"{_small(1000 * off[0] / counted_length(robot))} mm and {_small(degrees(off[1]))}°"
+
+
+def turn_far_words(turn: Any) -> str:
+    """A joint that turns far: "joint 4 turns 173° between 1.2 and 1.8 s"."""
+    return f"joint {turn.joint} turns {short(abs(degrees(turn.angle)), 3)}° {_between(turn.start, turn.end)}"
+
+
+def _local_lines(mending: Any) -> list[str]:
+    """The best local remedy, or why there is none."""
+    if mending.best is not None:
+        return [f"Remedy: {best_words(mending)}."]
+    return [f"Local remedy: none: {'; '.join(mending.notes)}."] if mending.notes else []
+
+
+def best_words(mending: Any) -> str:
+    """The best remedy in one sentence, and the options that write it; "" where there is none."""
+    best = mending.best
+    if best is None:
+        return ""
+    robot = best.check.robot
+    change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
+    if change is None:
+        what = best.words
+    elif change.after.any():
+        what = f"the tool led around it {_between(change.start, change.end)}"
+    else:
+        what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
+    others = len(best.changes) - 1
+    more = f", and {others} more {plural('change', others)}," if others > 0 else ""
+    turns = "".join(f"; {turn_far_words(turn)}" for turn in best.turns)
+    slower = " in a new time law" if best.retimed else ""
+    kind = best.kind.replace(" ", "-")
+    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
+    off = _off(best.deviation, robot)
+    return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:

@@ -303,6 +303,11 @@ def decouple(chain: Chain) -> Decoupling | None:
 def why_not(chain: Chain) -> str:
     """Why `decouple` returns None for an arm, in words; "" where it does not."""
     n, m, pose = chain.n, chain.task.m, chain.task.rows == POSE
+    if chain.coupled:
+        return (
+            "joints follow others: decoupling and suppression need one screw for each column of the Jacobian, and a "
+            "column of this arm is a sum of screws"
+        )
     structure = structure_of(chain)
     near = "".join(f"; near-structural: {one.text}" for one in structure.near)
     part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
@@ -475,7 +480,8 @@ def _meaning(chain: Chain) -> str:
     if n == len(rows):
         return f"rows {told}, joints 1 to {n}: {axes}"
     if n > len(rows):
-        column = "$j = (v; ω) is the screw of joint j" if len(rows) == 6 else f"Jj is column j of J, rows {told}"
+        screw = "the sum of the screws that variable j moves" if chain.coupled else "the screw of joint j"
+        column = f"$j = (v; ω) is {screw}" if len(rows) == 6 else f"Jj is column j of J, rows {told}"
         return f"{column}: the rank drops where all of these minors vanish; {axes}"
     where = f"rows in the frame of link {chain.frame}" if rows == POSE else "rows in axes in which they are short"
     return f"each minor is made of as many rows as there are joints, {where}: the rank drops where all of them vanish"

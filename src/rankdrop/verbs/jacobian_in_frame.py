@@ -120,13 +120,15 @@ def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
 def _frame(chain: Chain, q: Array, k: int) -> Array:
     """(4, 4) pose in the base of the frame of link k: z along axis k, x along the normal after it."""
     found = first_and_last(chain.robot)[0]
+    theta = q + chain.shifts
     for j, section in enumerate(chain.sections[:k], 1):
-        angle = atan2(float(section.phase.sin), float(section.phase.cos)) + section.shift
+        angle = atan2(float(section.phase.sin), float(section.phase.cos))
         slide = float(section.d)
+        moved = float(section.multiplier) * float(theta[section.variable - 1])
         if section.kind is JointKind.REVOLUTE:
-            angle += float(q[j - 1])
+            angle += moved
         else:
-            slide += float(q[j - 1])
+            slide += moved
         found = found @ rotation("z", angle) @ translation(0.0, 0.0, slide)
         if j < k:
             twist = atan2(float(section.twist.sin), float(section.twist.cos))

@@ -94,7 +94,8 @@ def corank_one(
     Args:
         chain: the arm.
         method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
-            all six rows and at most `WIDE` joints, none of which follows another, the determinant for other square Jacobians, else the tree.
+            all six rows and at most `WIDE` joints, the determinant for other square Jacobians, else the tree. Where
+            joints follow others neither of the first two, which need one screw for each column.
         tree: of the arm.
         families: made from it.
         work: deadline and random points.

@@ -171,9 +171,9 @@ class Chain:
 
     Attributes:
         robot, task: as given.
-        sections: twists, lengths and phases of the N joints, exact. Joints that follow others are joints; the n variables
-            are what conditions speak of, and column v of the Jacobian is Σ m_j $_j over the joints j that variable v
-            moves.
+        sections: twists, lengths and phases of the N joints, exact; joints that follow others are among them. The n
+            variables are what conditions speak of, and column v of the Jacobian is Σ m_j $_j over the joints j that
+            variable v moves.
         letters: value [m] of each length that is a symbol, by its name.
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
             Index N is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.

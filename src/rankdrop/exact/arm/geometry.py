@@ -259,7 +259,7 @@ def _check(robot: Robot) -> None:
 
 
 LARGEST = 12
-"""Multiplier of a joint that follows another one, beyond which conditions are too long: their degree is the multiplier."""
+"""Largest multiplier of a joint that follows another one: the degree of conditions grows with it."""
 
 
 def _is_whole(multiplier: float) -> bool:

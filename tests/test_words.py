@@ -98,6 +98,8 @@ FOREIGN = {
     "designs/outcome.py": "keys", "designs/spec.py": "files of the user",
     "exact/reading.py": "conditions of the user", "families/monitor.py": "names of arms, for C",
     "motion/files.py": "files of the user",
+    **dict.fromkeys(("motion/fanuc_tp.py", "motion/inform.py", "motion/krl.py", "motion/program_record.py",
+                     "motion/rapid.py", "motion/urscript.py"), "programs of the user"),
     "motion/trajectory.py": "files of the user",
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
     "results/analysis.py": "keys of files", "results/known.py": "names of files",

@@ -1,4 +1,5 @@
 from .certify.certificates import verify as verify
+from .designs.sweeping import compare as compare
 from .designs.sweeping import sweep as sweep
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor

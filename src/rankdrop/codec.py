@@ -344,7 +344,7 @@ _ROOM = {
     "analysis": "families", "find": "families", "explanation": "explanation", "escape": "explanation",
     "nearest": "explanation", "tolerant": "explanation", "conditions": "families", "jacobian": "design",
     "path": "motion", "paths": "motion", "aspects": "motion", "through": "motion", "path-rows": "motion",
-    "inverse": "motion",
+    "inverse": "motion", "program": "motion",
     "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
 }  # fmt: skip
 _PARTS = {"robot": "arm", "family": "families", "inside": "families", "remedies": "motion"}
@@ -375,8 +375,8 @@ def load_schema(name: str) -> dict[str, Any]:
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
             "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several
-            files), "aspects", "through", "inverse" (`rankdrop explain --pose`),
-            "path-rows" (`rankdrop path --rows OUT.json`), "cover", "certificate"
+            files), "program" (`rankdrop path` of a robot program), "aspects", "through", "inverse" (`rankdrop explain
+            --pose`), "path-rows" (`rankdrop path --rows OUT.json`), "cover", "certificate"
             (--certificate), "verified" (`rankdrop verify --json`), "sweep" or "side-by-side" (`rankdrop compare`).
 
     Raises:

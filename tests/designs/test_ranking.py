@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.designs.compare import bits_to_text, deviations, rank, threshold
+from rankdrop.designs.ranking import bits_to_text, deviations, rank, threshold
 from rankdrop.errors import OptionError
 
 SAMPLES = 2000

@@ -10,8 +10,8 @@ import pytest
 
 import rankdrop
 from rankdrop.certify.setting import enclose, setting_at_tip
-from rankdrop.designs.compare import rank
 from rankdrop.designs.postures import poses_at, reached, slow_poses, targets_of
+from rankdrop.designs.ranking import rank
 from rankdrop.designs.region import RegionBounds, _Proof, region_bounds
 from rankdrop.designs.spec import spec_of
 from rankdrop.errors import OptionError

@@ -17,9 +17,9 @@ from jsonschema import Draft202012Validator
 import rankdrop
 from rankdrop.cli import main
 from rankdrop.codec import json_text
-from rankdrop.designs import Designs, side_by_side, write_tables
-from rankdrop.designs.compare import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
+from rankdrop.designs import Designs, compare, write_tables
 from rankdrop.designs.measure import families_of, nominal_conditions, with_lengths_of
+from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
@@ -307,7 +307,7 @@ def test_command_page_figure_and_tables(
 @pytest.mark.slow
 def test_records_satisfy_their_schema_which_describes_all_of_it(planar: tuple[Path, Designs], shifted: Designs) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 100}}
-    arms = side_by_side(["planar2r", "planar3r"], asks, workers=1)
+    arms = compare(["planar2r", "planar3r"], asks, workers=1)
     for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
@@ -336,7 +336,7 @@ def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tm
 @pytest.mark.by_hand
 def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 500}}
-    found = side_by_side(["planar2r", "planar3r"], asks, workers=2)
+    found = compare(["planar2r", "planar3r"], asks, workers=2)
     assert found.holds
     assert found.best("near") == (1,)
     assert found.task.length_scale == pytest.approx(max(map(reach, found.robots)))
@@ -346,15 +346,15 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     assert [one["name"] for one in record["arms"]] == ["planar2r", "planar3r"]
     assert record["schema"] == "rankdrop/side-by-side/1"
     with pytest.raises(OptionError, match=r"got 1; allowed: 2 … 10 arms"):
-        side_by_side(["ur5"], asks)
+        compare(["ur5"], asks)
     with pytest.raises(OptionError, match="an arm is there twice"):
-        side_by_side(["ur5", "ur5"], asks)
+        compare(["ur5", "ur5"], asks)
 
 
 @pytest.mark.by_hand
 def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
     asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
-    found = side_by_side(["ur5e", "gp7"], asks, workers=1)
+    found = compare(["ur5e", "gp7"], asks, workers=1)
     assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
     assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
     shares = [one["measures"]["near"] for one in found.records]

@@ -15,7 +15,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
-from rankdrop.exact.letters import covered, decided_by_numbers, splits
+from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.family.record import DIFFERS
 from rankdrop.results.conditions import Conditions
@@ -42,10 +42,10 @@ def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
     chain = exact_chain(open_robot("puma560"))
     tree = rank_tree(chain, Work(60.0, 0))
     plain = rank_tree(replace(chain, letters={}, written={}), Work(60.0, 0))
-    assert covered(chain, tree, plain)
+    assert covered_by_numeric_tree(chain, tree, plain)
     for missing in range(len(tree.drops)):
         less = replace(tree, drops=[drop for i, drop in enumerate(tree.drops) if i != missing])
-        assert not covered(chain, less, plain), tree.drops[missing]
+        assert not covered_by_numeric_tree(chain, less, plain), tree.drops[missing]
 
 
 @pytest.mark.by_hand

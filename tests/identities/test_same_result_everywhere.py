@@ -222,13 +222,13 @@ def test_more_starts_repeat_the_first_ones() -> None:
     np.testing.assert_array_equal(many.q[:40], few.q)
 
 
-KERNELS = ["Nehalem", *(kernels for name, kernels in (("avx2", "Haswell"), ("avx512", "SkylakeX")) if name in SETS)]
+KERNELS = ["Prescott", "Nehalem"]
+KERNELS += [kernels for name, kernels in (("avx2", "Haswell"), ("avx2", "Zen"), ("avx512", "SkylakeX")) if name in SETS]
 """Of the linear algebra, those that this processor can run."""
 
 
-@pytest.mark.by_hand
-@pytest.mark.by_hand_at("ur5e")
-@pytest.mark.skipif(len(KERNELS) == 1, reason="this processor has one set of instructions")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.parametrize("arm", ["ur5e", "puma560"])
 def test_a_result_file_has_the_same_bytes_with_every_kernel_of_the_linear_algebra(tmp_path: Path, arm: str) -> None:
     """Up to 13 numbers of `analyze --json` differed in the last digit between two processors."""

@@ -207,7 +207,7 @@ def compare(
 
     Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
     """
-    found = designs.side_by_side(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
+    found = designs.compare(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
                                  report=report)  # fmt: skip
     def blocks() -> Iterable[Block]:
         sections = list(found.sections(full=options.full))

@@ -155,6 +155,7 @@ def path(
         rankdrop path ur5e pick.csv --tool-tilt 10deg --fixed mended.csv
         rankdrop path ur10e recorded.mcap --topic /joint_states
         rankdrop path ur5e poses.csv --start "0,-90deg,90deg,0,90deg,0"
+        rankdrop path kr6r900 weld.src
 
     Exit code 0: proven free, --min-distance, joint limits and rates proven to
     be kept; 3: anything else, whatever remedies there are; 130: interrupted,
@@ -165,7 +166,8 @@ def path(
         files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
             JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
             the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
-            with poses.
+            with poses. Robot programs with literal targets: .src (KUKA KRL), .mod (ABB RAPID), .script (URScript), .ls
+            (FANUC TP listing), .jbi (Yaskawa INFORM); the lines that are not read are listed.
     """
     if many.status is not None:
         write_text(f"{jobs.progress_of(many.status).sentence}\n", STDOUT)
@@ -178,6 +180,8 @@ def path(
     if output.rows is not None:
         motion.check_format(output.rows)
     name, found = _files(robot, files)
+    if any(map(motion.is_program, found)):
+        _check_program(output, mend)
     several = len(found) > 1 or many.out is not None or many.scheduler is not None
     if several:
         _check_several(output, mend)
@@ -193,7 +197,9 @@ def path(
                                          scheduler=many.scheduler, report=report)  # fmt: skip
             return _of_several(model, checked, len(found), many.out)
         progress = partial(report, f"{found[0].name}: stretches decided")
-        result, remedies = motion.check_file(model, found[0], question, say=say, progress=progress), None
+        result, remedies = motion.check_any_file(model, found[0], question, say=say, progress=progress), None
+        if isinstance(result, motion.ProgramCheck):
+            return _of_program(result, output)
         if mend.wanted and result.complete:
             remedies = motion.mend_path(
                 result, analysis=families, acceleration=mend.acceleration,
@@ -252,6 +258,27 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
     given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
     for name in (["--remedies"] if mend.wanted else []) + given:
         raise OptionError("this option is for one path", where=name, mend="name one file, without --out")
+
+
+def _check_program(output: PathOutput, mend: Remedies) -> None:
+    """Refuse what is not made of a program.
+
+    Raises:
+        OptionError: remedies or an output of a joint path are asked for.
+    """
+    given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
+    for name in (["--remedies"] if mend.wanted else []) + given:
+        raise OptionError("this option is not for robot programs", where=name,
+                          mend="--json writes the joint path of every part; check that as a file of joint values",
+                          )  # fmt: skip
+
+
+def _of_program(result: motion.ProgramCheck, output: PathOutput) -> Done:
+    return Done(
+        lambda: list(result.sections(full=output.full)), {"json": result.to_dict}, holds=result.holds,
+        complete=result.complete,
+        last=None if result.complete else partial(say, "interrupted: what was proven so far holds"),
+    )  # fmt: skip
 
 
 def _of_one(

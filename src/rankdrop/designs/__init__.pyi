@@ -9,5 +9,5 @@ from .outcome import write_tables as write_tables
 from .spec import Parameter as Parameter
 from .spec import Spec as Spec
 from .spec import read_spec as read_spec
-from .sweeping import side_by_side as side_by_side
+from .sweeping import compare as compare
 from .sweeping import sweep as sweep

@@ -25,8 +25,8 @@ import numpy as np
 
 from rankdrop.certify.covering import plan_of
 from rankdrop.codec import encode, plain, restored
-from rankdrop.designs.compare import bits_to_text, form_of, key_of
 from rankdrop.designs.postures import reached, slow_poses, targets_of
+from rankdrop.designs.ranking import bits_to_text, form_of, key_of
 from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError

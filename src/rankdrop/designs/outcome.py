@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.designs.compare import Change, Ranking, Structure, changes, neighbours, rank, structures
+from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError

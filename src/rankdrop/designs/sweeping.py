@@ -1,4 +1,4 @@
-"""Two verbs for many designs: `sweep` measures variants of an arm, in chunks that a journal keeps, `side_by_side` arms.
+"""Two verbs for many designs: `sweep` measures variants of an arm, in chunks that a journal keeps, `compare` arms.
 
 A variant is a row of parameter values; they come in an order in which neighbours follow each other. A grid is walked
 like a field is ploughed: every step changes one parameter by one value. Samples fill the box of the ranges: Latin
@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop.codec import plain
-from rankdrop.designs.compare import structures
 from rankdrop.designs.measure import measured
 from rankdrop.designs.outcome import Designs, SideBySide
+from rankdrop.designs.ranking import structures
 from rankdrop.designs.spec import Asks, Spec, question_of, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
@@ -225,9 +225,13 @@ def _order_boustrophedon(counts: list[int]) -> list[int]:
 FEWEST, MOST = 2, 10
 
 
-def side_by_side(
+FAMILIES_AND_SHARE: Mapping[str, Any] = {"families": {"starts": 1000, "fresh": 1000}, "near": {"within": "5deg"}}
+"""What arms are compared by where nothing else is asked."""
+
+
+def compare(
     arms: Sequence[str],
-    spec: Mapping[str, Any],
+    spec: Mapping[str, Any] = FAMILIES_AND_SHARE,
     *,
     workers: int = 0,
     scheduler: str | None = None,
@@ -238,8 +242,8 @@ def side_by_side(
     Args:
         arms: names in the catalogue, or files.
         spec: tables as of a sweep, without arm and variants: what is measured (families, near, region, paths,
-            certified); task, else that of the first arm; length_scale, else the largest reach; limits, seed,
-            as_written.
+            certified), by default the families and the share of the joint space within 5° of them; task, else that of
+            the first arm; length_scale, else the largest reach; limits, seed, as_written.
         workers, scheduler: as for `sweep`.
         report: report(label, done, total).
 
@@ -248,7 +252,7 @@ def side_by_side(
         RobotError, TaskError: an arm cannot be read, or the task makes no sense for it.
 
     Example:
-        >>> found = side_by_side(["planar3r", "planar2r"], {"near": {"within": 0.1, "samples": 500},
+        >>> found = compare(["planar3r", "planar2r"], {"near": {"within": 0.1, "samples": 500},
         ...                      "task": "planar-position"}, workers=1)
         >>> found.best("near")
         (0,)

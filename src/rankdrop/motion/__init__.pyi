@@ -27,6 +27,9 @@ from .follow import ToolBranch as ToolBranch
 from .inverse import Aim as Aim
 from .many import check_files as check_files
 from .many import paths_to_dict as paths_to_dict
+from .program import ProgramCheck as ProgramCheck
+from .program import check_any_file as check_any_file
+from .program_record import is_program as is_program
 from .record import CROSSING as CROSSING
 from .record import FREE as FREE
 from .record import TOO_NEAR as TOO_NEAR

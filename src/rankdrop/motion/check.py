@@ -149,11 +149,11 @@ def check_path(
         remarks.append(("degrees", hint))
     if rates is not None and how.interpolate == "linear":
         remarks.append(("velocities", None))
-    check = check_curve(robot, path, _asked(robot, task, analysis), how, analysis, tolerances, progress)
+    check = check_curve(robot, path, asked_for(robot, task, analysis), how, analysis, tolerances, progress)
     return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
 
 
-def _asked(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
+def asked_for(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
     """The task that a path is checked for; the one that families are given for where none is named."""
     resolved = resolve_task(task, robot)
     return asked_task(robot, resolved) if task is None and analysis is None else resolved
@@ -307,10 +307,10 @@ def check_poses(
     wanted = _checked(poses)
     times = _times(t, len(wanted), "pose")
     resolved = resolve_task(task, robot)
-    first, solutions, moved = _start(robot, wanted[0], resolved, start)
+    first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
-    branch = _followed(robot, wanted, first, resolved, tolerance, free=start is None)
-    away, turned = _apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
+    branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
+    away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     tool = replace(
         branch, poses=len(wanted), solutions=0 if start is not None else len(solutions),
@@ -318,8 +318,8 @@ def check_poses(
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
         half_turns=half_turns(wanted) if any(row > 2 for row in resolved.rows) else (),
     )  # fmt: skip
-    path = _timed(robot, resolved, wanted, times, branch)
-    asked = _asked(robot, task, analysis)
+    path = timed_branch(robot, resolved, wanted, times, branch)
+    asked = asked_for(robot, task, analysis)
     check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
     ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
     # a start on a singularity is found to half the digits only: its joints are free, and the tool path is not
@@ -388,7 +388,7 @@ def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances
     return _pose_at(branch, 1.0 + row + share)
 
 
-def _followed(
+def followed_branch(
     robot: Robot, poses: Array, first: Array, task: Task, tolerance: tuple[float, float], *, free: bool
 ) -> Followed:
     """The branch of a configuration at the first pose.
@@ -408,7 +408,7 @@ def _followed(
     return replace(branch, turn=replace(turn, rest_complete=rest.complete, rest_reached=rest.reached + k))
 
 
-def _apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
+def tip_apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
     """How far the tip leaves its curve at most, at the rows (K, n) and between them: [m], [rad]."""
     off, chord = aim.missing(poses, q)
     if len(q) > 1:
@@ -448,7 +448,7 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     return found[by_habit(robot, task, found)] if len(found) and robot.n <= task.m else found
 
 
-def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
+def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
     """A configuration at the first pose, all that were found, and how far it is from the start that was given."""
     solutions = within_limits(robot, goal, task)
     if start is not None:
@@ -484,7 +484,7 @@ def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tu
     return solutions[0], solutions, 0.0
 
 
-def _timed(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
+def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
     """The joint path with its times, and with the joint rates J⁺ẋ that the curve needs at both ends of each piece."""
     when = None if times is None else np.interp(branch.place, np.arange(1, len(poses) + 1), times)
     path = curve(branch.q, when)

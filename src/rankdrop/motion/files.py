@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
+from rankdrop.motion.program_record import PROGRAMS, is_program
 from rankdrop.motion.trajectory import (
     BAGS,
     UNITS,
@@ -65,8 +66,8 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.text.paths import MILLIMETRES
 
-ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS)
-"""Files that are taken for trajectories in a folder; a single file of another ending is read as CSV."""
+ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS, *PROGRAMS)
+"""Files that are taken for paths in a folder; a single file of another ending is read as CSV."""
 WRITTEN = (".csv", ".npz", ".json")
 """Endings of files that are written."""
 ARRAYS = (
@@ -151,6 +152,9 @@ def read_trajectory(
         return read_bag(file, robot, topic=topic, deg=deg)
     if topic is not None and file.exists():  # a file that is missing is reported first
         raise OptionError("only a bag has topics", where=name, got=topic, allowed=", ".join(BAGS))
+    if is_program(file) and file.exists():
+        raise TrajectoryError("this is a robot program, and `rankdrop path` alone reads programs", where=name,
+                              allowed="a file of joint values")  # fmt: skip
     ending = file.suffix.lower()
     if ending in (".npy", ".npz"):
         return replace(read_arrays(file, robot, deg=deg), bare=True)

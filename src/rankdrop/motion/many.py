@@ -13,7 +13,8 @@ from rankdrop.codec import Record, plain, record_of
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.check import PathQuestion, check_file
+from rankdrop.motion.check import PathQuestion
+from rankdrop.motion.program import ProgramCheck, check_any_file
 from rankdrop.motion.record import CROSSING, TOUCHING, VERDICTS, PathCheck
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
@@ -38,7 +39,7 @@ def check_files(
 
     Args:
         robot: the arm.
-        files: trajectories, or poses of the tip (`check_file`).
+        files: trajectories, or poses of the tip (`check_any_file`).
         question: what is asked of each.
         out: folder in which what is finished is kept, with a journal; the same call goes on there after an
             interruption of any kind, and ends with the same result. None: in memory.
@@ -103,7 +104,7 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
         start = plan["reading"]["start"]
         read = plan["reading"] | {"start": None if start is None else tuple(start)}
         question = PathQuestion(task, analysis, PathOptions(**plan["options"]), **read)
-        found = check_file(robot, Path(place), question, say=said.append)
+        found = check_any_file(robot, Path(place), question, say=said.append)
     except RankdropError as error:
         sentence = error.on_command_line().replace(place, name)
         record = {"verdict": _BAD, "sentence": sentence, "rows": None, "free_share": None, "met": None,
@@ -123,7 +124,7 @@ def _decode_question(text: str) -> tuple[Robot, Task, Analysis | None]:
     )
 
 
-def _record(check: PathCheck) -> Record:
+def _record(check: PathCheck | ProgramCheck) -> Record:
     near = min((one.closest.distance for one in check.stretches), default=inf)
     met = sum(one.verdict in (CROSSING, TOUCHING) for one in check.stretches)
     return {

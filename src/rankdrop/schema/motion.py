@@ -13,6 +13,7 @@ from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 from rankdrop.text.aspects import decision_text
 from rankdrop.text.paths import GAINS as UNITS
 from rankdrop.text.paths import evidence_words
+from rankdrop.text.programs import why_skipped
 from rankdrop.version import VERSION
 
 VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",
@@ -401,6 +402,82 @@ PATHS_FILE = file(
     "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
     robot=(str, "", itemgetter(0)), paths=(many(PATHS), "", itemgetter(1)),
 )  # fmt: skip
+PROGRAM_MET = table(
+    "program_met",
+    line=(Positive, "of the program"),
+    text=(str, "of that line"),
+    kind=(Literal["joint", "line"], "of the move"),
+    family=(str, "id of the family; empty where it is not of an atlas", attrgetter("stretch.family")),
+    name=(str, "", attrgetter("stretch.name")),
+    verdict=(VERDICT, "", attrgetter("stretch.verdict")),
+    corank=(Positive, "", attrgetter("stretch.corank")),
+    q=(some(num("joint")), "", attrgetter("stretch.closest.q")),
+)
+PROGRAM_MOVES = table(
+    "program_moves",
+    line=(Positive, "of the program"),
+    text=(str, "of that line"),
+    kind=(Literal["joint", "line"], "joints in proportion, or the tip straight"),
+    verdict=(VERDICT | None, "the worst of it; null where a part begins at its target, so that nothing leads there"),
+    distance=(num("distance", ge=0) | None, "to the nearest singularity known"),
+    family=str,
+    name=str,
+    joint=(Count, "number of the joint that turns most; 0 where none turns"),
+    turn=(num("rad", ge=0), "by how much"),
+    seconds=(num("s", ge=0) | None, "null where its speed is not known"),
+)
+PROGRAM_SKIPPED = table(
+    "program_skipped",
+    line=(Positive, "of the program"),
+    text=(str, "of that line"),
+    reason=(Literal["variable", "changed", "expression", "incomplete", "pulses", "circle", "spline", "relative",
+                    "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "other"],
+        "why it was not read"),
+    words=(str, "the reason in words", lambda one: why_skipped(one.reason)),
+    moves=(bool, "the line moves the arm"),
+)
+PROGRAM_ENDED = table(
+    "program_ended",
+    line=(Positive, "of the move that cannot be followed", attrgetter("move.line")),
+    text=(str, "of that line", attrgetter("move.text")),
+    cause=Literal["out of reach", "no such posture", "branch ends"],
+    share=(num("1", ge=0) | None, "of a straight line that was followed; null for other causes",
+        lambda one: one.branch and max(0.0, one.branch.reached - 1.0)),
+)
+PROGRAM_PARTS = table(
+    "program_parts",
+    lines=(row(Positive, 2), "of its first and its last move",
+        lambda part: [part.moves[0].line, part.moves[-1].line]),
+    begins=(Literal["joints", "start", "before", "posture"],
+        "how its first configuration is known: joint values; --start; the solution of a pose nearest to where the part "
+        "before it ended; the posture that people use"),
+    ended=(PROGRAM_ENDED | None, "where it ends before its last move does"),
+    off=(num("m", ge=0), "the tip is proven to stay within this distance of its lines"),
+    turned=(num("rad", ge=0), "and within this angle"),
+    line_of=(many(Positive), "line of the program that each stretch between two rows of the path belongs to",
+        lambda part: [part.moves[index].line for index in part.owner.tolist()]),
+    path=(PATH_FILE | None, "its joint path, checked; null where its first target is out of reach",
+        attrgetter("check")),
+)
+PROGRAM_FILE = file(
+    "program",
+    "Written by `rankdrop path --json` for a robot program: the moves that were read, the lines that were not, and the "
+    "joint path of every part without a gap.",
+    robot=_ARM,
+    version=_VERSION,
+    language=(Literal["KRL", "RAPID", "URScript", "FANUC TP", "INFORM"], "", attrgetter("program.language")),
+    verdict=(VERDICT, "the worst of all parts; undecided where moves were not read and all others are free"),
+    sentence=text(min_length=1),
+    summary=(many(str), "the lines that the command prints first"),
+    met=(many(PROGRAM_MET), "singularities on the way, in the order of the program"),
+    moves=(many(PROGRAM_MOVES), "that were read and reached"),
+    skipped=(many(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),
+    blended=(many(Positive), "lines whose corners the controller rounds; they are checked as exact stops",
+        lambda found: [one.line for one in found.program.moves if one.blend]),
+    raised=(num("m"), "height of the maker's base frame above that of the arm"),
+    parts=many(PROGRAM_PARTS),
+    complete=(bool, "false where it was interrupted"),
+)
 MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=(many(many(num("joint"))), "", attrgetter("joints")))
 THROUGH_FILE = file(
     "through",

@@ -412,7 +412,7 @@ def path_sections(check: Any, *, deg: bool = True, full: bool = False) -> tuple[
     sections = [Section(first, lines=tuple(others), tone=tone)]
     met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
     if full or len(met) <= DESCRIBED:
-        lines = [line for one in met for line in _crossing_lines(one, check, deg=deg, full=full)]
+        lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
     else:
         lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
         more = f"and {len(met) - LISTED} more; " if len(met) > LISTED else ""
@@ -429,7 +429,8 @@ def path_sections(check: Any, *, deg: bool = True, full: bool = False) -> tuple[
     return tuple(sections)
 
 
-def _crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+    """A stretch that is not free: what it reaches, where, and what is lost."""
     yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
     yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))

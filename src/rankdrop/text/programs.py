@@ -1,0 +1,291 @@
+"""Checked robot programs in words, with the lines of the program. Records are those of `rankdrop.motion.program`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import degrees, isfinite
+from typing import Any
+
+import numpy as np
+
+from rankdrop.options import advised
+from rankdrop.robot.model import Robot
+from rankdrop.sections import Section
+from rankdrop.text.paths import crossing_lines, free_words
+from rankdrop.text.words import angle, motion, plural, short
+from rankdrop.units import counted_length
+
+_NAMED = 10  # lines that are named in a sentence
+_LISTED = 30  # moves and unread lines that are listed without --full
+_FAR_TURN = 90.0  # degrees that a joint turns in one linear move from which on it is reported
+_REASONS = {
+    "variable": "target is a variable, a register, or not in this file",
+    "changed": "target is assigned more than once, or changed",
+    "expression": "target is an expression",
+    "incomplete": "target does not have all of its values",
+    "pulses": "target is in pulses: pulses per degree are not in the file",
+    "circle": "circular moves are not read",
+    "spline": "splines are not read",
+    "relative": "relative moves and offsets are not read",
+    "other move": "moves of this kind are not read",
+    "base frame": "target is in a user frame, base or work object whose numbers are not in the move",
+    "routine": "another routine begins; from where it is called is not known",
+    "branch": "branches and jumps are not followed; each line is read once",
+    "loop": "loops are read once; the way back to their beginning is not checked",
+    "call": "calls are not followed; they are taken not to move the arm",
+    "tool frame": "tool frames are not evaluated",
+    "other": "not a move",
+}
+_CAUSES = {
+    "out of reach": "no configuration within the joint limits was found for its target",
+    "no such posture": "no solution within the joint limits has the configuration that its target states",
+}
+_ENDS = {
+    "singular": "the branch ends at a singularity", "stuck": "the solver does not converge",
+    "budget": "the steps and rows that one tool path may have are used up", "start": "its beginning is not reached",
+    "turn": "the arm needs an internal turn first, with the tool held still",
+}  # fmt: skip
+_KINDS = {"joint": "joint move", "line": "straight line"}
+
+
+def sentence(check: Any) -> str:
+    """The verdict: what the program does, worst first, with its lines."""
+    parts = [*_reached(check), *_ended(check), *_broken(check), *_open(check)]
+    unread = len(check.unread)
+    if not parts:
+        timed = all(one.untimed is None for one in check.parts)
+        limits = "; joint limits and rates kept" if timed else "; joint limits kept"
+        moves = plural("move", len(check.program.moves))
+        if not unread:
+            return f"Free: proven for every point of {len(check.program.moves)} {moves}{limits}."
+        parts = [f"undecided: {_unread(unread)}; all others are free (proven{limits})"]
+    elif unread:
+        parts.append(_unread(unread))
+    words = "; ".join(parts)
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _unread(count: int) -> str:
+    return f"{count} {plural('move', count)} of the program {'was' if count == 1 else 'were'} not read"
+
+
+def _in_line(line: int, text: str) -> str:
+    return f"in line {line}: {text}"
+
+
+def _reached(check: Any) -> Iterator[str]:
+    for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
+        part = [one for one in check.met if one.stretch.verdict == kind]
+        if part:
+            times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
+            first = part[0]
+            name = first.stretch.name or "an unnamed family"
+            yield f"{words.format(times)}: {name}, {_in_line(first.line, first.text)}"
+    passed = [part.moves[index] for part in check.parts for index in part.passed]
+    if passed:
+        yield f"goes through a singularity {_in_line(passed[0].line, passed[0].text)}"
+
+
+def _ended(check: Any) -> Iterator[str]:
+    for part in check.parts:
+        if part.ended is not None:
+            move = part.ended.move
+            yield f"cannot be followed {_in_line(move.line, move.text)} ({_why(part.ended, check.robot)})"
+
+
+def _why(ended: Any, robot: Robot) -> str:
+    """Why a move cannot be followed."""
+    if ended.branch is None:
+        return _CAUSES[ended.cause]
+    branch = ended.branch
+    share = f"after {100 * max(0.0, branch.reached - 1.0):.3g} % of the way"
+    if branch.reason == "limit":
+        return f"joint {branch.joint} ({robot.variables[branch.joint - 1].name}) reaches its limit {share}"
+    reason = "the branch folds back at a singularity" if branch.folds else _ENDS[branch.reason]
+    return f"{reason} {share}"
+
+
+def _broken(check: Any) -> Iterator[str]:
+    for part in check.parts:
+        for one in () if part.check is None else part.check.violations:
+            move = part.moves[part.move_at(one.place)]
+            joint = f"joint {one.joint} ({check.robot.variables[one.joint - 1].name})"
+            where = _in_line(move.line, move.text)
+            if one.what == "rate" and one.proven:
+                times = f"{short(one.amount, 3)} times the limit of {joint}"
+                yield f"not possible at the programmed speed: {times} {where}"
+            elif one.what == "rate":
+                yield f"the rate of {joint} could not be proven to keep its limit {where}"
+            elif one.proven:
+                excess = motion(one.amount, check.robot.variables[one.joint - 1].unit)
+                yield f"{joint} is outside its limits by {excess} {where}"
+            else:
+                yield f"{joint} could not be proven to keep its limits {where}"
+
+
+def _open(check: Any) -> Iterator[str]:
+    undecided = sum(one.undecided_length for one in check.checks)
+    if any(one.verdict == "undecided" for path in check.checks for one in path.stretches):
+        yield f"{undecided:.3g} rad of it undecided"
+    far = angle(check.checks[0].options.min_distance) if check.checks else ""
+    if any(path.margin == "violated" for path in check.checks):
+        yield f"comes nearer than {far} to a singularity"
+    elif any(path.margin == "not proven" for path in check.checks):
+        yield f"a distance of {far} could not be proven"
+    if not check.complete:
+        yield "interrupted"
+
+
+def summary(check: Any) -> tuple[str, ...]:
+    """The verdict, what was read, corners, frames, where parts begin, turns, the nearest singularity, how it is known.
+    """
+    parts = (_next_lines, _read_lines, _begin_lines, _turn_lines, _near_lines, _verified_lines)
+    return (sentence(check), *(line for part in parts for line in part(check)))
+
+
+def _next_lines(check: Any) -> Iterator[str]:
+    """Of a program that crosses in joint moves alone: nothing needs to be done."""
+    if check.verdict == "crossing" and all(one.kind == "joint" for one in check.met):
+        lines = _lines_words([one.line for one in check.met])
+        yield f"Next: the joint moves of {lines} cross, and a joint move may: nothing needs to be done there."
+
+
+def _read_lines(check: Any) -> Iterator[str]:
+    program, moves = check.program, check.program.moves
+    joint = sum(one.kind == "joint" for one in moves)
+    unread = f"; {len(check.unread)} not read" if check.unread else ""
+    parts = f", in {len(check.parts)} parts" if len(check.parts) > 1 else ""
+    yield (f"Program: {program.language}; {len(moves)} {plural('move', len(moves))} read: {joint} joint, "
+           f"{len(moves) - joint} straight{unread}{parts}.")  # fmt: skip
+    blends = [one.line for one in moves if one.blend]
+    if blends:
+        yield (f"Corners: checked as exact stops. The controller rounds those of {_lines_words(blends)}: it leaves the "
+               "checked path there, and what it does instead is not checked.")  # fmt: skip
+    tools = [one.line for one in program.skipped if one.reason == "tool frame"]
+    if tools:
+        yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are taken as those of the "
+               f"arm's tip; {advised('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
+    if check.raised and any(one.target.pose is not None for one in moves):
+        size = 1e3 / counted_length(check.robot)
+        yield f"Base frame: at the height of axis 2, {short(size * check.raised, 4)} mm above the base of the arm."
+    untimed = [part.untimed.line for part in check.parts if part.untimed is not None]
+    if untimed:
+        yield f"Rates: not checked, no speed is known for {_lines_words(untimed)}."
+
+
+def _begin_lines(check: Any) -> Iterator[str]:
+    for part in check.parts:
+        if part.check is None or part.begins in ("joints", "start"):
+            continue
+        posed = f"Start: line {part.moves[0].line} is a pose."
+        if part.begins == "posture":
+            yield f"{posed} The posture that people use is taken; {advised('start', '…')} takes another."
+        else:
+            yield f"{posed} The solution nearest to the configuration before it is taken."
+
+
+def _turn_lines(check: Any) -> Iterator[str]:
+    """The linear move in which a joint turns far, and by how much."""
+    lines = [one for one in check.moves if one.kind == "line" and degrees(one.turn) >= _FAR_TURN]
+    if lines:
+        most = max(lines, key=lambda one: one.turn)
+        lasts = "" if most.seconds is None else f" in {most.seconds:.3g} s"
+        yield f"Turns: joint {most.joint} turns {degrees(most.turn):.0f}°{lasts} in line {most.line}."
+
+
+def _near_lines(check: Any) -> Iterator[str]:
+    near = min((one for one in check.moves if isfinite(one.distance)), key=lambda one: one.distance, default=None)
+    if near is not None:
+        far = "on it" if near.distance < 1e-6 else f"{angle(near.distance)} away"
+        yield f"Nearest singularity: {near.name or 'a singularity'}, {far}, {_in_line(near.line, near.text)}."
+
+
+def _verified_lines(check: Any) -> Iterator[str]:
+    spent = sum(one.evaluations for one in check.checks)
+    size = 1e3 / counted_length(check.robot)
+    off = max((part.off for part in check.parts), default=0.0)
+    turned = max((part.turned for part in check.parts), default=0.0)
+    tip = f"; the tip stays within {_up(size * off)} mm and {_up(1e3 * turned)} mrad of its lines" if off > 0.0 else ""
+    shares = ", ".join(dict.fromkeys(free_words(one) for one in check.checks))
+    free = f"; {shares} of the joint path is proven free" if len(check.checks) == 1 else ""
+    yield f"Verified: {spent:,} {plural('enclosure', spent)}{tip}{free}."
+
+
+def _up(value: float) -> str:
+    """Two digits, rounded up: what is printed is proven as well."""
+    return short(float(np.nextafter(value * 1.05, np.inf)), 2) if value > 0.0 else "0"
+
+
+def _lines_words(lines: Sequence[int]) -> str:
+    """Line numbers, runs of them in short.
+
+    Example:
+        >>> _lines_words([3, 4, 5, 9])
+        'lines 3–5, 9'
+    """
+    runs: list[list[int]] = []
+    for line in sorted(set(lines)):
+        if runs and line == runs[-1][1] + 1:
+            runs[-1][1] = line
+        else:
+            runs.append([line, line])
+    named = ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in runs[:_NAMED])
+    more = ", …" if len(runs) > _NAMED else ""
+    return f"{'line' if len(set(lines)) == 1 else 'lines'} {named}{more}"
+
+
+def sections(check: Any, *, full: bool) -> tuple[Section, ...]:
+    """The summary, singularities, moves, and the lines that were not read."""
+    tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
+    first, *others = summary(check)
+    found = [Section(first, lines=tuple(others), tone=tone)]
+    lines = []
+    for one in check.met if full else check.met[:_NAMED]:
+        path = next(path for path in check.checks if any(part is one.stretch for part in path.stretches))
+        head, *rest = crossing_lines(one.stretch, path, deg=True, full=full)
+        lines += [f"line {one.line}: {head}", *rest]
+    if lines:
+        found.append(Section("Singularities on the way", lines=tuple(lines)))
+    found.append(_moves_section(check, full=full))
+    if check.program.skipped:
+        found.append(_skipped_section(check, full=full))
+    return tuple(found)
+
+
+def _moves_section(check: Any, *, full: bool) -> Section:
+    moves = check.moves
+    shown = moves if full or len(moves) <= _LISTED else [one for one in moves if one.verdict not in (None, "free")]
+    rows = tuple(
+        (str(one.line), _KINDS[one.kind], "begins here" if one.verdict is None else str(one.verdict),
+         angle(one.distance) if isfinite(one.distance) else "–",
+         f"{one.joint}: {degrees(one.turn):.0f}°" if one.joint else "–",
+         "–" if one.seconds is None else f"{one.seconds:.3g}", one.text)
+        for one in shown[: None if full else _LISTED]
+    )  # fmt: skip
+    notes = [] if len(rows) == len(moves) else [f"{len(moves) - len(rows)} more moves; {advised('full')} prints all"]
+    return Section(
+        "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
+        rows=rows, texts=(1, 2, 6), notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _skipped_section(check: Any, *, full: bool) -> Section:
+    """Lines that were not read, by reason."""
+    reasons = [key for key in _REASONS if any(one.reason == key for one in check.program.skipped)]
+    lines = []
+    for key in reasons:
+        part = [one for one in check.program.skipped if one.reason == key]
+        lines.append(f"{_lines_words([one.line for one in part])}: {_REASONS[key]}")
+        if full:
+            lines += [f"    {one.line}: {one.text}" for one in part]
+    return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advised('full')} prints these lines",))
+
+
+def why_skipped(reason: str) -> str:
+    """Why a line was not read."""
+    return _REASONS[reason]
+
+
+def why_move_ended(ended: Any, robot: Robot) -> str:
+    """Why a move could not be followed."""
+    return _why(ended, robot)

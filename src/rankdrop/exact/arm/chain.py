@@ -558,19 +558,7 @@ def exact_chain(
             for name, value in robot.lengths
             if name not in letters
         )
-    notes += tuple(_following(robot))
     return Chain(robot, resolved, found, letters, written, roundings, notes)
-
-
-def _following(robot: Robot) -> Iterator[str]:
-    """A sentence for each joint that follows another one."""
-    for joint, place in zip(robot.joints, robot.drivers, strict=True):
-        if joint.mimic is not None:
-            multiplier = f"{joint.multiplier:.6g}".replace("-", "−")
-            yield (
-                f"joint {joint.name} follows joint {joint.mimic.leader}: column {place + 1} of the Jacobian contains "
-                f"{multiplier} times the screw of {joint.name}; joint numbers in conditions count the variables"
-            )
 
 
 def _home_in_last(robot: Robot) -> Array:

@@ -248,13 +248,16 @@ def _check(robot: Robot) -> None:
                 mend="rankdrop analyze finds its singularities numerically",
             )
         if joint.kind is JointKind.REVOLUTE and not _is_whole(joint.multiplier):
+            inverse = _inverse(joint.multiplier)
             raise RobotError(
                 "exact conditions need a whole multiplier: else the sine of the follower's angle is no polynomial in "
                 "the sine and cosine of its leader's",
                 where=where,
                 got=f"{joint.multiplier:.12g} times {leader!r}",
                 allowed=f"a whole number from −{LARGEST} to {LARGEST}",
-                mend=_other_leader(joint, leader),
+                mend="rankdrop analyze finds its singularities numerically" if inverse is None else
+                f"in the robot file let {leader!r} follow {joint.name!r} with the multiplier {inverse} and the offset "
+                f"{-inverse * joint.offset + 0.0:.12g} rad; or rankdrop analyze finds its singularities numerically",
             )
 
 
@@ -267,15 +270,12 @@ def _is_whole(multiplier: float) -> bool:
     return abs(multiplier - round(multiplier)) <= _NOISE["angle"] and abs(multiplier) <= LARGEST
 
 
-def _other_leader(joint: Joint, leader: str) -> str:
-    """What to do about a multiplier that is not whole: where its inverse is, the two joints change places."""
-    numerically = "rankdrop analyze finds its singularities numerically"
-    inverse = round(1 / joint.multiplier)  # not 0 / 0: a multiplier of 0 is whole
-    if abs(joint.multiplier) >= 1 or abs(inverse) > LARGEST or abs(1 / joint.multiplier - inverse) > ALIGNED:
-        return numerically
-    offset = f" and the offset {-joint.offset * inverse:.12g} rad" if joint.offset else ""
-    way = f"let {leader!r} follow {joint.name!r} with the multiplier {inverse}{offset}"
-    return f"in the robot file {way}; or {numerically}"
+def _inverse(multiplier: float) -> int | None:
+    """1 / m where that is whole: with it the leader can follow its follower; None for another multiplier."""
+    if not 0 < abs(multiplier) < 1:
+        return None
+    inverse = round(1 / multiplier)
+    return inverse if abs(inverse) <= LARGEST and abs(1 / multiplier - inverse) <= ALIGNED else None
 
 
 def first_and_last(robot: Robot) -> tuple[Array, Array]:

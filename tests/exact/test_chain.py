@@ -144,7 +144,7 @@ def test_names_that_mean_something_else_and_lengths_that_are_not_there_are_refus
         exact_chain(robot, "nonsense")
 
 
-def test_helical_and_mimic_joints_are_refused() -> None:
+def test_helical_joints_and_multipliers_that_are_not_whole_are_refused() -> None:
     for kinds in ("rhr", "rrm"):
         with pytest.raises(RobotError):
             exact_chain(random_chain(np.random.default_rng(0), kinds))

@@ -69,6 +69,11 @@ def check_method(
             allowed=", ".join(CHOOSING), mend="name one of them",
         )  # fmt: skip
     check_basic(chain, basic, frame)
+    if method == "suppression" and chain.coupled:
+        raise OptionError(
+            "suppression needs one screw for each column of the Jacobian", where="method",
+            got="joints that follow others", mend="take auto, cofactors, reciprocity, singular-vector or tree",
+        )  # fmt: skip
     if method == "decoupling" and decouple(chain) is None:
         raise OptionError(
             "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
@@ -89,7 +94,8 @@ def corank_one(
     Args:
         chain: the arm.
         method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
-            all six rows and at most `WIDE` joints, the determinant for other square Jacobians, else the tree.
+            all six rows and at most `WIDE` joints, the determinant for other square Jacobians, else the tree. Where
+            joints follow others neither of the first two, which need one screw for each column.
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
@@ -119,7 +125,7 @@ def corank_one(
 
 def _chosen(chain: Chain, tree: Tree) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
-    if chain.task.m == 6 and 6 < chain.n <= WIDE and tree.generic_rank == 6:
+    if chain.task.m == 6 and 6 < chain.n <= WIDE and tree.generic_rank == 6 and not chain.coupled:
         return "suppression"
     return "determinant" if chain.n == chain.task.m == tree.generic_rank else "tree"
 

@@ -303,6 +303,8 @@ def decouple(chain: Chain) -> Decoupling | None:
 def why_not(chain: Chain) -> str:
     """Why `decouple` returns None for an arm, in words; "" where it does not."""
     n, m, pose = chain.n, chain.task.m, chain.task.rows == POSE
+    if chain.coupled:
+        return "joints follow others"
     structure = structure_of(chain)
     near = "".join(f"; near-structural: {one.text}" for one in structure.near)
     part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
@@ -459,7 +461,7 @@ def _chosen(chain: Chain) -> Iterator[tuple[str, tuple[int, ...], tuple[int, ...
     if chain.n == len(rows):
         yield "det J", joints, rows
     elif chain.n > len(rows):
-        letter = "$" if len(rows) == 6 else "J"
+        letter = "$" if len(rows) == 6 and not chain.coupled else "J"
         for some in combinations(joints, len(rows)):
             yield f"|{' '.join(f'{letter}{j}' for j in some)}|", some, rows
     else:
@@ -475,7 +477,8 @@ def _meaning(chain: Chain) -> str:
     if n == len(rows):
         return f"rows {told}, joints 1 to {n}: {axes}"
     if n > len(rows):
-        column = "$j = (v; ω) is the screw of joint j" if len(rows) == 6 else f"Jj is column j of J, rows {told}"
+        screws = len(rows) == 6 and not chain.coupled
+        column = "$j = (v; ω) is the screw of joint j" if screws else f"Jj is column j of J, rows {told}"
         return f"{column}: the rank drops where all of these minors vanish; {axes}"
     where = f"rows in the frame of link {chain.frame}" if rows == POSE else "rows in axes in which they are short"
     return f"each minor is made of as many rows as there are joints, {where}: the rank drops where all of them vanish"

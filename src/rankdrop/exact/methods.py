@@ -210,7 +210,7 @@ def check_wrist(chain: Chain) -> None:
             "decomposition needs a task of all six rows", where=where, got=f"{chain.task.m} rows",
             mend="use the method determinant or cofactors",
         )  # fmt: skip
-    missing = _missing(chain)
+    missing = "mimic joints" if chain.coupled else _missing(chain)
     if missing:
         raise OptionError(
             "decomposition needs a spherical wrist: the last three axes meet in one point", where=where, got=missing,

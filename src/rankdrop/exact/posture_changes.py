@@ -251,6 +251,8 @@ def decide_postures(chain: Chain) -> Decision:
         'axes 1, 2 meet'
     """
     rows, n = chain.task.rows, chain.n
+    if chain.coupled:
+        return Decision(OPEN, "coupled")
     if rows == POSE and n == 6 and structure_of(chain).wrist == (4, 5, 6):
         return _of_a_point(chain, _centre(chain), wrist=True)
     if rows == POSITION and n == 3:

@@ -23,6 +23,7 @@ POSTURES = {
     "orientation": "z₁·z₃ leaves two values of θ2",
     "planar": "all axes are parallel, and the elbow has two solutions",
     "structure": "neither proof applies to an arm of this structure",
+    "coupled": "neither proof applies where a joint follows another one",
     "slide": "{whose} {has} a slide",
     "repeated": "the singular curve of {whose} has a repeated part",
     "nodes": "the singular curve of {whose} has no cusp but {nodes}, and the theorem is of arms without",

@@ -564,6 +564,24 @@ def equal_lengths_text(equal: Iterable[tuple[str, bool, str]]) -> str:
     return f"{pairs} for this arm: derived with one letter for both"
 
 
+def following_texts(robot: Robot) -> tuple[str, ...]:
+    """A sentence for each joint that follows another one, and which methods of exact conditions are left out."""
+    told = []
+    for joint, place in zip(robot.joints, robot.drivers, strict=True):
+        if joint.mimic is not None:
+            multiplier = f"{joint.multiplier:.6g}".replace("-", "−")
+            told.append(
+                f"joint {joint.name} follows joint {joint.mimic.leader}: column {place + 1} of the Jacobian contains "
+                f"{multiplier} times the screw of {joint.name}"
+            )
+    if told:
+        told.append(
+            "joint numbers count the variables; decoupling and suppression, which need one screw for each column, are "
+            "left out"
+        )
+    return tuple(told)
+
+
 def on_no_family_text(corank: int, many: int, tested: int, q: Iterable[float]) -> str:
     """Singular configurations that no family explains, one of them `q`."""
     values = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in q)

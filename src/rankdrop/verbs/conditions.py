@@ -37,7 +37,8 @@ def conditions(
     it, and `points` singular configurations found numerically, which all have to lie on one.
 
     Args:
-        robot: revolute and prismatic joints, each a variable of its own.
+        robot: revolute and prismatic joints; a joint that follows another one is of its kind, with a whole multiplier
+            where it turns.
         task: as in `resolve_task`; None is the one the arm is made for.
         options: method, lengths, coranks, time limit and seed; or its fields as keywords. Half of the time limit is
             the limit on the work done, counted in steps, so that the result does not depend on how fast the machine is
@@ -49,7 +50,7 @@ def conditions(
         Conditions.
 
     Raises:
-        RobotError: not a Robot, a helical joint, or a joint that follows another one.
+        RobotError: not a Robot, a helical joint, or a joint that follows another one in a way that is not algebraic.
         TaskError: the task does not exist.
         OptionError: an option outside what is allowed.
         MissingExtraError: python-flint is not installed.

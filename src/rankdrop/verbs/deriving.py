@@ -49,6 +49,7 @@ from rankdrop.text.by_hand import steps_of
 from rankdrop.text.families import (
     assumption_text,
     equal_lengths_text,
+    following_texts,
     near_misses_text,
     not_singular_text,
     on_no_family_text,
@@ -133,7 +134,10 @@ def derived(
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *remarks, *misses, *(one.text for one in structure_of(chain).near)),
+        remarks=(
+            *chain.remarks, *following_texts(robot), *remarks, *misses,
+            *(one.text for one in structure_of(chain).near),
+        ),
         method=first.method,
         reason=first.reason,
         steps=steps,

@@ -45,7 +45,8 @@ def link_jacobian(
     """The Jacobian seen from a link, in closed form, at a configuration, or both.
 
     Args:
-        robot: revolute and prismatic joints, each a variable of its own.
+        robot: revolute and prismatic joints; a joint that follows another one is of its kind, with a whole multiplier
+            where it turns.
         frame: link 1 … n whose axes are taken; None for the one in which it is shortest (numbers alone: link 1).
         task: as in `resolve_task`.
         at: reference point: the origin of this link's frame; None for the tip.
@@ -56,7 +57,7 @@ def link_jacobian(
         seconds: limit on work for the closed inverse; of the processor's time three times as much.
 
     Raises:
-        RobotError: a helical joint, or one that follows another.
+        RobotError: a helical joint, or one that follows another in a way that is not algebraic.
         TaskError: rows that would be others in the axes of a link.
         OptionError: no such link; neither closed forms nor a configuration; an inverse of a matrix that is not square;
             the limit was met.
@@ -120,13 +121,15 @@ def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
 def _frame(chain: Chain, q: Array, k: int) -> Array:
     """(4, 4) pose in the base of the frame of link k: z along axis k, x along the normal after it."""
     found = first_and_last(chain.robot)[0]
+    theta = q + chain.shifts
     for j, section in enumerate(chain.sections[:k], 1):
-        angle = atan2(float(section.phase.sin), float(section.phase.cos)) + section.shift
+        angle = atan2(float(section.phase.sin), float(section.phase.cos))
         slide = float(section.d)
+        moved = float(section.multiplier) * float(theta[section.variable - 1])
         if section.kind is JointKind.REVOLUTE:
-            angle += float(q[j - 1])
+            angle += moved
         else:
-            slide += float(q[j - 1])
+            slide += moved
         found = found @ rotation("z", angle) @ translation(0.0, 0.0, slide)
         if j < k:
             twist = atan2(float(section.twist.sin), float(section.twist.cos))

@@ -74,6 +74,17 @@ def joint_screw(ring: Ring, pose: Matrix, kind: JointKind) -> list[Polynomial]:
     return [*_cross(ring, point, axis), *axis]
 
 
+def multiple(ring: Ring, j: int, m: int) -> tuple[Polynomial, Polynomial]:
+    """(cos, sin) of m θ_j for a whole m, from cos (k + 1)θ = cos kθ cos θ − sin kθ sin θ, and so on."""
+    cosine, sine = ring.one, ring.zero
+    for _ in range(abs(m)):
+        cosine, sine = (
+            ring.reduce(cosine * ring.c[j] - sine * ring.s[j]),
+            ring.reduce(sine * ring.c[j] + cosine * ring.s[j]),
+        )
+    return cosine, sine if m >= 0 else -sine
+
+
 def moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[Polynomial]:
     """The screw with its linear part taken at another point: v + ω × point."""
     cross = _cross(ring, screw[3:], point)
@@ -90,8 +101,8 @@ the sets of lower rank bind four freedoms and more, of as many conditions in let
 
 
 def ring_of(robot: Robot, letters: Iterable[str]) -> Ring:
-    """The ring that an arm's screws live in; joints are numbered from 1."""
-    kinds = [joint.kind for joint in robot.joints]
+    """The ring that an arm's screws live in; variables are numbered from 1."""
+    kinds = [joint.kind for joint in robot.variables]
     revolute, prismatic = (
         [i for i, kind in enumerate(kinds, 1) if kind is wanted] for wanted in (JointKind.REVOLUTE, JointKind.PRISMATIC)
     )
@@ -160,10 +171,12 @@ class Chain:
 
     Attributes:
         robot, task: as given.
-        sections: twists, lengths and phases, exact.
+        sections: twists, lengths and phases of the N joints, exact; joints that follow others are among them. The n
+            variables are what conditions speak of, and column v of the Jacobian is Σ m_j $_j over the joints j that
+            variable v moves.
         letters: value [m] of each length that is a symbol, by its name.
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
-            Index n is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
+            Index N is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
         roundings: numbers of the arm that are replaced by others, lengths that are letters included.
         notes: what else there is to say of its numbers.
 
@@ -192,12 +205,22 @@ class Chain:
 
     def _counts(self, place: int, kind: str) -> bool:
         """Whether conditions depend on a number: not on the first offset, nor on what lies behind the last axis."""
-        return 0 < place < self.n - 1 or place == self.n or kind == "twist" or (place, kind) == (0, "a")
+        return 0 < place < self.links - 1 or place == self.links or kind == "twist" or (place, kind) == (0, "a")
 
     @property
     def n(self) -> int:
-        """Number of joints."""
+        """Number of variables: of columns of the Jacobian."""
+        return self.robot.n
+
+    @property
+    def links(self) -> int:
+        """Number N of joints and of the links after them; more than n where joints follow others."""
         return len(self.sections)
+
+    @property
+    def coupled(self) -> bool:
+        """Whether some joint follows another one, so that a column of the Jacobian may be a sum of screws."""
+        return self.links > self.n
 
     @cached_property
     def ring(self) -> Ring:
@@ -214,7 +237,8 @@ class Chain:
     @cached_property
     def shifts(self) -> Array:
         """(n,) what is to be added to q to get the variables of the conditions: θ = q + shift [rad, m]."""
-        return np.array([section.shift for section in self.sections])
+        own = (section for section, joint in zip(self.sections, self.robot.joints, strict=True) if joint.mimic is None)
+        return np.array([section.shift for section in own])
 
     @cached_property
     def numbers(self) -> dict[str, float]:
@@ -247,7 +271,7 @@ class Chain:
 
     @property
     def tip(self) -> tuple[Fraction, Fraction, Fraction]:
-        """Position of the tip in the frame of link n, lengths as numbers."""
+        """Position of the tip in the frame of link N, lengths as numbers."""
         x, y, z = _tip(self.robot)
         return x, y, z
 
@@ -263,29 +287,29 @@ class Chain:
 
     @cached_property
     def frame(self) -> int:
-        """The link frame (1 … n − 1) in which the screws are shortest.
+        """The link frame (1 … N − 1) in which the screws are shortest.
 
         Raises:
             OutOfTime: they are too long in each.
         """
-        if self.n == 1:
+        if self.links == 1:
             return 1
 
         terms: dict[int, int] = {}
-        for k in sorted(self.frames, key=lambda k: abs(2 * k - self.n)):
+        for k in sorted(self.frames, key=lambda k: abs(2 * k - self.links)):
             try:
                 terms[k] = sum(len(x) for column in self.screws(k) for x in column)
             except OutOfTime:
                 if not terms:  # not even in the middle
                     raise
-        return min(terms, key=lambda k: (terms[k], abs(2 * k - self.n)))
+        return min(terms, key=lambda k: (terms[k], abs(2 * k - self.links)))
 
     @property
     def frames(self) -> range:
         """The link frames that are tried: of a long arm those in its middle, for every joint between makes the screws
         of general arms three times longer."""
-        near = self.n // 4 if self.n > WIDE else 0
-        return range(1 + near, self.n - near)
+        near = self.links // 4 if self.links > WIDE else 0
+        return range(1 + near, self.links - near)
 
     @cached_property
     def columns(self) -> list[list[Polynomial]]:
@@ -300,7 +324,7 @@ class Chain:
             return self.screws(self.frame)
         if rows in ((0, 1, 2), (3, 4, 5)):
             return min(
-                ([[c[r] for r in rows] for c in self.screws_at_tip(k)] for k in (*self.frames, self.n)),
+                ([[c[r] for r in rows] for c in self.screws_at_tip(k)] for k in (*self.frames, self.links)),
                 key=lambda columns: sum(len(x) for c in columns for x in c),
             )
         return [[column[r] for r in rows] for column in self._in_task_axes()]
@@ -322,13 +346,26 @@ class Chain:
         return columns, lower + m - 6
 
     def screws(self, k: int) -> list[list[Polynomial]]:
-        """The n joint screws (v; ω) in the frame of link k (1 … n): z along axis k, x along the normal after it."""
+        """The n columns (v; ω) in the frame of link k (1 … N): z along axis k, x along the normal after it.
+
+        The screw of each joint; of a variable that moves several the sum of theirs, each times its multiplier.
+        """
         if k not in self._screws:
-            self._screws[k] = self.near(k, range(1, self.n + 1))
+            self._screws[k] = self._summed(self.near(k, range(1, self.links + 1)))
         return self._screws[k]
 
+    def _summed(self, screws: list[list[Polynomial]]) -> list[list[Polynomial]]:
+        """(n, 6) columns Σ m_j $_j of the variables, from the (N, 6) screws of the joints."""
+        if not self.coupled:
+            return screws
+        found = [[self.ring.zero] * 6 for _ in range(self.n)]
+        for section, screw in zip(self.sections, screws, strict=True):
+            column, m = found[section.variable - 1], self.ring.constant(section.multiplier)
+            found[section.variable - 1] = [x + m * y for x, y in zip(column, screw, strict=True)]
+        return [[self.ring.reduce(x) for x in column] for column in found]
+
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
-        """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
+        """The n columns in the axes of link k, the linear part taken at the origin of the frame of link m."""
         pose = self.link_pose(k, m)
         point = [pose[i][3] for i in range(3)]
         return self.screws(k) if k == m else [moved(self.ring, one, point) for one in self.screws(k)]
@@ -346,7 +383,7 @@ class Chain:
         part in the task's rows where it is one of the added screws.
         """
         ring = self.ring
-        last = self.link_pose(k, self.n)
+        last = self.link_pose(k, self.links)
         first = last if self.in_body else times(ring, self.link_pose(k, 1), inverse(ring, self._joint(1)))
         tip = self._tip_in(last)
         found = list(self.screws(k))
@@ -358,7 +395,8 @@ class Chain:
 
     def _tip_in(self, last: Matrix) -> list[Polynomial]:
         ring, (x, y, z) = self.ring, self.tip
-        tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z), ring.one]
+        place = self.links
+        tip = [self._length(place, "a", x), ring.constant(y), self._length(place, "d", z), ring.one]
         return [ring.reduce(_inner(ring, last[i], tip)) for i in range(3)]
 
     @cached_property
@@ -378,7 +416,7 @@ class Chain:
         """Per joint of a stretch that holds link k (all joints) a frame with z along its axis, seen from link k."""
         ring = self.ring
         pose = identity(ring)
-        for j in range(k + 1, (last or self.n) + 1):
+        for j in range(k + 1, (last or self.links) + 1):
             pose = times(ring, pose, self._link(j - 1))
             yield j, pose
             pose = times(ring, pose, self._joint(j))
@@ -393,13 +431,12 @@ class Chain:
         """Rz(θ_j) Tz(d_j)."""
         ring, section = self.ring, self.sections[j - 1]
         d = self.length(j - 1, "d")
+        c, s = ring.constant(section.phase.cos), ring.constant(section.phase.sin)
         if section.kind is JointKind.PRISMATIC:
-            c, s = ring.constant(section.phase.cos), ring.constant(section.phase.sin)
-            d = d + ring.q[j]
+            d = d + ring.constant(section.multiplier) * ring.q[section.variable]
         else:
-            c, s = ring.c[j], ring.s[j]
-            for _ in range(section.phase.quarters or 0):
-                c, s = -s, c
+            cosine, sine = multiple(ring, section.variable, int(section.multiplier))
+            c, s = ring.reduce(c * cosine - s * sine), ring.reduce(s * cosine + c * sine)
         zero, one = ring.zero, ring.one
         return [[c, -s, zero, zero], [s, c, zero, zero], [zero, zero, one, d], [zero, zero, zero, one]]
 
@@ -412,14 +449,14 @@ class Chain:
         return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
 
     def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
-        """The n joint screws in the axes of link k, the linear part taken at the tip."""
-        point = self._tip_in(self.link_pose(k, self.n))
+        """The n columns in the axes of link k, the linear part taken at the tip."""
+        point = self._tip_in(self.link_pose(k, self.links))
         return [moved(self.ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:
         """Screws at the tip along the axes of the task's frame."""
         ring, rows = self.ring, set(self.task.rows)
-        k, turned = self.n if self.in_body else 1, self.task_axes
+        k, turned = self.links if self.in_body else 1, self.task_axes
         about_z = all(turned[2][i] in ((1, -1) if i == 2 else (0,)) for i in range(3))
         paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
         screws = self.screws_at_tip(k)
@@ -485,14 +522,15 @@ def exact_chain(
     lengths too: a{n} and d{n}.
 
     Args:
-        robot: revolute and prismatic joints, each a variable of its own.
+        robot: revolute and prismatic joints. A joint that follows another one is of the same kind; one that turns has a
+            whole multiplier.
         task: as in `resolve_task`; None is the one that the arm is made for.
         lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, there
             are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters
             to values [m]: lengths of that value get the letter.
 
     Raises:
-        RobotError: a helical or a mimic joint.
+        RobotError: a helical joint, or one that follows another in a way that is not algebraic.
         TaskError: no such task.
         OptionError: a letter that means something else in conditions, or that no length has.
     """

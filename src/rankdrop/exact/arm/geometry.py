@@ -21,7 +21,7 @@ import numpy as np
 
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.algebra.polynomial import ROOTS, Number, surd
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
@@ -76,10 +76,13 @@ class Section:
         kind: of the joint.
         phase: θ_i at q = 0 (for a slide its constant angle).
         shift: θ_i = q_i + shift [rad]: 0 where the phase is a whole number of quarter turns, which `phase` then holds;
-            else the phase itself, and θ_i is what conditions speak of.
+            else the phase itself, and θ_i is what conditions speak of. 0 of a joint that follows another one.
         d: distance along axis i between the two normals [m], at q = 0 for a slide.
         a: distance between axes i and i+1 along the normal [m].
         twist: from axis i to axis i+1 about the normal.
+        variable: number of the variable that moves the joint, from 1.
+        multiplier: m of a joint that follows another one: its angle is phase + m θ_v, its distance d + m q_v, with v
+            the variable; whole for an angle. 1 for a joint that is a variable of its own.
     """
 
     kind: JointKind
@@ -88,6 +91,8 @@ class Section:
     d: Fraction
     a: Fraction
     twist: Turn
+    variable: int
+    multiplier: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +124,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
     Args:
-        robot: revolute and prismatic joints, each a variable of its own.
+        robot: revolute and prismatic joints; one that follows another is of its leader's kind.
         unit: in metres, of its lengths.
 
     Returns:
@@ -127,20 +132,27 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
         floating-point numbers.
 
     Raises:
-        RobotError: a helical or a mimic joint.
+        RobotError: a helical joint, or one that follows another in a way that is not algebraic.
     """
     _check(robot)
     lines, normals = _lines_and_normals(robot)
+    angles = [_angle(normals[i][0], normals[i + 1][0], line[0]) for i, line in enumerate(lines)]
+    shifts = {joint.name: _shift(joint, angle) for joint, angle in zip(robot.joints, angles, strict=True)}
     roundings: list[Deviation] = []
     found = []
     for i, joint in enumerate(robot.joints):
-        (before, _, start), (after, near, far), z = normals[i], normals[i + 1], lines[i][0]
-        angle = atan2(float(np.cross(before, after) @ z), float(before @ after))
-        phase, twist = turn(angle), turn(0.0)
-        shift = 0.0
-        if joint.kind is JointKind.REVOLUTE and phase.quarters is None:
-            phase, shift = turn(0.0), angle
-        lengths = {"d": float((near - start) @ z), "a": 0.0}
+        (_, _, start), (after, near, far), z = normals[i], normals[i + 1], lines[i][0]
+        angle, distance, twist = angles[i], float((near - start) @ z), turn(0.0)
+        turns = joint.kind is JointKind.REVOLUTE
+        multiplier = Fraction(round(joint.multiplier) if turns else repr(float(joint.multiplier)))
+        # φ + m q + b = (φ + b − m s) + m θ, where θ = q + s is what conditions speak of; s = 0 of a slide
+        shift = shifts[joint.name] if joint.mimic is None else 0.0
+        if joint.mimic is not None and turns:
+            angle = remainder(angle + joint.offset - joint.multiplier * shifts[joint.driver], 2 * pi)
+        elif joint.mimic is not None:
+            distance += joint.offset
+        phase = turn(0.0 if shift else angle)
+        lengths = {"d": distance, "a": 0.0}
         if i + 1 < len(robot.joints):
             next_z = lines[i + 1][0]
             twist = turn(atan2(float(np.cross(z, next_z) @ after), float(z @ next_z)))
@@ -154,8 +166,19 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
             if abs(error) > _NOISE[what]:
                 size = unit if what in "ad" else 1.0
                 roundings.append(_rounding(what, joint.name, i + 1, size * value, size * error))
-        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist))
+        variable = robot.drivers[i] + 1
+        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier))
     return tuple(found), tuple(roundings)
+
+
+def _angle(before: Array, after: Array, z: Array) -> float:
+    """Angle about an axis from the normal before it to the one after [rad]."""
+    return atan2(float(np.cross(before, after) @ z), float(before @ after))
+
+
+def _shift(joint: Joint, angle: float) -> float:
+    """θ − q of a joint with this angle at q = 0: 0 where that is a whole number of quarter turns [rad]."""
+    return angle if joint.kind is JointKind.REVOLUTE and turn(angle).quarters is None else 0.0
 
 
 def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
@@ -203,6 +226,7 @@ def _length(value: float) -> Fraction:
 
 
 def _check(robot: Robot) -> None:
+    kinds = {joint.name: joint.kind for joint in robot.joints}
     for joint in robot.joints:
         where = f"robot {robot.name!r}, joint {joint.name!r}"
         if joint.kind is JointKind.HELICAL:
@@ -212,13 +236,46 @@ def _check(robot: Robot) -> None:
                 allowed="revolute, prismatic",
                 mend="rankdrop analyze finds its singularities numerically",
             )
-        if joint.mimic is not None:
+        if joint.mimic is None:
+            continue
+        leader = joint.mimic.leader
+        if kinds[leader] is not joint.kind:
             raise RobotError(
-                "exact conditions are not derived for joints that follow others",
+                "conditions are not algebraic where a slide follows a turning joint, or a turning joint a slide",
                 where=where,
-                got=f"mimic of {joint.mimic.leader!r}",
+                got=f"{joint.kind} mimic of {kinds[leader]} joint {leader!r}",
+                allowed="a joint of the same kind as the one it follows",
                 mend="rankdrop analyze finds its singularities numerically",
             )
+        if joint.kind is JointKind.REVOLUTE and not _is_whole(joint.multiplier):
+            inverse = _inverse(joint.multiplier)
+            raise RobotError(
+                "exact conditions need a whole multiplier: else the sine of the follower's angle is no polynomial in "
+                "the sine and cosine of its leader's",
+                where=where,
+                got=f"{joint.multiplier:.12g} times {leader!r}",
+                allowed=f"a whole number from −{LARGEST} to {LARGEST}",
+                mend="rankdrop analyze finds its singularities numerically" if inverse is None else
+                f"in the robot file let {leader!r} follow {joint.name!r} with the multiplier {inverse} and the offset "
+                f"{-inverse * joint.offset + 0.0:.12g} rad; or rankdrop analyze finds its singularities numerically",
+            )
+
+
+LARGEST = 12
+"""Largest multiplier of a joint that follows another one: the degree of conditions grows with it."""
+
+
+def _is_whole(multiplier: float) -> bool:
+    """Whether cos and sin of a follower's angle are polynomials in those of its leader's, of degree up to `LARGEST`."""
+    return abs(multiplier - round(multiplier)) <= _NOISE["angle"] and abs(multiplier) <= LARGEST
+
+
+def _inverse(multiplier: float) -> int | None:
+    """1 / m where that is whole: with it the leader can follow its follower; None for another multiplier."""
+    if not 0 < abs(multiplier) < 1:
+        return None
+    inverse = round(1 / multiplier)
+    return inverse if abs(inverse) <= LARGEST and abs(1 / multiplier - inverse) <= ALIGNED else None
 
 
 def first_and_last(robot: Robot) -> tuple[Array, Array]:
@@ -340,7 +397,7 @@ def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Pl
 
 def _without_structure(links: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
     """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
-    turns = [t for s in links for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
+    turns = [t for s in links for t in (s.twist, s.phase)]  # the phase of a variable that turns is of quarter turns
     odd = {abs(float(t.sin)) for t in turns if t.quarters is None}
     return len({abs(value) for value in values.values()}) > MANY or len(odd) > ODD
 

@@ -101,7 +101,11 @@ def structure_of(chain: Chain) -> ExactStructure:
         >>> from rankdrop.robot.open import open_robot
         >>> structure_of(exact_chain(open_robot("puma560"))).sentences()[0]
         'the axes of joints 4, 5, 6 meet in one point (spherical wrist)'
+
+    Where joints follow others, only the remarks: a variable may move several axes, which have no number of their own.
     """
+    if chain.coupled:
+        return ExactStructure(chain.n, (), (), (), (), chain.remarks)
     revolute = [s.kind is JointKind.REVOLUTE for s in chain.sections]
     neighbours = [i for i in range(1, chain.n) if revolute[i - 1] and revolute[i]]
     triples = [(i, i + 1, i + 2) for i in neighbours if i + 1 in neighbours]
@@ -118,10 +122,11 @@ def structure_of(chain: Chain) -> ExactStructure:
 def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
     """Three successive joints that are equivalent to a spherical or a planar joint.
 
-    In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0.
+    In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0. None where joints
+    follow others.
     """
     found = []
-    for first in range(1, chain.n - 1):
+    for first in range(1, 0 if chain.coupled else chain.n - 1):
         three = chain.screws(first + 1)[first - 1 : first + 2]
         for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
             if all(column[r] == 0 for column in three for r in rows):
@@ -132,8 +137,8 @@ def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
 def check_basic(chain: Chain, basic: Sequence[int] | None, frame: int | None) -> None:
     """Raises OptionError unless `basic` is None or six different joints of the chain, and `frame` None or a link before
     the last one, for all six rows."""
-    if frame is not None and (chain.task.rows != POSE or not 1 <= frame < chain.n):
-        allowed = f"1 … {chain.n - 1}, for all six rows"
+    if frame is not None and (chain.task.rows != POSE or not 1 <= frame < chain.links):
+        allowed = f"1 … {chain.links - 1}, for all six rows"
         raise OptionError("no such link frame", where="frame", got=frame, allowed=allowed)
     if basic is not None and (len(set(basic)) != 6 or len(basic) != 6 or not set(basic) <= set(range(1, chain.n + 1))):
         raise OptionError(
@@ -251,11 +256,13 @@ class BlockForm:
 def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
     """The way to make a square Jacobian block triangular that says most: spherical wrist, shoulder, others, planes.
 
+    None where joints follow others: a block is named by the axes of its joints.
+
     Args:
         chain: as many joints as its task has rows.
         structure: of the chain.
     """
-    found = list(_candidates(chain, structure))
+    found = [] if chain.coupled else list(_candidates(chain, structure))
     if not found:
         return None
     parts = {structure.wrist: 0, structure.shoulder: 1}
@@ -309,8 +316,8 @@ def flat(chain: Chain) -> bool:
     """Every turn is about one direction, which is the z axis of the task's rows."""
     if not chain.ring.revolute or 3 in chain.task.rows or 4 in chain.task.rows:
         return False
-    one = chain.ring.revolute[0]
-    if any(column[3] != 0 or column[4] != 0 for column in chain.screws(one)):
+    one = next(j for j, section in enumerate(chain.sections, 1) if section.kind is JointKind.REVOLUTE)
+    if any(screw[3] != 0 or screw[4] != 0 for screw in chain.near(one, range(1, chain.links + 1))):
         return False
     z = chain.robot.home[:3, 2] if chain.task.frame == BODY else np.array([0.0, 0.0, 1.0])
     axis = chain.robot.joints[one - 1].screw[3:]  # all others are parallel, so it never moves
@@ -375,8 +382,8 @@ def frame_jacobian(chain: Chain, k: int, at: int | None = None) -> list[list[Pol
 
     Args:
         chain: from `exact_chain`.
-        k: link, 1 … n.
-        at: the reference point is the origin of this link's frame, 1 … n, on axis `at` where the normal after it
+        k: link, 1 … N.
+        at: the reference point is the origin of this link's frame, 1 … N, on axis `at` where the normal after it
             starts (KG: k itself); None for the tip (ML).
 
     Returns:
@@ -400,8 +407,8 @@ def frame_jacobian(chain: Chain, k: int, at: int | None = None) -> list[list[Pol
 def check_frame(chain: Chain, k: int, at: int | None) -> None:
     """Refuse axes and reference points that the task has no Jacobian for; raises as `frame_jacobian`."""
     for link, what in ((k, "frame"), (at, "at")):
-        if link is not None and not 1 <= link <= chain.n:
-            raise OptionError("there is no such link", where=what, got=link, allowed=f"1 … {chain.n}")
+        if link is not None and not 1 <= link <= chain.links:
+            raise OptionError("there is no such link", where=what, got=link, allowed=f"1 … {chain.links}")
     rows = chain.task.rows
     paired = (0 in rows) == (1 in rows)
     if rows not in (POSE, POSITION, ORIENTATION) and not (paired and flat(chain)):
@@ -432,10 +439,10 @@ def sizes(chain: Chain) -> list[tuple[int, int, int | None]]:
         TaskError: as `frame_jacobian`.
     """
     check_frame(chain, 1, None)
-    points: list[int | None] = [None, *(range(1, chain.n + 1) if moves(chain) else ())]
+    points: list[int | None] = [None, *(range(1, chain.links + 1) if moves(chain) else ())]
     found = [
         (sum(len(x) for row in frame_jacobian(chain, k, at) for x in row), k, at)
         for at in points
-        for k in range(1, chain.n + 1)
+        for k in range(1, chain.links + 1)
     ]
     return sorted(found, key=lambda one: (one[0], one[2] is not None, one[2] or 0, one[1]))

@@ -59,24 +59,27 @@ def rank_agreement(chain: Chain, points: Iterable[Point], claimed: int) -> Check
 
 
 def _twists(chain: Chain, point: Point) -> list[list[int]]:
-    """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z; then one for
-    each row that the task leaves out.
+    """Columns (v; ω) in the frame before joint 1, as residues: of a joint v = p × z for a point p of the axis z, summed
+    up over the joints that a variable moves; then one for each row that the task leaves out.
     """
     prime = point.prime
     turned = [[int(i == j) for j in range(3)] for i in range(3)]
     place = [0, 0, 0]
-    found = []
+    found = [[0] * 6 for _ in range(chain.n)]
     for number, section in enumerate(chain.sections, 1):
         z = [row[2] for row in turned]
         cosine, sine = residue(section.phase.cos, prime), residue(section.phase.sin, prime)
         d = _length(chain, number - 1, "d", point)
+        variable, m = section.variable, residue(section.multiplier, prime)
         if section.kind is JointKind.PRISMATIC:
-            d += point[f"q{number}"]
-            found.append([*z, 0, 0, 0])
+            d += m * point[f"q{variable}"]
+            screw = [*z, 0, 0, 0]
         else:
-            found.append([*_moment(place, z, prime), *z])
-            c, s = point[f"c{number}"], point[f"s{number}"]
-            cosine, sine = c * cosine - s * sine, s * cosine + c * sine
+            screw = [*_moment(place, z, prime), *z]
+            c, s = point[f"c{variable}"], point[f"s{variable}"]
+            for _ in range(abs(int(section.multiplier))):
+                cosine, sine = _turned(cosine, sine, c, s if section.multiplier > 0 else -s, prime)
+        found[variable - 1] = [(x + m * y) % prime for x, y in zip(found[variable - 1], screw, strict=True)]
         turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], prime)
         a = _length(chain, number - 1, "a", point)
         place = [(place[i] + d * z[i] + a * turned[i][0]) % prime for i in range(3)]
@@ -84,13 +87,19 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
         turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime)
     left_out = sorted({*range(6)} - {*chain.task.rows})
     if left_out:
-        tip = [_length(chain, chain.n, "a", point), residue(chain.tip[1], prime), _length(chain, chain.n, "d", point)]
+        last = chain.links
+        tip = [_length(chain, last, "a", point), residue(chain.tip[1], prime), _length(chain, last, "d", point)]
         place = [(place[i] + sum(turned[i][k] * tip[k] for k in range(3))) % prime for i in range(3)]
     for row in left_out:
         along = [residue(x, prime) for x in chain.task_axes[row % 3]]
         axis = [sum(turned[i][k] * along[k] for k in range(3)) % prime for i in range(3)] if chain.in_body else along
         found.append([*_moment(place, axis, prime), *axis] if row > 2 else [*axis, 0, 0, 0])
     return found
+
+
+def _turned(cosine: int, sine: int, c: int, s: int, prime: int) -> tuple[int, int]:
+    """(cos, sin) of the sum of two angles."""
+    return (c * cosine - s * sine) % prime, (s * cosine + c * sine) % prime
 
 
 def _moment(point: list[int], axis: list[int], prime: int) -> list[int]:
@@ -102,7 +111,7 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
-    value = chain.tip["aid".index(which)] if place == chain.n else getattr(chain.sections[place], which)
+    value = chain.tip["aid".index(which)] if place == chain.links else getattr(chain.sections[place], which)
     return residue(value, point.prime)
 
 

@@ -289,7 +289,7 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     ]
     typed = [degrees(abs(x)) for x, joint in zip(values, joints, strict=True) if joint.unit == "rad"]
     if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
-        say(f"note: angles up to {max(typed):.4g} look like radians and are taken as degrees")
+        say(f"note: angles up to {max(typed):.4g} look like radians and are read as degrees")
     return values
 
 
@@ -402,7 +402,7 @@ class IdealOptions(ArmOptions):
 
     ideal: Annotated[
         str | None,
-        option("The nearest arm whose axes are exactly parallel, square and meeting, within 1mm,0.5deg; or off"),
+        option("The nearest arm with axes exactly parallel, square and intersecting, within 1mm,0.5deg; or off"),
     ] = None
 
 

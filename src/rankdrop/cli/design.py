@@ -42,7 +42,7 @@ class SweepOptions(Options):
     ) = None
     workers: Annotated[int, option("Local processes; 0: one for every processor")] = 0
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
     status: Annotated[str | None, option("Only report the progress of the sweep in this folder")] = None
 
@@ -54,7 +54,7 @@ class SweepOptions(Options):
 
 @command
 def sweep(
-    spec: Annotated[str | None, Parameter(help="File with the arm, the parameters, and what is asked (.toml).")] = None,
+    spec: Annotated[str | None, Parameter(help="File with the arm, the parameters, and the question (.toml).")] = None,
     /,
     *,
     options: SweepOptions = SweepOptions(),
@@ -159,7 +159,7 @@ class CompareOptions(Options):
     seed: Annotated[int, option("Seed of every random choice; the same seed gives the same result")] = 0
     workers: Annotated[int, option("Local processes; 0: one for every processor")] = 0
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
 
     def document(self) -> dict[str, Any]:

@@ -53,7 +53,7 @@ except KeyboardInterrupt:  # raised by a module itself
 GROUPS = {
     "Main": {
         "analyze": "Find every family of singularities of an arm.",
-        "explain": "Explain a configuration: what is lost, how to get out.",
+        "explain": "Explain a configuration: lost motion, ways out.",
         "path": "Check a path for singularities, between its samples too.",
         "report": "Write a page about an arm, or figures for papers.",
         "view": "Show an arm in a browser, with sliders and verdict.",

@@ -84,7 +84,7 @@ class ManyFiles(Options):
         int, option("Local processes; 0: one for every processor. The result does not depend on it", ge=0)
     ] = 0  # fmt: skip
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers see the files under the same names "
+        str | None, option("Address of a Dask scheduler; its workers see the files under the same names "
                            "(tcp://HOST:8786)")
     ] = None  # fmt: skip
     status: Annotated[str | None, option("Print the progress of the paths kept in this folder, and end")] = None
@@ -111,7 +111,7 @@ class PathOutput(Output):
                            "the columns", writes=(".parquet", ".json", ".csv"))
     ] = None  # fmt: skip
     certificate: Annotated[
-        str | None, option("Write what is proven to this file, for `rankdrop verify`: the path, its free spans and "
+        str | None, option("Write the proofs to this file, for `rankdrop verify`: the path, its free spans and "
                            "crossings", writes=())
     ] = None  # fmt: skip
     model_tolerance: Annotated[

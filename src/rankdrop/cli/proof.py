@@ -37,7 +37,7 @@ class CoverFiles(Output):
         str | None, option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found here")
     ] = None
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers make the parts (tcp://HOST:8786)")
     ] = None
     out: Annotated[
         str | None,

@@ -71,7 +71,7 @@ class Where(Options):
     ] = None  # fmt: skip
     workers: Annotated[int, option("With --store: local processes; 0: one for every processor", ge=0)] = 0
     scheduler: Annotated[
-        str | None, option("With --store: address of a Dask scheduler whose workers do the work (tcp://HOST:8786)")
+        str | None, option("With --store: address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
 
 

@@ -92,7 +92,7 @@ class ManyFiles(Options):
 
 @dataclass(frozen=True)
 class PathOutput(Output):
-    """What is printed and written."""
+    """Printed and written output."""
 
     full: Annotated[bool, option("Print every crossing and every free stretch")] = False
     example: Annotated[
@@ -250,7 +250,7 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
 
 
 def _check_several(output: PathOutput, mend: Remedies) -> None:
-    """Refuse what is of one path.
+    """Refuse options of one path.
 
     Raises:
         OptionError: of several files, remedies or an output of one path are asked for.
@@ -261,7 +261,7 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
 
 
 def _check_program(output: PathOutput, mend: Remedies) -> None:
-    """Refuse what is not made of a program.
+    """Refuse options that a program does not have.
 
     Raises:
         OptionError: remedies or an output of a joint path are asked for.

@@ -170,7 +170,7 @@ def verify(
     arm's numbers in the file; the whole claim is printed.
     nearest, explain, path and cover write certificates with --certificate. The
     claim is compared with --robot, --task (without it the arm's default), --q,
-    --path and --limits; what is not named is printed, and yours to compare. A
+    --path and --limits; the rest is printed: compare it yourself. A
     path holds for the file of --path alone.
 
     For example:

@@ -551,8 +551,8 @@ def sampled(analysis: Any) -> str:
     return (
         f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
-        f"Explained: {explained:,} of {fresh:,} test points ({share_text(explained, fresh)}), singular points that were "
-        "not used to find the families."
+        f"Explained: {explained:,} of {fresh:,} test points ({share_text(explained, fresh)}), singular points "
+        "that were not used to find the families."
     )
 
 

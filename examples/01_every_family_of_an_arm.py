@@ -19,6 +19,6 @@ for summary in found.coranks:
             print("         there it", words)
 
 # Nothing found at a corank is not a proof. What is tested: the rows' conditions are solved from random starts, and the
-# rank is computed there; fresh singular points, which no fit has seen, are tried on the rows.
-print("every row sound, every fresh point explained:", found.verified)
+# rank is computed there; test points (singular, not used by any fit) are tried on the rows.
+print("every row sound, every test point explained:", found.verified)
 print(f"largest σ that should be zero, evaluated again: below 1e-9: {found.residual().sigma < 1e-9}")

@@ -1,7 +1,7 @@
 """Which singularities lie inside my joint limits?
 
 A family of the whole joint space may lie outside the limits of a real arm, or partly. Of eleven families
-of a Unitree Z1, one was met inside its limits.
+of a Unitree Z1, one was found inside its limits.
 """
 
 import numpy as np
@@ -31,4 +31,4 @@ for q in places:
         best[one.family.name] = min(best.get(one.family.name, np.inf), one.distance)
 print("nearest point inside the limits, from the best of 20 random places")
 for name, distance in sorted(best.items(), key=lambda item: item[1]):
-    print(f"  {name}: {'none met' if np.isinf(distance) else f'{distance:.2f} rad'}")
+    print(f"  {name}: {'none found' if np.isinf(distance) else f'{distance:.2f} rad'}")

@@ -49,7 +49,7 @@ How every arm of the catalogue fares at default settings, and how {count} arms o
 their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
 
 - **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3, found numerically.
-- **explained**: the share of fresh singular points that these families explain, the lowest of all coranks; rounded
+- **explained**: the share of test points that these families explain, the lowest of all coranks; rounded
   down, so that 100 % means all.
 - **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
   and agree with what was found; else why not.

@@ -160,7 +160,7 @@ class Configuration:
         if self.assumed is None:
             return self.generic - lost
         if not lost <= self.assumed <= self.generic:
-            allowed = f"{lost} (what is lost) … {self.generic}"
+            allowed = f"{lost} (the lost rank) … {self.generic}"
             raise OptionError("q has no such corank", got=self.assumed, allowed=allowed)
         return self.generic - self.assumed
 

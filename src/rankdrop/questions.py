@@ -87,7 +87,7 @@ class SearchOptions(Options):
     ) = None
     step: (
         Annotated[
-            float, option("With gradient and almarkhi: share of the step at whose end a linear σ is zero; 0: the "
+            float, option("With gradient and almarkhi: share of the step to the zero of a linear σ; 0: the "
                           "length that brings σ lowest, which gets stuck more often; else 0.5", ge=0, le=2)
         ]
         | None
@@ -125,7 +125,7 @@ class ConditionsOptions(Options):
     ] = "auto"
     coranks: Annotated[int, option("The highest corank to derive; else all", ge=1)] | None = None
     seconds: Annotated[
-        float, option("Limit on the processor's time: what was derived by then is shown, with what is left",
+        float, option("Limit on the processor's time: finished families are shown, and unfinished sets",
                       unit="s", gt=0, name="--time-limit")
     ] = 60.0  # fmt: skip
     seed: Annotated[int, _SEED] = 0
@@ -149,11 +149,11 @@ class ConditionsOptions(Options):
     ) = None
     frame: (
         Annotated[
-            int, option("With these methods: link in whose frame the screws are taken; else where they are shortest")
+            int, option("With these methods: link that gives the frame of the screws; else where they are shortest")
         ]
         | None
     ) = None
-    fresh: Annotated[bool, option("Derive anew what is shipped for the catalogue's arms")] = False
+    fresh: Annotated[bool, option("Derive anew the shipped results of the catalogue's arms")] = False
 
 
 @dataclass(frozen=True)

@@ -356,7 +356,7 @@ def test_a_sample_of_a_covering_is_no_proof(records):
     assert str(found).startswith("Not confirmed")  # nothing is refuted either
     assert not found.holds
     assert "3 of" in found.reason
-    assert "not looked at" in found.reason
+    assert "not checked" in found.reason
 
 
 def test_work_that_is_used_up_is_told(records):

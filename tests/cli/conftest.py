@@ -104,7 +104,7 @@ def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Anal
     """An analysis of the PA-10 with the rows given: for what is shown, not for what is true."""
     robot = open_robot("pa10")
     task = resolve_task(None, robot, length_scale=1.4)
-    unseen = Unseen(0.0, 0.003, "Good–Turing: 0 of 8 pieces met once in 1000 points; rule of three")
+    unseen = Unseen(0.0, 0.003, "Good–Turing: 0 of 8 pieces found once in 1000 points; rule of three")
     coranks = (
         CorankSummary(1, 5, 10_000, 9_999, 1, 0, 0.0053, Check(1000, explained), 0, unseen),
         CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Check(0, 0), 0, Unseen(1.0, 1.0, "no point was found")),

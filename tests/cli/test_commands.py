@@ -27,7 +27,7 @@ def test_an_explained_arm_ends_with_zero_and_its_table(run) -> None:
     ended = run("analyze", "scara", "--full", *SMALL)
     assert ended.code == exits.FINE
     assert ended.err == ""
-    assert re.search(r"Corank 1 \(rank 3 of 4\): 1 family, ([\d,]+) of \1 fresh points explained\n", ended.out)
+    assert re.search(r"Corank 1 \(rank 3 of 4\): 1 family, ([\d,]+) of \1 test points explained\n", ended.out)
     assert "are singular (σ ≤" in " ".join(ended.out.split())
     assert "Time taken:" in ended.out
 

@@ -354,7 +354,7 @@ def test_a_time_limit_leaves_what_was_done_and_says_what_is_left(run) -> None:
     assert ended.code == exits.UNEXPLAINED
     assert not record["complete"]
     assert not record["verified"]
-    assert any("the limit on work was met" in line for line in record["left"])
+    assert any("the limit on work was reached" in line for line in record["left"])
     shown = run("conditions", "canadarm2", "--time-limit", "0.001", "--points", "0", "--quiet")
     assert "no family of singularities was found so far" in shown.out
     assert "Not finished" in shown.out

@@ -174,10 +174,10 @@ def test_a_proof_that_was_interrupted_holds_and_is_said_to_be() -> None:
 def test_escape_says_first_which_joint_which_way_and_how_far(run) -> None:
     plain = run("escape", *SINGULAR).out
     assert re.match(r"puma560 is singular: wrist.*\n  Lost: .*\n  Get out: jog joint 5 by −4°; regular from", plain)
-    assert "Hunt's cofactors beside" not in plain
+    assert "Hunt's cofactors next to" not in plain
     assert "carries out" not in plain
     full = run("escape", *SINGULAR, "--full").out
-    assert "Hunt's cofactors beside" in full
+    assert "Hunt's cofactors next to" in full
     assert "carries out" in full
     farther = run("escape", "ur5e", "--deg", "--q", "0,-60,20,40,50,0").out
     assert "Get farther away: jog joint 3 by +5.7°; σ6 is 0.063 then." in farther

@@ -68,7 +68,7 @@ def test_an_interrupted_find_keeps_the_starts_done(tmp_path: Path) -> None:
 def test_interrupted_conditions_keep_the_sets_found(tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     argv = ("conditions", "canadarm2", "--points", "0", "--json", str(path))
-    code, rest = interrupted("sets looked into for rank < 5: 20 of", *argv)
+    code, rest = interrupted("sets derived for rank < 5: 20 of", *argv)
     assert code == exits.INTERRUPTED
     assert "Traceback" not in rest
     record = json.loads(path.read_text(encoding="utf-8"))

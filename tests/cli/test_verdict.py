@@ -61,7 +61,7 @@ def not_derived(found: Analysis) -> Analysis:
     [
         (differs, "contradicted", "Contradicted: a test contradicts the derivation, exact k1.f1"),
         (unsound, "unsound", "A test failed: k1.f1 also holds at 35 of 176 solutions that are regular."),
-        (unexplained, "incomplete", "Incomplete: corank 1, 222 of 1,150 fresh singular points on no row."),
+        (unexplained, "incomplete", "Incomplete: corank 1, 222 of 1,150 test points on no row."),
         (not_derived, "incomplete", "Incomplete: exact conditions were asked for and not derived, no time."),
     ],
 )
@@ -129,7 +129,7 @@ def test_conditions_calls_nothing_verified_where_it_ends_with_three(
 def test_a_condition_that_is_not_exact_ends_with_three_and_says_so_first_and_last(run) -> None:
     ended = run("conditions", "scara", "--test", "sin(q2/2)", "--quiet", "--full")
     first, last = first_and_last(ended.out)
-    assert first == last == f"Not exact: the condition asked about is too small. {HAS}"
+    assert first == last == f"Not exact: the given condition is too small. {HAS}"
     assert ended.code == exits.UNEXPLAINED
     assert "erified" not in ended.out
 

@@ -103,7 +103,7 @@ def test_a_path_and_a_covering_are_certified(tmp_path, capsys):
     assert run([*asked, "--out", cover]) in (0, 3)
     assert run(["verify", place]) == 0
     assert run(["verify", place, "--sample", "2"]) == 3
-    assert "not looked at" in " ".join(capsys.readouterr().out.split())
+    assert "not checked" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_ball_for_near_arms_is_told(capsys):

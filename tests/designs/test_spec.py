@@ -54,7 +54,7 @@ BAD = {
     ],
     "values = [0.05, 0.1]": [
         ("values = []", "line 7, parameters.offset: values is a list; got []"),
-        ("values = [0.1, 0.1]", "line 7, parameters.offset: a value is there twice"),
+        ("values = [0.1, 0.1]", "line 7, parameters.offset: a value is given twice"),
         ("lower = 0.1\nupper = 0.2", "line 7, parameters.offset: a grid needs the values; allowed: steps, or values"),
     ],
     "[near]": [

@@ -347,7 +347,7 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     assert record["schema"] == "rankdrop/side-by-side/1"
     with pytest.raises(OptionError, match=r"got 1; allowed: 2 … 10 arms"):
         compare(["ur5"], asks)
-    with pytest.raises(OptionError, match="an arm is there twice"):
+    with pytest.raises(OptionError, match="an arm is given twice"):
         compare(["ur5", "ur5"], asks)
 
 

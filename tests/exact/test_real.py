@@ -72,7 +72,7 @@ def test_a_limit_that_was_met_is_told(chain: Chain) -> None:
     tick(1.1e6)
     sets, not_real = real_sets(chain, [Drop(ZeroSet(chain.ring, {3: "0"}), 5)], work, left)
     assert (sets, not_real) == ([], [])
-    assert left == ["the limit on work was met: 1 of 1 sets were not looked at for real points"]
+    assert left == ["the limit on work was reached: 1 of 1 sets were not searched for real points"]
 
 
 def test_points_near_which_conditions_touch_zero_are_told(chain: Chain) -> None:

@@ -77,7 +77,7 @@ def test_no_match_in_the_catalogue_is_an_answer_of_its_own(capsys: pytest.Captur
 
 def test_radians_typed_as_degrees_are_noticed(capsys: pytest.CaptureFixture[str]) -> None:
     main.run([*SINGULAR, "--q", "0,-1.05,0,0.7,0.87,0", "--evaluations", "0"])
-    assert "look like radians and are taken as degrees" in capsys.readouterr().err
+    assert "look like radians and are read as degrees" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("target", ["list.json", "-", None])

@@ -250,7 +250,7 @@ def test_what_stands_beyond_or_at_a_limit_is_said() -> None:
     arm = open_robot("ur5")
     typed = explain(arm, [0, -135, 45, 90, -90, 0])  # degrees, forgotten to say so
     assert typed.outside_limits == (2, 3, 4, 5)
-    assert str(typed).startswith("Degrees?\n  angles up to 135 look like degrees and are taken as radians")
+    assert str(typed).startswith("Degrees?\n  angles up to 135 look like degrees and are read as radians")
     panda = open_robot("panda")
     found = explain(panda, [0.0, 0.3, 0.0, panda.upper[3], 0.0, 1.9, 0.7])
     assert (found.outside_limits, found.at_limits) == ((), (4,))

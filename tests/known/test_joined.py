@@ -75,7 +75,7 @@ def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code
     path = tmp_path / "arm.json"
     line = ("analyze", "planar3r", "--starts", "200", "--quiet", "--json", str(path))
     assert main.run(line) == exits.UNEXPLAINED
-    assert "1,150 of 1,150 fresh singular points on no row" in " ".join(capsys.readouterr().out.split())
+    assert "1,150 of 1,150 test points on no row" in " ".join(capsys.readouterr().out.split())
     kept = Analysis.load(path)
     assert [(one.id, one.named, one.dimension) for one in kept.families] == [("k1.f1", False, 2)]
     assert not kept.verified

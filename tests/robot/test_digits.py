@@ -90,9 +90,9 @@ def test_rpy_of_a_urdf_is_read_so_and_nothing_else_of_it() -> None:
 
 def test_a_note_says_how_many_and_by_how_much() -> None:
     assert turned("1.5708 0 -3.1416").notes[-1] == (
-        "2 angles taken as the multiples of 15° they round, at most 7.3e-06 rad; --as-written keeps the file's numbers"
+        "2 angles read as the multiples of 15° they round, at most 7.3e-06 rad; --as-written keeps the file's numbers"
     )
-    assert "1 angle taken as the multiple of 15° it rounds, at most 0.0008 rad;" in turned("1.57 0 0").notes[-1]
+    assert "1 angle read as the multiple of 15° it rounds, at most 0.0008 rad;" in turned("1.57 0 0").notes[-1]
     assert not any("as-written" in note for note in turned("1.5707963267948966 0 0").notes)
 
 

@@ -108,7 +108,7 @@ def test_meshes_actuators_and_constraints_are_neither_needed_nor_followed(tmp_pa
     arm = open_robot(write(tmp_path, USED))
     assert (arm.n, arm.tip) == (2, "attachment_site")
     assert arm.home[:3, 3].tolist() == [0.9, 0, 0]
-    assert arm.notes[-1] == "joint 'j2' is coupled to 'j1' by a constraint: they are taken as independent"
+    assert arm.notes[-1] == "joint 'j2' is coupled to 'j1' by a constraint: they count as independent"
 
 
 @pytest.mark.slow
@@ -130,7 +130,7 @@ def test_rounded_angles_in_radians_are_right_angles(tmp_path: Path) -> None:
     path = write(tmp_path, text)
     one, two = (joint.screw[3:] for joint in open_robot(path).joints)
     assert (one.tolist(), two.tolist()) == ([0, 0, 1], [-1, 0, 0])
-    assert open_robot(path).notes[-1].startswith("2 angles taken as the multiples of 15° they round, at most 3.7e-06")
+    assert open_robot(path).notes[-1].startswith("2 angles read as the multiples of 15° they round, at most 3.7e-06")
     two = open_robot(path, as_written=True).joints[1].screw[3:]
     assert 1e-6 < np.abs(two - (-1, 0, 0)).max() < 1e-5
 

@@ -28,7 +28,7 @@ DATA = Path(__file__).resolve().parents[1] / "data"
 with (DATA / "catalogue.csv").open(encoding="utf-8", newline="") as stream:
     ROWS = {row["name"]: row for row in csv.DictReader(stream)}
 SQUARED = 2e-5  # rad, and share of the reach: what the reader may square
-TAKEN = re.compile(r"(\d+) angles? taken as .*?, at most ([\d.e+-]+) rad")
+TAKEN = re.compile(r"(\d+) angles? read as .*?, at most ([\d.e+-]+) rad")
 Matrix = NDArray[np.float64]
 
 

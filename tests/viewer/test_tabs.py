@@ -93,7 +93,7 @@ def test_the_end_effector_stays_where_it_is_on_a_self_motion_out(viewer: Viewer)
 def test_a_slice_shows_points_on_the_families(viewer: Viewer) -> None:
     viewer.session.set(ELBOW + 0.2)
     viewer.slice.draw()
-    told = viewer.slice.ui.told.content
+    told = viewer.slice.ui.text.content
     assert "starts arrived" in told
     assert "corank" in told
     viewer.slice.clear()

@@ -78,8 +78,8 @@ def analyze(
 
     Per family: the rank on it, its name, and what it asks of the joints; then the motions lost on the largest families.
     With --full also: × for a free joint, c for a coupled one (the condition follows the table), the dimension, the
-    directions lost, the share of points solved from its conditions that are singular, and the share of fresh singular
-    points that it explains.
+    directions lost, the share of points solved from its conditions that are singular, and the share of test points
+    (singular points not used to find the families) that it explains.
 
     For example:
         rankdrop analyze pa10

@@ -39,7 +39,7 @@ _FEW = 6  # lines of a section that is printed whole
 
 @command
 def robots(
-    text: Annotated[str, Parameter(help="Only arms whose name, maker or description hold these words.")] = "",
+    text: Annotated[str, Parameter(help="Only arms with these words in name, maker or description.")] = "",
     /,
     *,
     output: Output = OUTPUT,
@@ -145,13 +145,13 @@ class JacobianOptions(Options):
     """Which Jacobian, and in which form."""
 
     frame: Annotated[
-        int, option("Link whose axes are taken, from 1: z along its joint's axis, x along the common normal after it; "
+        int, option("Link that gives the axes, from 1: z along its joint's axis, x along the common normal after it; "
                     "else the one that makes the matrix shortest")
     ] | None = None  # fmt: skip
     at: Annotated[str, option("Reference point: tip, or a link from 1: the origin of its frame")] = "tip"
     q: Annotated[str | None, option("A configuration [rad, m]; pi/2, 30deg, 120mm are understood")] = None
     deg: Annotated[bool, option("Angles without a unit are in degrees")] = False
-    symbolic: Annotated[bool, option("The closed form beside the numbers of --q")] = False
+    symbolic: Annotated[bool, option("The closed form in addition to the numbers of --q")] = False
     inverse: Annotated[bool, option("The inverse as well, for as many rows as joints")] = False
     full: Annotated[bool, option("Print every entry, however many lines they take")] = False
     lengths: Annotated[str, option('auto, letters, numbers, or letters with their values: "a=0.635,d=120mm"')] = "auto"

@@ -1,6 +1,6 @@
 """What every command does: read its options from records, check its targets, work, print, write, end with a code.
 
-A command is a function whose parameters are the arm and records of options. A field of a record that names a file to
+A command is a function of the arm and of records of options. A field of a record that names a file to
 write says so (`option(…, writes=…)`): it is checked before the work. The function returns `Done`; the runner prints
 its blocks, writes its files, and makes the exit code.
 
@@ -64,7 +64,7 @@ class Done:
 
     Attributes:
         text: makes the blocks to print; not called where a file goes to stdout in their place.
-        files: field of an option -> makes what is written to its file: a record, a text or bytes; None: nothing.
+        files: field of an option -> makes the content of its file: a record, a text or bytes; None: nothing.
         holds: whether every claim holds.
         complete: whether nothing was interrupted.
         last: a step after the files, such as a line on stderr.
@@ -167,7 +167,7 @@ def whole(_type: Any, tokens: Sequence[Token]) -> int:
 
 @cache
 def derived(record: type[Options]) -> type[Options]:
-    """A class whose fields carry what cyclopts needs and which makes instances of the record.
+    """A class with fields that carry what cyclopts needs and that makes instances of the record.
 
     `TITLE` of the record groups its options in the help.
     """
@@ -187,7 +187,7 @@ def derived(record: type[Options]) -> type[Options]:
 
 
 def _typed(hint: Any) -> Any:
-    """What is typed for a field: of a text or something else the text, which the verb reads."""
+    """The typed text of a field: of a text or something else the text, which the verb reads."""
     return hint if plain_type(hint) is not str else str | None if NoneType in parts_of(hint) else str
 
 
@@ -289,7 +289,7 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     ]
     typed = [degrees(abs(x)) for x, joint in zip(values, joints, strict=True) if joint.unit == "rad"]
     if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
-        say(f"note: angles up to {max(typed):.4g} look like radians and are taken as degrees")
+        say(f"note: angles up to {max(typed):.4g} look like radians and are read as degrees")
     return values
 
 
@@ -300,7 +300,7 @@ def joint_units(robot: arms.Robot, *, deg: bool) -> str:
 
 
 def _pointed(text: str, count: int) -> str | None:
-    """The fix of a list whose decimals are written with commas, 0,5; 1,2 …; None for any other list."""
+    """The fix of a list with decimal commas, 0,5; 1,2 …; None for any other list."""
     words = re.split(r"\s*;\s*|\s+", text.strip())
     commas = all(re.fullmatch(r"[-+−]?\d+(,\d+)?\D*", word) for word in words)
     fits = commas and len(words) == count
@@ -402,7 +402,7 @@ class IdealOptions(ArmOptions):
 
     ideal: Annotated[
         str | None,
-        option("The nearest arm whose axes are exactly parallel, square and meeting, within 1mm,0.5deg; or off"),
+        option("The nearest arm with axes exactly parallel, square and intersecting, within 1mm,0.5deg; or off"),
     ] = None
 
 

@@ -1,6 +1,6 @@
 """`rankdrop conditions`: the singularity conditions of an arm, exactly.
 
-And what a user asks beside them: is mine right, which aspect is this, what parts these two.
+Further questions: is my condition right, which aspect is this, what separates these two.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Question(Output):
-    """What is asked of the conditions, and where they go."""
+    """Questions about the conditions, and where they go."""
 
     TITLE = "Questions and output"
     full: Annotated[bool, option("Print every condition, lost motion, assumption and check")] = False
@@ -73,7 +73,7 @@ class Question(Output):
         Raises:
             OptionError: a mistake in the condition, or one of --from and --to without the other.
             ConfigurationError: not a configuration.
-            TaskError: flags of an arm whose Jacobian is not square.
+            TaskError: flags of an arm with a Jacobian that is not square.
         """
         if self.test is not None:
             exact.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
@@ -86,7 +86,7 @@ class Question(Output):
             exact.signs_of(chain)
 
     def answer(self, conditions: results.Conditions) -> tuple[list[Section], results.Record, Verdict]:
-        """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
+        """From what was derived: text, entries of the JSON, the verdict on the conditions and the given one."""
         sections: list[Section] = []
         record: results.Record = {"test": None, "flags": None, "between": None}
         tested, robot = "exact", conditions.robot
@@ -128,7 +128,7 @@ def conditions(
     """Derive the singularity conditions of an arm exactly.
 
     Lengths are letters (a2, d4) where that is possible: the conditions hold
-    for every arm of this kind, and what is assumed of the lengths is told.
+    for every arm of this kind; the assumptions about lengths are printed.
     With --test, --flags or --from and --to, corank 1 only is derived unless
     --coranks says otherwise.
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SweepOptions(Options):
-    """Where a sweep works, and what is made of its result."""
+    """Where a sweep works, and the files of its result."""
 
     out: Annotated[
         str | None,
@@ -42,7 +42,7 @@ class SweepOptions(Options):
     ) = None
     workers: Annotated[int, option("Local processes; 0: one for every processor")] = 0
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
     status: Annotated[str | None, option("Only report the progress of the sweep in this folder")] = None
 
@@ -54,7 +54,7 @@ class SweepOptions(Options):
 
 @command
 def sweep(
-    spec: Annotated[str | None, Parameter(help="File with the arm, the parameters, and what is asked (.toml).")] = None,
+    spec: Annotated[str | None, Parameter(help="File with the arm, the parameters, and the question (.toml).")] = None,
     /,
     *,
     options: SweepOptions = SweepOptions(),
@@ -65,7 +65,7 @@ def sweep(
 
     Lengths, angles, offsets, base or tool are parameters. Per variant what the file asks for: families, and how they
     differ from the neighbour's; the share of the joint space near them; σ over a region or on paths; the share proven
-    free. Then the Pareto-optimal variants: those that no other one dominates by more than the error of the samples. How
+    free. Then the Pareto-optimal variants: those not dominated by any other by more than the error of the samples. How
     to write the file: docs/howto/comparing-designs.md.
 
     For example:
@@ -111,7 +111,7 @@ def sweep(
 
 
 def _checked(spec: str | None, options: SweepOptions) -> str:
-    """The specification, where what is asked goes together.
+    """The specification, where the options agree.
 
     Raises:
         OptionError: no specification, or no folder for what needs one.
@@ -159,11 +159,11 @@ class CompareOptions(Options):
     seed: Annotated[int, option("Seed of every random choice; the same seed gives the same result")] = 0
     workers: Annotated[int, option("Local processes; 0: one for every processor")] = 0
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
 
     def document(self) -> dict[str, Any]:
-        """What is asked, as the tables of a specification.
+        """The question, as the tables of a specification.
 
         Raises:
             OptionError: a corner or an orientation is not three quantities.

@@ -1,4 +1,4 @@
-"""`rankdrop explain`: which singularity this is, what is lost, who is to blame, how to get out, how far it is."""
+"""`rankdrop explain`: which singularity this is, lost motion, joints to blame, how to get out, how far it is."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Parts(Output):
-    """What is known, and which parts of an explanation are printed or written."""
+    """Given data, and which parts of an explanation are printed or written."""
 
     analysis: Annotated[
         str | None,
@@ -80,7 +80,7 @@ def explain(
     arm: IdealOptions = NO_IDEAL,
     output: Parts = Parts(),
 ) -> Done:
-    """Explain a configuration: what is lost, how to get out.
+    """Explain a configuration: lost motion, ways out.
 
     With --only escape: the joints that lead out, which way and how far, and those that cannot. With --only nearest:
     the nearest singular configuration, found from many starts, and a radius proven to be free of any.

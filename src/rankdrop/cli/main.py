@@ -53,7 +53,7 @@ except KeyboardInterrupt:  # raised by a module itself
 GROUPS = {
     "Main": {
         "analyze": "Find every family of singularities of an arm.",
-        "explain": "Explain a configuration: what is lost, how to get out.",
+        "explain": "Explain a configuration: lost motion, ways out.",
         "path": "Check a path for singularities, between its samples too.",
         "report": "Write a page about an arm, or figures for papers.",
         "view": "Show an arm in a browser, with sliders and verdict.",
@@ -138,7 +138,7 @@ def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
         rankdrop completion fish > ~/.config/fish/completions/rankdrop.fish
 
     Args:
-        shell: Whose script.
+        shell: Shell of the script.
     """
     script = app.generate_completion(prog_name="rankdrop", shell=shell)
     if shell == "bash":  # names of files where no word of ours fits
@@ -226,7 +226,7 @@ def _expand(argv: Sequence[str]) -> list[str]:
 
 
 def _printed_json(words: Sequence[str]) -> Iterator[str]:
-    """The words of `rankdrop robots`, whose --json needs no file name: it is for stdout then."""
+    """The words of `rankdrop robots`; its --json needs no file name and then writes to stdout."""
     for word, following in zip(words, [*words[1:], ""], strict=True):
         yield word
         if word == "--json" and following != "-" and not following.endswith(".json"):

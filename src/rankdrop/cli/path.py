@@ -95,7 +95,7 @@ class ManyFiles(Options):
         int, option("Local processes; 0: one for every processor. The result does not depend on it", ge=0)
     ] = 0  # fmt: skip
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers see the files under the same names "
+        str | None, option("Address of a Dask scheduler; its workers see the files under the same names "
                            "(tcp://HOST:8786)")
     ] = None  # fmt: skip
     status: Annotated[str | None, option("Print the progress of the paths kept in this folder, and end")] = None
@@ -103,7 +103,7 @@ class ManyFiles(Options):
 
 @dataclass(frozen=True)
 class PathOutput(Output):
-    """What is printed and written."""
+    """Printed and written output."""
 
     full: Annotated[bool, option("Print every crossing and every free stretch")] = False
     example: Annotated[
@@ -122,7 +122,7 @@ class PathOutput(Output):
                            "the columns", writes=(".parquet", ".json", ".csv"))
     ] = None  # fmt: skip
     certificate: Annotated[
-        str | None, option("Write what is proven to this file, for `rankdrop verify`: the path, its free spans and "
+        str | None, option("Write the proofs to this file, for `rankdrop verify`: the path, its free spans and "
                            "crossings", writes=())
     ] = None  # fmt: skip
     model_tolerance: Annotated[
@@ -261,7 +261,7 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
 
 
 def _check_several(output: PathOutput, mend: Remedies) -> None:
-    """Refuse what is of one path.
+    """Refuse options of one path.
 
     Raises:
         OptionError: of several files, remedies or an output of one path are asked for.
@@ -272,7 +272,7 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
 
 
 def _check_program(output: PathOutput, mend: Remedies) -> None:
-    """Refuse what is not made of a program.
+    """Refuse options that a program does not have.
 
     Raises:
         OptionError: remedies or an output of a joint path are asked for.

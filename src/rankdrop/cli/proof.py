@@ -37,7 +37,7 @@ class CoverFiles(Output):
         str | None, option("Families from this file (`rankdrop analyze --json`); else the catalogue's, else found here")
     ] = None
     scheduler: Annotated[
-        str | None, option("Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786)")
+        str | None, option("Address of a Dask scheduler; its workers make the parts (tcp://HOST:8786)")
     ] = None
     out: Annotated[
         str | None,
@@ -170,7 +170,7 @@ def verify(
     arm's numbers in the file; the whole claim is printed.
     nearest, explain, path and cover write certificates with --certificate. The
     claim is compared with --robot, --task (without it the arm's default), --q,
-    --path and --limits; what is not named is printed, and yours to compare. A
+    --path and --limits; the rest is printed: compare it yourself. A
     path holds for the file of --path alone.
 
     For example:

@@ -25,7 +25,7 @@ _ANALYSIS = ".json"
 
 @dataclass(frozen=True)
 class ReportOptions(Options):
-    """What is written."""
+    """Written files."""
 
     out: Annotated[
         str | None,

@@ -71,7 +71,7 @@ class Where(Options):
     ] = None  # fmt: skip
     workers: Annotated[int, option("With --store: local processes; 0: one for every processor", ge=0)] = 0
     scheduler: Annotated[
-        str | None, option("With --store: address of a Dask scheduler whose workers do the work (tcp://HOST:8786)")
+        str | None, option("With --store: address of a Dask scheduler; its workers do the work (tcp://HOST:8786)")
     ] = None
 
 
@@ -298,7 +298,7 @@ def aspects(
 ) -> Done:
     """Count the aspects of an arm, and find changes of posture without a singularity.
 
-    An aspect is a connected set of regular configurations; their number is told
+    An aspect is a connected set of regular configurations; their number is printed
     first, joint limits ignored. Of arms with as many joints as rows the inverse of
     a pose is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
     that is proven free, or by the proven number of aspects. Not cuspidal: proven
@@ -315,7 +315,7 @@ def aspects(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        q: A configuration whose pose is solved: one number per joint [rad, m]. Default: poses of random ones.
+        q: A configuration that gives the pose to solve: one number per joint [rad, m]. Default: poses of random ones.
         deg: Angles without a unit are in degrees, and so are those printed.
     """
     model, task = open_arm(robot, arm)

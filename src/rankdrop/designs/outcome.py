@@ -251,7 +251,7 @@ class Designs(Result):
                          self._between(places)))  # fmt: skip
         more = (f"and {len(counts) - SHOWN} more kinds, in the JSON",) if len(counts) > SHOWN else ()
         columns = ("", "family", "into", "pairs", "between")
-        return Section("Between neighbours", "what differs, and where it was met", columns=columns, rows=tuple(rows),
+        return Section("Between neighbours", "differences, and where they are", columns=columns, rows=tuple(rows),
                        texts=(0, 1, 2, 4), after=more, notes=(_BETWEEN,))  # fmt: skip
 
     def _between(self, places: Sequence[Change]) -> str:

@@ -465,7 +465,7 @@ def _values(given: Any, measure: str, where: str) -> tuple[float, ...]:
         OptionError("values is a list", where=where, got=repr(given), allowed="values = [0.3, 0.4]"),
     )
     values = tuple(quantity(one, measure, where=where) for one in given)
-    _require(len(set(values)) == len(values), OptionError("a value is there twice", where=where, got=repr(given)))
+    _require(len(set(values)) == len(values), OptionError("a value is given twice", where=where, got=repr(given)))
     return values
 
 

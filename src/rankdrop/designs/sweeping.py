@@ -278,7 +278,7 @@ def _drawings(arms: Sequence[str], *, as_written: bool) -> list[Drawing]:
         raise OptionError("arms are compared side by side", got=f"{len(arms)}", allowed=f"{FEWEST} … {MOST} arms")
     for name in arms:
         if list(arms).count(name) > 1:
-            raise OptionError("an arm is there twice", got=repr(name), mend="leave one of them out")
+            raise OptionError("an arm is given twice", got=repr(name), mend="leave one of them out")
     return [Drawing.of(name, as_written=as_written) for name in arms]
 
 

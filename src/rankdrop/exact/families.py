@@ -303,7 +303,7 @@ def real_sets(
                 thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (Exception, KeyboardInterrupt) as stop:
             what = failure(stop) if isinstance(stop, Exception) else "interrupted"
-            left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not looked at for real points")
+            left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not searched for real points")
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
             break
@@ -328,7 +328,7 @@ def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, str]:
     if found.real and len(found.strays):
         return (
             f"the conditions of a set of rank {rank} hold at configurations of higher rank, too, and no further "
-            "condition was found that tells them apart"
+            "condition was found that separates them"
         ), ""
     if found.real:
         return "", ""

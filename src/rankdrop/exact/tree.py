@@ -295,7 +295,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
             tree.complete = False
             what = failure(stop) if isinstance(stop, Exception) else "interrupted"
             tree.left.append(
-                f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not looked into "
+                f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not derived "
                 "to the end"
             )
             if isinstance(stop, KeyboardInterrupt):
@@ -335,7 +335,7 @@ def _explore(
     seen: list[ZeroSet] = []
     too_long: list[tuple[ZeroSet, TooLong]] = []
     while waiting:
-        work.show(f"sets looked into for rank < {order + tree.cleared}", len(seen) - len(waiting) + 1, len(seen) + 1)
+        work.show(f"sets derived for rank < {order + tree.cleared}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
         try:
             parts = _cut(columns, order, piece, bending, work)

@@ -524,7 +524,7 @@ def unseen(counts: Iterable[int]) -> Unseen:
     once, twice = met.count(1), met.count(2)
     estimate = once / total
     upper = min(1.0, estimate + hypot(binomial_upper(once, total) - estimate, NORMAL * sqrt(2 * twice) / total))
-    how = f"Good–Turing: {once} of {len(met)} pieces met once in {total} points"
+    how = f"Good–Turing: {once} of {len(met)} pieces found once in {total} points"
     return Unseen(estimate, upper, how if once else f"{how}; rule of three")
 
 

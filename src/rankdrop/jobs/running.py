@@ -193,7 +193,7 @@ class Folder:
         except OSError as error:
             raise ResultFileError(
                 f"cannot write: {error.strerror or error}", where=str(self.part(chunk)),
-                mend="what is finished is kept: the same command goes on there",
+                mend="finished work is kept: the same command continues it",
             ) from error  # fmt: skip
 
     def read(self, chunk: int) -> bytes:

@@ -116,7 +116,7 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
     except KeyboardInterrupt:
         done, count = work.place
         far = f": {done:,} of {count:,} were checked" if count else ": not all of it was checked"
-        kept = f", which {work.journal} keeps: the same command goes on there" if work.journal is not None else ""
+        kept = f", which {work.journal} keeps: the same command continues" if work.journal is not None else ""
         reason = f"interrupted{far}{kept}"
         return Verdict(False, claim.kind, claim.name, reason=reason, enclosures=work.done, complete=False)
     return Verdict(True, claim.kind, claim.name, sentence, "", assumed, work.done, True, statement, how)

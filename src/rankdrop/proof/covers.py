@@ -43,7 +43,7 @@ def open_covering(claim: Claim) -> tuple[Plan, BitTree]:
                       allowed="a name without a folder")  # fmt: skip
     path = claim.folder / name
     if not path.is_file():
-        raise Refused("the covering is not beside its certificate", where=str(path), mend="put it there")
+        raise Refused("the covering is not in the folder of its certificate", where=str(path), mend="put it there")
     try:
         plan, tree, _, _ = load(path)
     except Refused as error:
@@ -125,7 +125,7 @@ def verify_covering(check: Check) -> tuple[BitTree, str]:
     for place, box in enumerate(_choose(tree, sample)):
         work.report(place, sample)
         _check_box(check, plan, *box)
-    raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not looked at")
+    raise Unproven(f"{sample:,} of {count:,} free boxes, chosen at random, are free; the others are not checked")
 
 
 def _choose(tree: BitTree, sample: int) -> Iterator[tuple[int, list[int]]]:

@@ -363,7 +363,7 @@ class CurvePath:
         if not span["from"] <= low < high <= span["to"]:
             raise Unproven("the bracket of a crossing is not inside its span")
         if not len(claim.whole_rows) == claim.rank == claim.variables:
-            raise Unproven("a crossing is told by two signs of a determinant, and there is none for this arm and task")
+            raise Unproven("a crossing is proven by two signs of a determinant, and this arm and task have none")
         signs = [self._check.arm.sign(self._at(place), claim.whole_rows) for place in (low, high)]
         if signs[0] * signs[1] != -1:
             raise Unproven(

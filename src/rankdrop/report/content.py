@@ -423,7 +423,7 @@ def _family(
         "witness": list(family.witness),
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
-        "told": family_html(family, words, robot),
+        "facts": family_html(family, words, robot),
         "ways": [dict(zip(("label", "after", "q"), one, strict=True)) for one in ways],
     }
 
@@ -468,7 +468,7 @@ def families_csv(content: Content) -> str:
     rows = csv.writer(buffer, lineterminator="\n")
     rows.writerow([
         "id", "family", "corank", "dimension", *joints, "conditions", "lost", "singular", "tested", "explained",
-        "fresh points", "joint limits", *(f"witness {name} [{unit}]" for name, unit in zip(joints, units, strict=True)),
+        "test points", "joint limits", *(f"witness {name} [{unit}]" for name, unit in zip(joints, units, strict=True)),
     ])  # fmt: skip
     for family in analysis.families:
         cells = [one_line(one, family) for one in columns(robot, family.corank) if one.holds == JOINT]

@@ -163,7 +163,7 @@ def _arm(content: Content) -> str:
         '<div class="key">One arrow for each lost motion. Solid: translation. Dotted: rotation. A ring about the '
         "foot of an arrow: the two are mixed, as the sentence says. Orange: axes to blame."
         '<span class="screen"> Drag or use the arrow keys to turn, double click to turn back.</span></div></div>'
-        '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="told"></div>'
+        '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="facts"></div>'
         f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}{_meshes_box(content)}'
         f'<div class="sliders">{"".join(sliders)}</div></div></div>{_SAVE}</section>'
     )

@@ -392,7 +392,7 @@ def checks(content: Content) -> Iterator[str]:
         yield missed
     last = analysis.coranks[-1] if analysis.coranks else None
     if last is not None and not last.converged:
-        met = "" if last.smallest_near_miss is None else f"; the smallest σ met was {last.smallest_near_miss:.4g}"
+        met = "" if last.smallest_near_miss is None else f"; the smallest σ found was {last.smallest_near_miss:.4g}"
         yield f"Corank {last.corank}: none found of {last.starts:,} starts{met}. That is no proof of absence."
     yield from _drawn(content)
     yield f"Singular values have no unit: translations are divided by {settings.length_scale:.4g} m."

@@ -141,7 +141,7 @@ class Conditions(Result):
         whole = self if self.anew is None else self.anew()
         if not whole.complete:
             raise OptionError(
-                "the singular set is not completely derived: nothing can be held against it", got="; ".join(whole.left),
+                "the singular set is not completely derived: it cannot be compared", got="; ".join(whole.left),
                 mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
         pieces = [piece for family in whole.families for piece in family.pieces]

@@ -197,7 +197,7 @@ def _check_coranks(analysis: _Analysed) -> None:
         )  # fmt: skip
     unfinished = analysis.unfinished
     require(
-        (analysis.complete is (unfinished is None), "an analysis is complete, or tells the corank that was interrupted",
+        (analysis.complete is (unfinished is None), "an analysis is complete, or names the corank that was interrupted",
          "$.unfinished", None, None),
         (unfinished in (None, len(analysis.coranks) + 1), "the unfinished corank is not the next one", "$.unfinished",
          unfinished, None),

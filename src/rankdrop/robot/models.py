@@ -459,7 +459,7 @@ def robot_of(
     _refuse_floating(tree, model["floating"], base, tip)
     ends = choose_ends(tree, base, tip)
     moving = {step.name for step in ends.path if step.moves}
-    notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they are taken as independent"
+    notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they count as independent"
              for one, two in model["couplings"] if {one, two} <= moving]  # fmt: skip
     if ends.base in model["floating"]:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")

@@ -606,7 +606,7 @@ def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
     parts = []
     if angles:
         means = "the multiple of 15° it rounds" if len(angles) == 1 else "the multiples of 15° they round"
-        parts.append(f"{count(len(angles), 'angle')} taken as {means}, at most {max(angles):.2g} rad")
+        parts.append(f"{count(len(angles), 'angle')} read as {means}, at most {max(angles):.2g} rad")
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
     if changes:

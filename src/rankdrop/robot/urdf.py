@@ -95,7 +95,7 @@ def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic]
             notes.append(f"joint {joint.name!r} follows joint {leader!r}")
         elif leader not in outside:
             outside[leader] = (joint.name, traced)
-            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it is taken as a variable")
+            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it counts as a variable")
         else:
             first, lead = outside[leader]
             ratio = traced.multiplier / lead.multiplier
@@ -286,7 +286,7 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
         value = finite(given.get(key, "0"), where, key)
         if abs(value) <= most:
             return value
-        notes.append(f"joint {joint.name!r}: {key} {value:g} is taken as no limit")
+        notes.append(f"joint {joint.name!r}: {key} {value:g} is read as no limit")
         return inf if value > 0 else -inf
 
     velocity = read("velocity") if "velocity" in given else inf
@@ -294,11 +294,11 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
         raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
     if velocity == 0.0:  # written by exporters that do not know it
         velocity = inf
-        notes.append(f"joint {joint.name!r}: velocity 0 is taken as not known")
+        notes.append(f"joint {joint.name!r}: velocity 0 is read as not known")
     if joint.kind == "continuous":
         return -inf, inf, velocity
     if "lower" not in given and "upper" not in given:
-        notes.append(f"joint {joint.name!r} has no limits: it is taken as unlimited")
+        notes.append(f"joint {joint.name!r} has no limits: it counts as unlimited")
         return -inf, inf, velocity
     for key in ("lower", "upper"):
         if key not in given:

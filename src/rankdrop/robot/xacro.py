@@ -25,7 +25,7 @@ from rankdrop.robot.files import Element, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
 from rankdrop.robot.urdf import from_urdf
 
-PLACES = "above or beside the file, or in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
+PLACES = "above or next to the file, or in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
 """Where `find_package` looks besides the folders that are given, for errors."""
 _NAME = re.compile(r"[A-Za-z][\w-]*")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -43,7 +43,7 @@ def find_package(name: str, file: Path, given: Mapping[str, str | os.PathLike[st
     First the folders that are given; then, folder by folder upwards from the file, the folder itself and what lies up
     to three levels below it, nearest first, then by name; then ROS_PACKAGE_PATH (each entry and three levels below)
     and share/NAME in each entry of AMENT_PREFIX_PATH. A folder is the package if its package.xml says so, or if it has
-    this name and a manifest.xml; at last a folder of this name above or beside the file is taken without either. The
+    this name and a manifest.xml; at last a folder of this name above or next to the file is taken without either. The
     way up ends after eight folders and after the home folder, of which only the direct subfolders are looked at;
     folders where everybody may leave files (/tmp) are not looked into at all.
 
@@ -280,7 +280,7 @@ def _expansion_error(reason: str, path: str, packages: dict[str, None], argument
         if _NOWHERE + package in reason:
             return RobotError(
                 "a package is not found", where=path, got=repr(package),
-                allowed=f"a folder whose package.xml has this name, {PLACES}",
+                allowed=f"a folder with a package.xml of this name, {PLACES}",
                 mend=f"give its folder: packages={{{package!r}: …}}",
                 typed=f"give its folder: --package {package}=FOLDER",
             )

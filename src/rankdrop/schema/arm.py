@@ -89,7 +89,7 @@ ROBOT = table(
         lambda arm: dict(arm[0].lengths) or UNSET),
     notes=(many(str), "choices made and things tolerated while reading the description", _of(0, "notes")),
     near=(optional(NEAR),
-        "where an ideal arm is near: the nearest one whose axes are exactly parallel, square and meeting",
+        "where an ideal arm is near: the nearest one with axes exactly parallel, square and intersecting",
         lambda arm: near_ideal(arm[0]) or UNSET),
     source=(SOURCE, "where the numbers come from", _of(0, "source")),
     made_for=(str, "task the description names", _of(0, "task")),

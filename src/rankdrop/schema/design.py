@@ -14,8 +14,8 @@ from rankdrop.version import VERSION
 SHORTEST = table(
     "shortest",
     terms=(int, "in all entries", itemgetter(0)),
-    frame=(int, "whose axes are taken", itemgetter(1)),
-    at=(int | None, "on whose origin the reference point is; null for the tip", itemgetter(2)),
+    frame=(int, "link that gives the axes", itemgetter(1)),
+    at=(int | None, "link with its origin at the reference point; null for the tip", itemgetter(2)),
 )
 ENTRIES = table(
     "entries",
@@ -46,8 +46,8 @@ JACOBIAN_FILE = file(
     "jacobian",
     "The Jacobian seen from a link: written by `rankdrop jacobian --json`.",
     robot=(ROBOT, "", lambda one: (one.robot, one.task, min(one.task.m, one.robot.n))),
-    frame=(Positive, "link whose axes are taken"),
-    at=(int | None, "link on whose frame's origin the reference point is; null for the tip"),
+    frame=(Positive, "link that gives the axes"),
+    at=(int | None, "link with its frame's origin at the reference point; null for the tip"),
     rows=(many(str), "of the task, vx … wz", lambda one: [ROWS[row] for row in one.task.rows]),
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
@@ -259,7 +259,7 @@ SWEEP_FILE = file(
     measures=many(MEASURES),
     parameters=many(SWEEP_PARAMETERS),
     goals=(mapping(Literal["less", "more"]), "", lambda one: one.spec.goals),
-    pareto=(many(Positive), "variants that no other one dominates beyond the error",
+    pareto=(many(Positive), "variants not dominated by any other beyond the error",
         lambda one: [number + 1 for number in one.pareto]),
     pareto_differ=(optional(bool), "some of them differ from one another beyond the error",
         lambda one: one.ranking.differ),

@@ -37,7 +37,7 @@ ESCAPE_SETTINGS = table(
     tolerances=(TOLERANCES, "", attrgetter("here.tolerances")),
     version=(str, "of rankdrop", lambda _: VERSION),
     frame=(optional(Literal["base", "tool", "link", ""]),
-        "in whose axes motions are told; empty: base, tool, and a link where they are simpler there",
+        "axes in which motions are reported; empty: base, tool, and a link where they are simpler there",
         lambda one: one.options.frame or ""),
     slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none",
         attrgetter("options.speed")),
@@ -114,7 +114,7 @@ ESCAPE = table(
 _ASKED: dict[str, Any] = {
     "robot": (ROBOT, "", lambda one: (one.robot, one.task, one.rank.generic_rank)),
     "settings": (ESCAPE_SETTINGS, "what was asked for", lambda one: one),
-    "q": (many(num("joint")), "the configuration asked about [rad, m]"),
+    "q": (many(num("joint")), "the given configuration [rad, m]"),
     "outside_limits": (many(Positive), "joints beyond a limit"),
     "at_limits": (many(Positive), "joints that stand at a limit"),
     "verdict": Literal["regular", "near", "singular", "always-singular"],
@@ -165,7 +165,7 @@ SUMMARY = table(
     radius=num("distance", ge=0) | None,
     place=(optional(many(SPECIAL)), "parts of the arm that are special at the singularity"),
     next_place=(optional(many(SPECIAL)), "the same at the next one"),
-    text=(some(str), "five sentences: what it is, what is lost, what to do, what is next, how sure"),
+    text=(some(str), "five sentences: the configuration, the lost motion, the way out, the next singularity, how sure"),
 )
 _SUMMARY = {
     "summary": (optional(SUMMARY), "the answer: facts, then five sentences",
@@ -283,7 +283,7 @@ FAILURES = table(
     sigma=(many(num("1", ge=0)), "singular values of the others' Jacobian, descending"),
     sigma_min=(num("1", ge=0), "the one at the generic rank of the whole arm; 0 where the rank is lower"),
     rank=Count,
-    share=(num("1", ge=0, le=1.000001), "what is left of the square root of det(J Jᵀ)"),
+    share=(num("1", ge=0, le=1.000001), "remaining share of the square root of det(J Jᵀ)"),
     lost_directions=(many(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words",
         attrgetter("lost")),
     lost_words=many(str),
@@ -389,7 +389,7 @@ _FAR: dict[str, Any] = {
     "certificate": (CERTIFICATE | None, "", attrgetter("far.certificate")),
     "uncertified": (str, "why there is no certificate; else empty", attrgetter("far.uncertified")),
     "near_miss": (num("1", ge=0) | None,
-        "σ_r at the nonzero minimum where a descent from q ends; null unless that is what is near",
+        "σ_r at the nonzero minimum where a descent from q ends; null unless it is the nearest",
         attrgetter("far.near_miss")),
 }
 EXPLANATION_FILE = file(
@@ -406,9 +406,9 @@ EXPLANATION_FILE = file(
     focus=(many(num("joint")),
         "the configuration that family, relations and blame speak of: q, or the nearest singular one where q "
         "is near it"),
-    family=(EXPLANATION_FAMILY | None, "the family that is met; null where the verdict is regular",
+    family=(EXPLANATION_FAMILY | None, "the family of the singularity; null where the verdict is regular",
         lambda one: one.met[0] if one.met else None),
-    families=(many(EXPLANATION_FAMILY), "all that are met", attrgetter("met")),
+    families=(many(EXPLANATION_FAMILY), "all families that hold at focus", attrgetter("met")),
     family_source=(Literal["catalogue", "analysis", "on the spot"], "", attrgetter("source")),
     relations=many(RELATIONS),
     lost_directions=(many(row(num("1"), 6)),
@@ -435,7 +435,7 @@ EXPLANATION_FILE = file(
     representations=(REPRESENTATIONS, "singularities of coordinates of the orientation"),
     disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
     ideal=(optional(EXPLANATION_IDEAL),
-        "with --ideal: the arm that was given, beside the ideal one that all else is about", lambda _: UNSET),
+        "with --ideal: the given arm; all else is about the ideal one", lambda _: UNSET),
     lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
         lambda one: [{"frame": frame, "directions": seen.directions, **lost_text(one.robot, seen)}
                      for frame, seen in one.lost.seen.items()]),
@@ -488,6 +488,6 @@ TOLERANT_FILE = file(
     bound=(num("1", ge=0, le=1), "√((n − r)/n), above every relative worst case"),
     optimal=(bool, "the best place reaches the bound"),
     free=(many(Positive), "joints that may take any value"),
-    crucial=(many(Positive), "joints whose failure costs a freedom at every configuration"),
+    crucial=(many(Positive), "joints that cost a freedom at every configuration if they fail"),
     places=(many(TOLERANT_PLACES), "local maxima, best first"),
 )

@@ -187,13 +187,13 @@ ANALYSIS_FILE = file(
     counts=COUNTS,
     complete=(bool, "false: interrupted; the coranks listed are complete"),
     unfinished=(Positive | None, "the corank that was interrupted"),
-    notes=(many(str), "what the reader should be told"),
+    notes=(many(str), "remarks for the reader"),
     coranks=(many(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
     families=(many(FAMILY), "all rows, by corank"),
     exact=(optional(EXACT), "where the families come from", lambda one: one.exact or UNSET),
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
         lambda one: one.near or UNSET),
-    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about",
+    ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",
         _absent),
 )
 RANK_CHECK = table("rank_check", of=Check, tested=(Count, "points tried"), agree=(Count, "how many have the rank"))
@@ -210,7 +210,7 @@ CONDITIONS_SETTINGS = table(
     steps=(bool, "whether the derivation was written down"),
     version=(str, "of rankdrop", lambda _: VERSION),
     basic=(optional(many(int) | None), "numbers of the basic screws asked for"),
-    frame=(optional(int | None), "link in whose frame the screws were asked for"),
+    frame=(optional(int | None), "link that gives the frame of the screws"),
 )
 STEPS = table("steps", of=Step)
 FACTORS = table("factors", text=str, latex=str, multiplicity=int)
@@ -305,7 +305,7 @@ CONDITIONS_FILE = file(
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
     remarks=(many(str), "what was rounded, or is nearly so"),
-    method=(str, "how corank 1 was derived beside the rank tree"),
+    method=(str, "how corank 1 was derived in addition to the rank tree"),
     reason=(str, "why so"),
     steps=(many(STEPS), "that derivation, step by step"),
     determinants=(optional(DETERMINANTS | None),
@@ -333,7 +333,7 @@ CONDITIONS_FILE = file(
     test=(optional(TEST | None), "what --test says (command line only)", _absent),
     flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),
     between=(optional(BETWEEN | None), "what --from and --to say (command line only)", _absent),
-    ideal=(optional(IDEAL), "with --ideal: the arm that was given, beside the ideal one that all else is about",
+    ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",
         _absent),
 )
 FIND_SETTINGS = table(

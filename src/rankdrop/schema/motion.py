@@ -77,7 +77,7 @@ SOLUTIONS = table(
 )
 POSES = table(
     "poses",
-    solutions=(some(SOLUTIONS), "the first is the configuration whose pose it is",
+    solutions=(some(SOLUTIONS), "the first is the configuration that gave the pose",
         lambda one: [dict(zip(("q", "aspect", "sign", "name"), row, strict=True))
                      for row in zip(one.q, one.aspect, one.sign, one.names, strict=True)]),
     per_aspect=(some(Positive), "solutions in each aspect, most first"),
@@ -213,7 +213,7 @@ PATH_CROSSINGS = table(
     corank=Positive,
     q=some(num("joint")),
     touching=(bool, "no change of sign: singular within the tolerance"),
-    lies=(bool, "all of it is singular wherever it was looked at"),
+    lies=(bool, "all of it is singular wherever it was computed"),
     how=str,
 )
 CLOSEST = table(
@@ -490,7 +490,7 @@ PROGRAM_FILE = file(
     met=(many(PROGRAM_MET), "singularities on the way, in the order of the program"),
     moves=(many(PROGRAM_MOVES), "that were read and reached"),
     skipped=(many(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),
-    blended=(many(Positive), "lines whose corners the controller rounds; they are checked as exact stops",
+    blended=(many(Positive), "lines with corners that the controller rounds; they are checked as exact stops",
         lambda found: [one.line for one in found.program.moves if one.blend]),
     raised=(num("m"), "height of the maker's base frame above that of the arm"),
     parts=many(PROGRAM_PARTS),

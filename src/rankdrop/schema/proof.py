@@ -94,7 +94,7 @@ CERTIFICATE_FILE = file(
     tolerance=CERTIFICATE_TOLERANCE | None,
     claim=(CLAIM, "entries by the kind"),
     proof=(dict[str, Any], "what the checker needs"),
-    sha256=(text(pattern="^[0-9a-f]{64}$"), "of the rest as JSON, keys sorted, no blanks, ASCII: tells damage"),
+    sha256=(text(pattern="^[0-9a-f]{64}$"), "of the rest as JSON, keys sorted, no blanks, ASCII: reveals damage"),
 )
 COVER_SETTINGS = table(
     "cover_settings",
@@ -166,7 +166,7 @@ VERIFIED_FILE = file(
     claim=(str, "what holds; empty where it does not"),
     statement=(optional(many(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
     reason=(str, "why it does not hold; empty where it does"),
-    assumed=(many(str), "what the proof rests on beside the arm's numbers"),
+    assumed=(many(str), "what the proof rests on in addition to the arm's numbers"),
     how=(optional(str), "how the boxes of a covering were proven"),
     enclosures=Count,
     complete=(bool, "false: interrupted"),

@@ -24,10 +24,10 @@ POSTURES = {
     "planar": "all axes are parallel, and the elbow has two solutions",
     "structure": "neither proof applies to an arm of this structure",
     "coupled": "neither proof applies where a joint follows another one",
-    "slide": "{whose} {has} a slide",
-    "repeated": "the singular curve of {whose} has a repeated part",
-    "nodes": "the singular curve of {whose} has no cusp but {nodes}, and the theorem is of arms without",
-    "point": "the singular curve of {whose} has no cusp but a part that is mapped to one point, and the theorem is of "
+    "slide": "{owner} {has} a slide",
+    "repeated": "the singular curve of {owner} has a repeated part",
+    "nodes": "the singular curve of {owner} has no cusp but {nodes}, and the theorem is of arms without",
+    "point": "the singular curve of {owner} has no cusp but a part that is mapped to one point, and the theorem is of "
     "arms without",
 }  # fmt: skip
 """Why a change of posture is impossible, or what stands in the way of the proofs."""
@@ -35,18 +35,18 @@ POSTURES = {
 
 def decision_text(decision: Any) -> str:
     """What is decided about changes of posture without a search, in one sentence."""
-    whose, has = ("the first three joints", "have") if decision.wrist else ("the arm", "has")
+    owner, has = ("the first three joints", "have") if decision.wrist else ("the arm", "has")
     nodes, cusps = (f"{len(some)} {plural(word, len(some))}" for some, word in (
         (decision.nodes or (), "node"), (decision.cusps, "cusp")))  # fmt: skip
     wrist = "; the wrist, by the sign of its middle joint" * decision.wrist
     texts = {
         "signs": f"each solution has signs of its own: {POSTURES.get(decision.why)}{wrist}",
-        "cusps": f"three solutions of {whose} meet at {cusps}",
-        "no cusp": f"no three solutions of {whose} meet anywhere, and the singular curve has no nodes",
+        "cusps": f"three solutions of {owner} meet at {cusps}",
+        "no cusp": f"no three solutions of {owner} meet anywhere, and the singular curve has no nodes",
     }
     if decision.kind in texts or decision.why not in POSTURES:
         return texts.get(decision.kind, str(decision.why))
-    return POSTURES[decision.why].format(whose=whose, has=has, nodes=nodes)
+    return POSTURES[decision.why].format(owner=owner, has=has, nodes=nodes)
 
 
 _NOT_COUNTED = {
@@ -54,7 +54,7 @@ _NOT_COUNTED = {
     "joints": "more than three joints are left when all others are peeled off",
     "slide": "a slide is left when all other joints are peeled off",
     "factors": "det J has too many factors",
-    "work": "the limit on work was met",
+    "work": "the limit on work was reached",
     "conditions": "exact conditions of this arm are not derived",
 }
 
@@ -70,8 +70,8 @@ def aspects_number(found: Any) -> str:
         upper = f"; at most {most} (proven)" if count.proven else seen
         return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
     each = {one.parts.at_least for one in count.each}
-    whose = _signs_of_what(count, square=found.robot.n == found.task.m)
-    how = f": one for each sign of {whose}" if each == {1} and whose else ""
+    signs = _signs_of_what(count, square=found.robot.n == found.task.m)
+    how = f": one for each sign of {signs}" if each == {1} and signs else ""
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
@@ -156,7 +156,7 @@ def _counting_line(count: Any) -> str:
     if count.cells:
         how.append(f"cells in {_numbered(count.cells)}")
     number = len(count.factors)
-    factors = f"{number} {plural('condition', number)} whose signs separate regular configurations"
+    factors = f"{number} {plural('condition', number)} with signs that separate regular configurations"
     if not number:
         factors = "no condition stands alone, and sets of codimension 2 separate nothing"
     return "; ".join((f"aspects: {factors}", *how, "joint limits ignored"))
@@ -179,7 +179,7 @@ def _solutions(found: Any, *, deg: bool) -> Section:
     return Section(
         f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", rows=rows, texts=(0, 1),
         columns=("aspect", "sign", *joint_heads(found.robot, deg=deg)),
-        notes=("← the configuration whose pose it is", _meaning_of_numbers(found)),
+        notes=("← the configuration that gave the pose", _meaning_of_numbers(found)),
     )  # fmt: skip
 
 

@@ -37,7 +37,7 @@ def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree
     if isinstance(derived, Derivation):
         return (_method(derived),)
     how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
-    lines = () if derived is None else (f"{derived.visited} irreducible sets were looked into: {how}",)
+    lines = () if derived is None else (f"{derived.visited} irreducible sets were derived: {how}",)
     return (Step("Rank tree", lines),) if lines else ()
 
 
@@ -193,7 +193,7 @@ def _families(found: Suppression) -> Iterator[str]:
 _LEFT = {
     "time": "case {number}: {conditions}",
     "full rank": "case {number}: all six freedoms are left at points of it: {conditions}",
-    "no point": "case {number}: no point of it was met: {conditions}",
+    "no point": "case {number}: no point of it was found: {conditions}",
     "empty": "no point modulo p was found on: {conditions}",
     "determinant": "the determinant of the basic screws",
 }

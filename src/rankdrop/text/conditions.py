@@ -314,14 +314,14 @@ FAILURES = {
     "disagreement": (CONTRADICTED, "{0}"),
     "cloud": (CONTRADICTED, "{0:,} configurations found numerically lie on no family"),
     "regular": (UNSOUND, "{0} also holds at {1:,} of {2:,} solutions that are regular"),
-    "unexplained": (INCOMPLETE, "corank {0}, {1:,} of {2:,} fresh singular points on no row"),
+    "unexplained": (INCOMPLETE, "corank {0}, {1:,} of {2:,} test points on no row"),
     "unnamed": (INCOMPLETE, "no conditions were found for {0}"),
     "not derived": (INCOMPLETE, "exact conditions were asked for and not derived, {0}"),
     "no rank": (INCOMPLETE, "no rank was tried on {0}"),
     "assumption": (INCOMPLETE, "{0} is assumed, which is not true of this arm"),
     "unfinished": (INCOMPLETE, "{0}"),
-    "several unfinished": (INCOMPLETE, "{0} things were left unfinished, told at the end"),
-    "condition": (INEXACT, "the condition asked about is {0}"),
+    "several unfinished": (INCOMPLETE, "{0} things were left unfinished; see the end"),
+    "condition": (INEXACT, "the given condition is {0}"),
 }
 """What speaks against a claim: word of the verdict, words of the sentence."""
 Failure = tuple[Any, ...]
@@ -487,7 +487,7 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
     exact = derived.complete and general and not rounded
     claims = ((EXACT,) if exact else ()) + ((SAMPLED,) if 0 < points == lie_on else ())
     if derived.interrupted:
-        return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
+        return Verdict(INTERRUPTED, claims, "Interrupted: finished families are shown, and unfinished sets listed.")
     failures = [*_contradictions(derived)]
     if tested != "exact":
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
@@ -551,8 +551,8 @@ def sampled(analysis: Any) -> str:
     return (
         f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
-        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows "
-        f"({share_text(explained, fresh)})."
+        f"Explained: {explained:,} of {fresh:,} test points ({share_text(explained, fresh)}), singular points "
+        "that were not used to find the families."
     )
 
 

@@ -496,7 +496,7 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
                       **_table(blame.ordered, _RUNS))  # fmt: skip
     if full and blame.hunt is not None:
         table = _table(blame.hunt.joints, _HUNT) if blame.hunt.joints else {}
-        yield Section("Hunt's cofactors beside GR's rules", "", (hunt_words(blame.hunt),), **table)
+        yield Section("Hunt's cofactors next to GR's rules", "", (hunt_words(blame.hunt),), **table)
 
 
 def _dependencies(explanation: Explanation) -> str:

@@ -34,12 +34,12 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
-TESTED, MET = "tested", "met"
+TESTED, MET = "tested", "share"
 """Headings of two columns: `share_text` of the soundness, `rounded_share` of the fresh points."""
 _LEGEND = (
     "× any value, c coupled: see the condition under the table; dim: dimension of the family in joint space. "
     f"{TESTED}: of points solved from the row's conditions, how many are singular. "
-    f"{MET}: how often the search meets the row, in percent of fresh singular points. "
+    f"{MET}: part of the searches that end on this family, in percent. "
     "lost: the motion taken away, anywhere on the family unless it says otherwise. "
     "Turning by 1 rad counts as much as moving by {length} m."
 )
@@ -141,7 +141,7 @@ def columns(robot: Robot, corank: int) -> tuple[Column, ...]:
                lambda row: lost_sentences(row.lost_freedoms), WORDS),
         Column("sound", TESTED, lambda row: share_text(row.soundness.agree, row.soundness.tested),
                failed=lambda row: not row.soundness.holds, printed=False),
-        Column("met", MET, lambda row: rounded_share(row.explained), printed=False),
+        Column("share", MET, lambda row: rounded_share(row.explained), printed=False),
     )  # fmt: skip
 
 
@@ -283,8 +283,8 @@ def title(summary: CorankSummary, generic_rank: int) -> str:
 def nothing_found(summary: CorankSummary) -> str:
     """What is said where a corank has no row."""
     smallest = summary.smallest_near_miss
-    met = "" if smallest is None else f", smallest σ{summary.rank + 1} met {smallest:.4g}"
-    return f"none found of {count(summary.starts, 'start')}{met}; absence of a find is not a proof"
+    met = "" if smallest is None else f", smallest σ{summary.rank + 1} found {smallest:.4g}"
+    return f"none found of {count(summary.starts, 'start')}{met}. Not finding one proves nothing."
 
 
 def number_of(rows: Sequence[Family]) -> str:
@@ -294,7 +294,7 @@ def number_of(rows: Sequence[Family]) -> str:
 
 def explained(share: Check) -> str:
     """How many fresh points the rows of a corank explain."""
-    return f"{share.agree:,} of {share.tested:,} fresh points explained"
+    return f"{share.agree:,} of {share.tested:,} test points explained"
 
 
 def starts(summary: CorankSummary) -> str:
@@ -603,7 +603,7 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     if len(shown) < len(near.families):
         notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")
     if near.any.bound:
-        notes.append(f"{AT_LEAST}: coupled joints, whose nearest point may be missed, or a row without conditions")
+        notes.append(f"{AT_LEAST}: coupled joints (their nearest point may be missed), or a row without conditions")
     return Section(
         f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
         columns=("", "family", "share", "±", "95 %"),

@@ -23,7 +23,7 @@ def sections_of(family: Family) -> tuple[Section, ...]:
     at = ", ".join(f"{value:.6g}" for value in family.witness)
     tested = (
         f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
-        f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
+        f"it explains {family.explained.agree:,} of {family.explained.tested:,} test points"
     )
     section = Section(
         f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",

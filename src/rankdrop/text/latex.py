@@ -66,7 +66,7 @@ def _table(
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
         "$\\times$: any value; c: coupled, see below the table; dim: dimension of the family. "
-        f"The rows explain {share.agree} of {share.tested} fresh singular points "
+        f"The rows explain {share.agree} of {share.tested} test points "
         f"({as_text(share_text(share.agree, share.tested))})."
     )
     decimals = sum(any("(" in one_line(one, row) for row in rows) for one in every if one.holds == JOINT)

@@ -28,7 +28,7 @@ _REASONS = {
     "spline": "splines are not read",
     "relative": "relative moves and offsets are not read",
     "other move": "moves of this kind are not read",
-    "base frame": "target is in a user frame, base or work object whose numbers are not in the move",
+    "base frame": "target is in a user frame, base or work object without its numbers in the move",
     "routine": "another routine begins; from where it is called is not known",
     "branch": "branches and jumps are not followed; each line is read once",
     "loop": "loops are read once; the way back to their beginning is not checked",
@@ -163,7 +163,7 @@ def _read_lines(check: Any) -> Iterator[str]:
                "checked path there, and what it does instead is not checked.")  # fmt: skip
     tools = [one.line for one in program.skipped if one.reason == "tool frame"]
     if tools:
-        yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are taken as those of the "
+        yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are read as those of the "
                f"arm's tip; {advised('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
     if check.raised and any(one.target.pose is not None for one in moves):
         size = 1e3 / counted_length(check.robot)

@@ -58,11 +58,11 @@ def degrees_hint(q: Array, robot: Robot) -> str | None:
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> degrees_hint(np.array([0.0, 90.0]), open_robot("planar2r"))
-        'angles up to 90 look like degrees and are taken as radians'
+        'angles up to 90 look like degrees and are read as radians'
     """
     angles = np.abs(q[..., [joint.unit == "rad" for joint in robot.variables]])
     most = float(angles.max(initial=0.0))
-    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > MOST_TURNS else None
+    return f"angles up to {most:.4g} look like degrees and are read as radians" if most > MOST_TURNS else None
 
 
 def minus(text: str) -> str:
@@ -210,7 +210,7 @@ _STILL = {
     "stayed": "no way to leave it with the tool held still was found: every such motion that was traced stays singular "
     "(no proof)",
     "stayed so far": "motions with the tool held still that were traced stay singular; there may be others",
-    "too small": "not told whether it can be left with the tool held still: σ_r is too small there",
+    "too small": "not known whether it can be left with the tool held still: σ_r is too small there",
     "untraced": "no motion with the tool held still could be traced; that is no proof that there is none",
 }
 _EDGE = {
@@ -498,7 +498,7 @@ def hunt_words(hunt: Hunt) -> str:
     if rows != joints:
         return f"Hunt's matrix of cofactors is of a square Jacobian; this one has {rows} rows, {joints} joints"
     if not hunt.applies:
-        regular = "tells nothing at a regular configuration"
+        regular = "shows nothing at a regular configuration"
         what = f"is zero where {hunt.lost} freedoms are lost" if hunt.lost else regular
         return f"Hunt's matrix of cofactors {what}: it names no screw"
     named = [one.number for one in hunt.joints if one.named]

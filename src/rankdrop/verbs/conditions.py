@@ -17,7 +17,7 @@ from rankdrop.robot.quantities import read_joints, read_lengths
 from rankdrop.task import Task
 
 Progress = Callable[[str, int, int], None]
-"""progress(label, done, total), label such as "sets looked into"."""
+"""progress(label, done, total), label such as "sets derived"."""
 
 
 @takes(ConditionsOptions)

@@ -409,7 +409,7 @@ def _sentence(lost: Sequence[ZeroSet], letters: bool) -> str:
     shortest = min(map(alone, lost), key=lambda row: row.terms)
     where = f" ({'' if len(lost) == 1 else 'one is '}{shortest.text})"
     return (
-        f"{sets}{where} could not be looked into: roots of numbers that stand in the conditions exist modulo none of "
+        f"{sets}{where} could not be derived: roots of numbers that stand in the conditions exist modulo none of "
         f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not "
         f"known{'' if letters else '; --lengths letters may avoid this'}"
     )

@@ -75,8 +75,8 @@ def explain(
     if not 0.0 < tolerances.singular <= LARGEST_TOLERANCE:
         raise OptionError(
             "this is no tolerance for singular values", where="tolerance", got=tolerances.singular,
-            allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to be told of small ones, raise `near` or `small`",
-            typed="to be told of small ones, raise --near",
+            allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to report small ones, raise `near` or `small`",
+            typed="to report small ones, raise --near",
         )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
     if task is None and analysis is None:

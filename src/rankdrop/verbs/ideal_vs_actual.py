@@ -257,7 +257,7 @@ def moved_section(arm: Idealised) -> Section:
     return Section(
         "What was moved", "" if rows else arm.moved,
         columns=("number", "joints", "from", "to", "by") if rows else (), rows=rows, texts=(0, 1),
-        notes=("what is not listed is as it was",) if rows else (),
+        notes=("numbers not listed are unchanged",) if rows else (),
     )  # fmt: skip
 
 

@@ -312,7 +312,7 @@ _LABELS = """<style>label, p:has(> label), .mantine-Notification-description { c
 .mantine-Button-root:not([data-disabled]) .mantine-Button-label { color: #fff; }
 .mantine-Button-root:not([data-disabled]) { background-color: #495057; }</style>
 <script>
-// viser's sliders, number boxes and small buttons have no names: they take the words that stand beside them
+// viser's sliders, number boxes and small buttons have no names: they take the words next to them
 function named() {
   for (const label of document.querySelectorAll("label[for]")) {
     let row = label.parentElement;

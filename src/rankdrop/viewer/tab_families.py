@@ -79,7 +79,7 @@ class FamiliesTab:
                 "step": controls.buttons("step", {"◀ 5°": lambda: self._step(-1), "5° ▶": lambda: self._step(1)}),
                 "walk": controls.buttons("walk", {"◀": lambda: self._go(-1), "■": controls.session.stop,
                                                   "▶": lambda: self._go(1)}),
-                "told": controls.server.gui.add_html(""),
+                "text": controls.server.gui.add_html(""),
             }  # fmt: skip
 
     @property
@@ -132,7 +132,7 @@ class FamiliesTab:
             return None
         movable = walk.movable(q)
         names = ", ".join(map(str, movable))
-        self.ui.told.content = panel.message_html(f"joints that move along it here: {names}")
+        self.ui.text.content = panel.message_html(f"joints that move along it here: {names}")
         if joint in movable:
             return walk, q, joint
         self.controls.say(f"joint {joint} stands still along {self.family.id}; choose one of {names}")
@@ -378,7 +378,7 @@ class SliceTab:
                 draw=controls.button("draw the singular set", self.draw, colour="blue"),
                 follow=gui.add_checkbox("follow", False, hint="draw it anew when other joints move"),
                 clear=controls.button("clear", self.clear),
-                told=gui.add_html(""),
+                text=gui.add_html(""),
             )
 
     def draw(self) -> None:
@@ -404,7 +404,7 @@ class SliceTab:
                                       precision="float32")  # fmt: skip
         self._drawn = box, q.copy()
         self._mark(q)
-        self.ui.told.content = panel.lines_html(_slice_notes(live.families, families, points.corank, starts))
+        self.ui.text.content = panel.lines_html(_slice_notes(live.families, families, points.corank, starts))
 
     def _frame(self, box: SliceBox) -> None:
         scene, size = self.controls.server.scene, self.controls.stage.size
@@ -454,7 +454,7 @@ def _slice_notes(
 ) -> list[str]:
     """How many points of which family, as HTML, and what a missing one does not prove."""
     if not len(corank):
-        return [f"none of {starts} starts met a singularity in this slice; that is no proof"]
+        return [f"none of {starts} starts found a singularity in this slice; that is no proof"]
     lines = [f"{len(corank)} of {starts} starts arrived; the ball is where the arm stands"]
     for index in np.unique(families).tolist():
         here = families == index

@@ -263,7 +263,7 @@ class ShareTab:
                 own=controls.upload("open an arm of your own (.urdf, .toml)", ",".join(ROBOT_FILES), self.open),
                 opened=gui.add_html(""),
                 record=controls.button("record the session", self.record),
-                told=gui.add_html(""),
+                text=gui.add_html(""),
                 save=controls.button("save the record as CSV", self._save,
                                      hint="for the tab Path, and for `rankdrop path`"),
             )  # fmt: skip
@@ -289,7 +289,7 @@ class ShareTab:
 
     def _tell(self) -> None:
         full = ", as many as are kept" if len(self.rows) >= _MOST_ROWS else ""
-        self.ui.told.content = panel.message_html(f"{len(self.rows)} rows{full}" if self.rows else "")
+        self.ui.text.content = panel.message_html(f"{len(self.rows)} rows{full}" if self.rows else "")
 
     def _save(self) -> None:
         if not self.rows:

@@ -32,7 +32,7 @@ class OutOfTime(Exception):
         words: which limit.
     """
 
-    def __init__(self, words: str = "the limit on work was met") -> None:
+    def __init__(self, words: str = "the limit on work was reached") -> None:
         super().__init__(words)
 
 

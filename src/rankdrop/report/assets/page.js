@@ -84,8 +84,8 @@ function tell() {
   const top = Math.max(...kept, 1e-9);
   byId("sigma").innerHTML = kept.map((s, i) => `<div class="${s <= data.live_tolerance ? "zero" : ""}"><b>σ${i + 1}</b><i style="width:${(100 * s / top).toFixed(2)}%"></i><span>${s <= data.live_tolerance ? "0" : s.toPrecision(3)}</span></div>`).join("");
   const family = state.family, at = family && lost > 0;
-  byId("told").innerHTML = at
-    ? family.told
+  byId("facts").innerHTML = at
+    ? family.facts
     : data.generic_rank === 0 ? "" : `<p>The faint arrow is the weakest direction: what is lost first as σ${data.generic_rank} shrinks.</p>`;
   offer(at ? family : null);
 }

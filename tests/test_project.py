@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -132,3 +133,14 @@ def test_decisions_are_numbered_without_a_gap() -> None:
     pages = [path for path in KEPT if path.parent == ROOT / "docs" / "decisions"]
     numbers = [int(page.name[:4]) for page in pages]
     assert numbers == list(range(1, len(pages) + 1))
+
+
+def test_every_package_of_the_plain_install_has_its_licence_in_the_docs() -> None:
+    """What rankdrop asks for itself is listed; what is listed is what the checks install."""
+    page = read(ROOT / "docs" / "packages.md")
+    listed = re.findall(r"^\| ([a-z-]+) \| [^|]+ \| [^|]+ \|$", page, re.MULTILINE)[1:]
+    asked = tomllib.loads(read(ROOT / "pyproject.toml"))["project"]["dependencies"]
+    assert {re.split(r"[<>=]", line)[0] for line in asked} <= set(listed)
+    installed = re.findall(r"^([\w.-]+)==", read(ROOT / ".ci" / "constraints.txt"), re.MULTILINE)
+    assert set(listed) <= {name.lower().replace("_", "-") for name in installed}
+    assert f"brings {len(listed)} packages" in page

@@ -144,7 +144,7 @@ def test_a_full_disk_loses_nothing_that_was_finished(
         keep(path, content)
 
     monkeypatch.setattr("rankdrop.jobs.running.replace_file", full)
-    with pytest.raises(ResultFileError, match="No space left on device; fix: what is finished is kept"):
+    with pytest.raises(ResultFileError, match="No space left on device; fix: finished work is kept"):
         made(job(), folder=tmp_path)
     assert len(Folder(tmp_path, job()).finished()) == 3
     monkeypatch.undo()

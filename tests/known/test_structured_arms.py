@@ -128,7 +128,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     cloud = search(arm, 1, task=resolve_task(None, arm), starts=600)
     (row,) = families(cloud).families
     assert row.soundness.holds
-    monkeypatch.setattr(fit_module, "elsewhere", lambda *arguments: (0, np.zeros((0, 7))))
+    monkeypatch.setattr(fit_module, "solve_at_special_values", lambda *arguments: (0, np.zeros((0, 7))))
     (wide,) = families(cloud).families
     assert len(wide.equations) < len(row.equations)
     assert wide.named

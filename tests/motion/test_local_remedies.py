@@ -198,7 +198,7 @@ def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None
     np.testing.assert_array_equal(best.trajectory.q[:first], q[:first])
     rest = len(q) - last
     np.testing.assert_allclose(pose(robot, best.trajectory.q[-rest:]), pose(robot, q[last:]), atol=1e-9)
-    assert np.degrees(np.abs(change.after).max()) > 90.0
+    assert np.degrees(np.abs(change.at_end).max()) > 90.0
     sigma = singular_values(robot, best.trajectory.q, best.check.task)[:, -1]
     assert sigma.min() > 1e-4
     assert best.off[0] < 0.01

@@ -317,7 +317,8 @@ def _triple(vector: Array, length: float = 1.0) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}".replace("-", "−")
+    steady = float(f"{value:.8g}")  # 0.7345 is one number, however its last bits fell
+    return f"{steady:.3g}".replace("-", "−")
 
 
 _DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain

@@ -123,7 +123,7 @@ class Change:
         start, end: between them the joints are moved, from the old path and back to it.
         way: (n,) how far the joints are from the old path at most [rad, m].
         off: how far the tool is from the old path at most [m], [rad].
-        after: (n,) how far the joints are from the old path at its end: zero where they are back on it; else the rest
+        at_end: (n,) how far the joints are from the old path at its end: zero where they are back on it; else the rest
             is on another branch of the inverse kinematics.
     """
 
@@ -131,7 +131,7 @@ class Change:
     end: Place
     way: Array
     off: tuple[float, float]
-    after: Array
+    at_end: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -229,7 +229,7 @@ def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> unit_hint(np.array([[0.0, 90.0]]), open_robot("planar2r"))
-        'angles up to 90 look like degrees and are taken as radians'
+        'angles up to 90 look like degrees and are read as radians'
     """
     return radians_hint(q[:, turning(robot)]) if deg else degrees_hint(q, robot)
 

@@ -287,7 +287,7 @@ CHANGES = table(
         lambda one: [one.start.position, one.end.position]),
     time=(many(num("s")) | None, "", lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
     moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
-    after=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
+    at_end=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
     tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
 )
 FAR_TURNS = table(

@@ -751,9 +751,9 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
     when, off = _between(change.start, change.end), _off(change.off, robot)
-    if not change.after.any():
+    if not change.at_end.any():
         return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
-    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.after, robot)}"
+    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.at_end, robot)}"
 
 
 def _moves(way: Array, robot: Robot) -> str:
@@ -802,7 +802,7 @@ def best_words(mending: Any) -> str:
     change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
     if change is None:
         what = best.words
-    elif change.after.any():
+    elif change.at_end.any():
         what = f"the tool led around it {_between(change.start, change.end)}"
     else:
         what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from inspect import signature
+from threading import Thread
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -13,7 +14,7 @@ from cyclopts import App
 
 from rankdrop.cli.command import command
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.options import Options, allowed, hints, option, takes
+from rankdrop.options import Options, advised, allowed, hints, on_command_line, option, takes
 
 
 @dataclass(frozen=True)
@@ -138,3 +139,14 @@ def test_rng_is_another_name_of_the_seed() -> None:
         Seeded.of(None, {"rng": "7"})
     with pytest.raises(OptionError, match="no option has this name"):
         Search.of(None, {"rng": 7})
+
+
+def test_advice_is_typed_in_every_thread_of_a_command() -> None:
+    """The viewer makes its words in threads of its server."""
+    said: list[str] = []
+    with on_command_line():
+        thread = Thread(target=lambda: said.append(advised("task", "position")))
+        thread.start()
+        thread.join()
+    assert said == ["--task position"]
+    assert advised("task", "position") == "task='position'"

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import fields, replace
 from functools import cache
 from inspect import Parameter, signature
@@ -52,17 +51,18 @@ def option(
     return Meta(description=help, extra_json_schema=schema, extra=extra or None, **bounds)
 
 
-_ON_COMMAND_LINE: ContextVar[bool] = ContextVar("on_command_line", default=False)
+_typed = False  # in every thread: the viewer's words are made in threads of its server
 
 
 @contextmanager
 def on_command_line() -> Iterator[None]:
-    """Within it `advised` names options as they are typed on the command line."""
-    before = _ON_COMMAND_LINE.set(True)
+    """Within it `advised` names options as they are typed on the command line, in every thread of this process."""
+    global _typed
+    before, _typed = _typed, True
     try:
         yield
     finally:
-        _ON_COMMAND_LINE.reset(before)
+        _typed = before
 
 
 def advised(name: str, value: str = "", *, python: str = "") -> str:
@@ -80,7 +80,7 @@ def advised(name: str, value: str = "", *, python: str = "") -> str:
         ...     advised("tip-tolerance", "…"), advised("task", "position"), advised("full")
         ('--tip-tolerance', '--task position', '--full')
     """
-    if _ON_COMMAND_LINE.get():
+    if _typed:
         return f"--{name} {value}" if value and value != "…" else f"--{name}"
     if python:
         return python

@@ -175,3 +175,9 @@ def test_a_link_is_called_as_its_file_calls_it():
     assert lost_text(found.robot, found.lost.seen["link"])["constraints"] == ["vx = 0"]
     again = robot_from_dict(robot_to_dict(arm, found.task, 2))
     assert [joint.link for joint in again.joints] == ["upper", "forearm"]
+
+
+@pytest.mark.parametrize("off", [-1e-12, 0.0, 1e-12])
+def test_a_tie_of_three_digits_is_written_in_one_way(off: float) -> None:
+    """0.7345 m fell to 0.734 or to 0.735 by the last bit, which libraries of linear algebra differ in."""
+    assert constraint([0.0, 1.0, 0.0, 0.7345 + off, 0.0, 0.0]) == "vy + 0.735 m·ωx = 0"

@@ -60,7 +60,8 @@ class RegionBounds:
     Attributes:
         lower: W is at least this; 0 where it is not proven that every pose of the region is reached.
         upper: W is at most this; inf where nothing is proven.
-        sigma: the smallest σ of a best posture found.
+        sigma: the smallest σ of a best posture found; the bound itself where the bounds prove that there is a better
+            posture, or a worse pose.
         at: (3,) the place of that pose [m].
         q: (n,) that posture [rad, m].
         covered: every pose of the region is proven to be reached.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -228,6 +229,16 @@ def test_a_program_with_unread_moves_is_not_called_free() -> None:
     part = check_program(arm, urscript.read(f"{text}movel(target)\n", "a.script"), ASK)
     assert (part.verdict.value, part.holds) == ("undecided", False)
     assert part.sentence.startswith("Undecided: 1 move of the program was not read")
+
+
+def test_a_line_through_a_singularity_is_not_called_free() -> None:
+    """Its joints are free of it before and after, as the branch goes on; the line passes through it all the same."""
+    arm = open_robot("ur5e")
+    text = "movej([0.2,-1.3,1.5,-1.1,1.2,0.3])\nmovej([0.3,-1.3,1.5,-1.1,1.2,0.3])\n"
+    whole = check_program(arm, urscript.read(text, "a.script"), ASK)
+    through = replace(whole, parts=tuple(replace(part, passed=(1,)) for part in whole.parts))
+    assert (through.verdict.value, through.holds) == ("touching", False)
+    assert [one.verdict for one in through.moves] == [None, through.verdict]
 
 
 @pytest.mark.slow

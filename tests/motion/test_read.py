@@ -86,6 +86,14 @@ def test_a_cell_with_commas_and_points_is_refused(tmp_path: Path, cell: str) -> 
         read_trajectory(file, ARM)
 
 
+def test_points_beside_decimal_commas_are_refused(tmp_path: Path) -> None:
+    """Either may separate thousands: 0.500 and 0,500 in one file are told apart by nobody."""
+    file = tmp_path / "mixed.csv"
+    file.write_text("A1;A2;A3;A4\n0.1;0,2;0,3;0,4\n0,1;0,1;0,2;0,3\n")
+    with pytest.raises(TrajectoryError, match=r"line 2, column 2 \(A2\): this is no number"):
+        read_trajectory(file, ARM)
+
+
 def test_degrees_turn_angles_only_their_rates_too(tmp_path: Path) -> None:
     for kind in ("csv", "json", "npy"):
         read = read_trajectory(write(tmp_path, kind), ARM, deg=True)

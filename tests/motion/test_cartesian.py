@@ -85,7 +85,7 @@ BROKEN = {
     "a.csv|x,y,z,qx,qy,qz,qw\n0,0,0,0,0,1": r"a\.csv, line 2, column 7 \(qw\): the row is too short",
     "a.csv|x,y,z,qx,qy,qz\n0,0,0,0,0,1": r"a\.csv, line 1: poses need other columns",
     "a.csv|x,y,z [deg]\n0,0,0": r"a\.csv, line 1, column 3: the unit does not fit the column; got z \[deg\]",
-    "a.csv|x,y,z,X\n0,0,0,0": r"a\.csv, line 1, column 4: the column is there twice",
+    "a.csv|x,y,z,X\n0,0,0,0": r"a\.csv, line 1, column 4: the column is given twice",
     "a.csv|x,y,z": r"a\.csv, line 1: there is no row below the names",
     "a.csv|t,x,y,z\n1,0,0,0\n0.5,0,0,0": r"a\.csv, line 3, column 't': time does not go on",
     'a.json|{"poses": [{"position": [0, 0]}]}': r"a\.json, pose 1: the position has not 3 numbers",

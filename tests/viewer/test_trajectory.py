@@ -49,7 +49,7 @@ def test_numbers_alone_need_one_column_for_each_joint() -> None:
         ("q1,q2,q3,q4\n", "no row below the names"),
         ("q1,q2,q3\n0,0,0\n", f"joints have no column.*add {NAMES[3]}"),
         ("q1,q2,q3,q9\n0,0,0,0\n", "line 1, column 4: there is no such joint; got 'q9'"),
-        ("q1,q2,q3,q4,q2\n0,0,0,0,0\n", "column 5: the column is there twice"),
+        ("q1,q2,q3,q4,q2\n0,0,0,0,0\n", "column 5: the column is given twice"),
         ("q1,q2,q3,q4\n0,0,0,0\n0,x,0,0\n", r"a.csv, line 3, column 2 \(q2\): this is no number; got 'x'"),
         ("q1,q2,q3,q4\n0,0,0\n", r"line 2, column 4 \(q4\): the row is too short"),
         ("q1,q2,q3,q4\n0,nan,0,0\n", "line 2, column 2.*not finite"),

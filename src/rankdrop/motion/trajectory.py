@@ -458,7 +458,7 @@ def find_columns(
     """Place and factor (to rad and m) of each column that is known, the column of the time, and names of the others.
 
     Raises:
-        TrajectoryError: a column is there twice, its name too long, or its unit does not fit.
+        TrajectoryError: a column is given twice, its name too long, or its unit does not fit.
     """
     found: dict[Hashable, tuple[int, float]] = {}
     time, unused = None, []
@@ -477,7 +477,7 @@ def find_columns(
             continue
         key, measure = column
         if key in found:
-            raise TrajectoryError("the column is there twice", where=here, got=repr(word))
+            raise TrajectoryError("the column is given twice", where=here, got=repr(word))
         fits = UNITS[measure]
         if unit is not None and unit not in fits:
             raise TrajectoryError("the unit does not fit the column", where=here, got=word,

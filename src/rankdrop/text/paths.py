@@ -79,7 +79,7 @@ COLUMNS = {
     "speed_factor": "largest, at most 1, that keeps the velocity limits on its stretch",
 }
 """Meanings of the columns of a checked path row by row."""
-MILLIMETRES = "positions up to {0:.4g} look like millimetres and are taken as metres; write x [mm], y [mm], z [mm]"
+MILLIMETRES = "positions up to {0:.4g} look like millimetres and are read as metres; write x [mm], y [mm], z [mm]"
 BAG_NOTES = {
     "others": "{0} of {1} messages have none of this arm's joints and are passed over",
     "recording": "headers have no times: those of the recording are taken",
@@ -656,7 +656,7 @@ def remedy_note(kind: str, fact: Any) -> str:
         return f"{kind}: all {tried} that were tried {_ENDED[next(iter(ended))]}"
     parts = [f"{count} {_ENDED[reason]}" for reason, count in sorted(ended.items())]
     if run:
-        parts.append(f"{run} run it as far as a first look tells, and none of them was proven free")
+        parts.append(f"{run} run it at the rows that were computed, and none was proven free")
     return f"{kind}: {tried} tried: {', '.join(parts)}"
 
 
@@ -893,7 +893,7 @@ def many_section(many: Sequence[dict[str, Any]]) -> Section:
     holds = sum(one["verdict"] == "free" for one in many)
     return Section(
         f"{holds} of {len(many)} paths proven free",
-        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
+        columns=("file", "verdict", "rows", "reached", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
         after=tuple(one["sentence"] for one in many if one["verdict"] == "bad input"),
     )  # fmt: skip
 
@@ -930,4 +930,4 @@ def radians_hint(angles: Array) -> str | None:
     """
     typed = float(np.degrees(np.abs(angles).max(initial=0.0)))
     moves = len(angles) > 0 and float(np.ptp(angles, axis=0).max(initial=0.0)) > 0.0
-    return f"angles up to {typed:.4g} look like radians and are taken as degrees" if moves and typed <= np.pi else None
+    return f"angles up to {typed:.4g} look like radians and are read as degrees" if moves and typed <= np.pi else None

@@ -44,6 +44,7 @@ class Tab:
 
     def __init__(self, browser: Any, url: str, size: tuple[int, int]) -> None:
         self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.page.set_default_timeout(PATIENCE)  # a busy machine draws by software for longer than the usual 30 s
         self.asked: list[str] = []
         self.said: list[str] = []
         self.page.on("request", lambda one: self.asked.append(one.url))
@@ -136,6 +137,7 @@ def test_a_state_is_copied(laptop: tuple[Viewer, Tab]) -> None:
 
 def test_every_slider_has_its_joint_for_a_name_and_obeys_the_keyboard(laptop: tuple[Viewer, Tab]) -> None:
     viewer, tab = laptop
+    tab.page.get_by_role("tab", name="Joints").click()
     slider = tab.page.get_by_role("slider", name="3 joint3")
     before = viewer.session.q[2]
     slider.first.focus()
@@ -185,6 +187,7 @@ def test_nearest_never_lags_behind_the_verdict(
 
 def test_a_slider_moves_the_arm(laptop: tuple[Viewer, Tab]) -> None:
     viewer, tab = laptop
+    tab.page.get_by_role("tab", name="Joints").click()
     tab.page.wait_for_timeout(3000)  # the scene fades in
     before, start = tab.picture(), viewer.session.q
     slider = tab.page.get_by_role("slider").nth(1)

@@ -55,6 +55,7 @@ def writing(path: Path) -> Iterator[str]:
             yield f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)[:80]}"
 
 
+@pytest.mark.slow
 def test_files_are_written_in_one_place() -> None:
     home = ROOT / "src" / "rankdrop" / "disk.py"
     assert list(writing(home)), "the look-out is blind"

@@ -21,6 +21,7 @@ def test_the_long_ones_are_there() -> None:
     assert set(MODULES) >= LONG
 
 
+@pytest.mark.by_hand
 @pytest.mark.parametrize("modules", [
     pytest.param([name for name in MODULES if name not in LONG], id="quick"),
     pytest.param(sorted(LONG), id="long", marks=pytest.mark.slow),

@@ -37,6 +37,7 @@ print(json.dumps(list(first)))
 """
 
 
+@pytest.mark.by_hand_at("From a URDF to its families")
 @pytest.mark.slow_at("From a URDF to its families", "From a configuration to its ways out")
 @pytest.mark.parametrize("title", COMMANDS)
 def test_the_functions_of_the_page_are_called_in_its_order(title: str) -> None:

@@ -99,6 +99,7 @@ def test_three_joints_have_as_many_aspects_as_a_flood_fill_finds(seed: int) -> N
     assert flooded(robot, [1, 2], 60) == flooded(robot, [1, 2], 180) == found.at_least
 
 
+@pytest.mark.by_hand_at("offset_wrist-1", "three_parallel-1")
 @pytest.mark.parametrize(
     ("make", "seed"),
     [
@@ -281,6 +282,7 @@ def test_terms_that_cancel_widen_an_enclosure() -> None:
     assert here.low[0] < 0 < here.high[0]
 
 
+@pytest.mark.slow
 def test_within_limits_the_number_of_aspects_decides_nothing() -> None:
     """Two solutions with equal signs prove a change of posture only where joints turn as they like."""
     q = [0.2, 0.9, 0.4, -0.6, 0.9, 0.0]

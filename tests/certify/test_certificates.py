@@ -164,8 +164,8 @@ LIES = {
 }  # fmt: skip
 
 
-@pytest.mark.by_hand_at("ball: a larger ball altogether")
-@pytest.mark.slow_at("away: a larger distance", "ball: a larger ball altogether")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("ball: a larger ball altogether", "away: a larger distance", "ball: a radius beyond the boxes")
 @pytest.mark.parametrize("lie", LIES)
 def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     name, change, reason = LIES[lie]
@@ -385,8 +385,8 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
-@pytest.mark.slow_at("open_manipulator-None")
-@pytest.mark.slow_at("canadarm2", "xarm5", "stanford", "ur5", "panda", "pa10", "puma560", "fetch")
+@pytest.mark.by_hand_at("canadarm2-None", "fetch-vx,vy", "xarm5-None")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "task"), [
     ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
     ("stanford", None), ("canadarm2", None), ("puma560", "position"), ("puma560", "orientation"), ("ur5", "position"),

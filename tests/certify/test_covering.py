@@ -103,8 +103,7 @@ def test_members_of_families_on_the_borders_of_boxes_lie_in_boxes(name):
             assert covered(name).holds(made).all(), family.id
 
 
-@pytest.mark.by_hand_at("puma560-2", "anthropomorphic-3")
-@pytest.mark.slow_at("puma560-2", "anthropomorphic-3", "ur5-2")
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("name", "corank"), [("ur5", 2), ("puma560", 2), ("anthropomorphic", 3)])
 def test_configurations_of_a_higher_corank_lie_in_fewer_boxes(name, corank):
     """Drawn exactly, members of the families known, and those moved onto the borders of boxes."""
@@ -305,6 +304,7 @@ def backwards(job, engine, *, folder, report, each):
         yield chunk, b""
 
 
+@pytest.mark.by_hand_at("backwards", "by processes")
 @pytest.mark.slow_at("backwards")
 @pytest.mark.slow_at("by processes")
 @pytest.mark.parametrize("made", ["here", "by processes", "backwards"])
@@ -325,6 +325,7 @@ def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch,
     assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
 
 
+@pytest.mark.by_hand_at("0", "2")
 @pytest.mark.slow
 @pytest.mark.slow_at("0")
 @pytest.mark.parametrize("halvings", [0, 1, 2])
@@ -381,6 +382,7 @@ def test_boxes_between_families_that_almost_touch_are_explained_by_the_parts_tha
     assert found.account.diagonal == pytest.approx(2 * np.linalg.norm(found.covering.boxes(np.zeros((1, 4), int))[1]))
 
 
+@pytest.mark.by_hand_at("stanford")
 @pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["planar3r", "almarkhi4", "anthropomorphic", "stanford"])
 def test_other_arms_are_covered_by_enclosures(name):

@@ -45,7 +45,7 @@ def moved_columns(robot, other, q, setting):
     return region.columns(other, q, setting) - region.columns(robot, q, setting)
 
 
-@pytest.mark.by_hand_at("random 6R", "random screws")
+@pytest.mark.by_hand_at("random 6R", "random screws", "mimics", "pa10", "panda", "puma560", "random slides", "ur5")
 @pytest.mark.slow
 @pytest.mark.slow_at("random 6R", "panda", "mimics", "random screws", "puma560", "ur5", "pa10")
 @pytest.mark.parametrize("name", ARMS)
@@ -138,6 +138,7 @@ def test_the_bound_of_a_steep_screw_is_reached(which):
     assert reached_by_turns(replace(robot, joints=tuple(joints)), np.zeros(4))[which] > 0.95
 
 
+@pytest.mark.by_hand_at("mimics")
 @pytest.mark.slow
 @pytest.mark.slow_at("mimics")
 @pytest.mark.parametrize("name", ["random screws", "mimics"])
@@ -240,6 +241,7 @@ def test_the_bound_is_reached_by_links_that_twist():
     assert (best > 0.9).sum() >= count - 1
 
 
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560", "ur5")
 @pytest.mark.parametrize("name", ["ur5", "puma560"])
 def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tmp_path):

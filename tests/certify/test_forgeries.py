@@ -200,7 +200,8 @@ KINDS = ("ball", "ball of a point", "ball with a slide", "near arms", "free path
          "covering within limits", "covering of corank 2", "existence")  # fmt: skip
 
 
-@pytest.mark.slow_at("ball", "covering")
+@pytest.mark.by_hand_at("ball")
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_forgery_is_refused_or_prints_another_claim(honest, kind):
     folder, records = honest

@@ -62,7 +62,10 @@ def middles(found):
     return (low.T + high.T) / 2, (high.T - low.T) / 2
 
 
-@pytest.mark.slow_at("panda", "mimics")
+@pytest.mark.by_hand_at(
+    "False-0.3-mimics", "False-0.3-panda", "True-0.02-mimics", "True-0.02-panda", "True-0.3-mimics", "True-0.3-panda",
+)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.02, 0.3])
 @pytest.mark.parametrize("along", [False, True])
@@ -102,7 +105,7 @@ def test_a_region_without_size_is_a_point():
     np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
 
 
-@pytest.mark.by_hand_at("random screws-pose", "slides-pose", "ur5-pose")
+@pytest.mark.by_hand_at("random screws-pose", "slides-pose", "ur5-pose", "stanford-pose")
 @pytest.mark.by_hand_at("panda-pose", "mimics-pose")
 @pytest.mark.slow_at("mimics-pose", "panda-pose", "random screws-pose", "ur5-pose", "slides-pose", "stanford-pose")
 @pytest.mark.parametrize(("name", "task"), [

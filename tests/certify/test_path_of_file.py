@@ -201,6 +201,7 @@ def test_a_tool_path_holds_for_its_poses(tmp_path):
     assert "not proven to stay within 1e-07 m and 1e-07 rad" in strict.reason
 
 
+@pytest.mark.slow
 def test_a_joint_path_with_the_hash_of_foreign_poses_is_refused(tmp_path):
     """Any free joint path, with the SHA-256 of the user's file of tool poses written in."""
     file, record = pose_file(tmp_path, tool()[0]), copy.deepcopy(honest("linear"))

@@ -162,6 +162,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.by_hand_at("jacobian ur5e --inverse --frame 4", "jacobian yumi")
 @pytest.mark.shipped
 @pytest.mark.slow_at("jacobian yumi", "jacobian ur5e --inverse --frame 4", "cover planar3r", "conditions yumi")
 @pytest.mark.parametrize("line", COMMANDS)
@@ -171,7 +172,7 @@ def test_a_command_prints_at_most_forty_lines_and_begins_with_the_answer(
     check(printed(capsys, *line.split()), COMMANDS[line])
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.shipped
 def test_compare_says_which_arm_is_best_and_lists_families_with_full_only(
     capsys: pytest.CaptureFixture[str],

@@ -134,7 +134,7 @@ def test_formulas_are_broken_before_signs_outside_of_brackets() -> None:
     assert formula(text, 200) == [text]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_simple_angles_stand_on_one_line_long_conditions_on_their_own(puma2: Conditions, pa10: Conditions) -> None:
     assert condition_lines(pa10.families[1]) == ["θ2 = 0 or π; θ3 = ±π/2"]
     long = puma2.of_corank(2)[-1]
@@ -296,6 +296,7 @@ def test_flags_of_a_redundant_arm_are_refused(pa10: Conditions) -> None:
 # what goes wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
@@ -366,6 +367,7 @@ def test_a_condition_is_not_tested_against_half_of_the_singular_set(run) -> None
     assert "not tested: the singular set is not completely derived" in one_line(ended.out)
 
 
+@pytest.mark.by_hand_at("rankdrop.verbs.deriving.corank_one")
 @pytest.mark.slow
 @pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.deriving.corank_one"])
 def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatch, where: str) -> None:

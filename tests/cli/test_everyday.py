@@ -33,6 +33,10 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+@pytest.mark.by_hand_at(
+    "$R analyze nosuch 2>&--2-", "$R analyze nosuch 2>/dev/full-2-", "$R robots <&- >/dev/null-0-",
+    "$R robots fanuc 2>&- >/dev/null-0-", "$R robots nosuch >&- 2>&- <&--2-",
+)  # fmt: skip
 @pytest.mark.slow
 @pytest.mark.slow_at(
     "$R robots <&- >/dev/null", "$R analyze nosuch 2>/dev/full", "$R robots fanuc 2>&- >/dev/null", "$R --help >&-",
@@ -70,7 +74,7 @@ def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     assert done.returncode == exits.BAD_INPUT
 
 
-@pytest.mark.by_hand_at("words2")
+@pytest.mark.by_hand_at("words2", "words1")
 @pytest.mark.slow
 @pytest.mark.parametrize("words", [("--help",), ("explain", "--help"), ("completion", "bash")])
 def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str, ...]) -> None:
@@ -88,6 +92,7 @@ def test_files_are_written_though_stdout_is_closed(tmp_path: Path) -> None:
     assert (tmp_path / "a.json").stat().st_size > 1000
 
 
+@pytest.mark.by_hand_at("rich.console")
 @pytest.mark.slow_at("rich.console")
 @pytest.mark.parametrize("module", ["importlib.metadata", "cyclopts", "numpy", "rich.console", "rankdrop.questions"])
 def test_ctrl_c_while_a_module_is_imported(module: str) -> None:
@@ -246,7 +251,7 @@ WITHOUT = {
 """Option -> the commands that do not have it: every other one has."""
 
 
-@pytest.mark.slow_at("--limits")
+@pytest.mark.slow
 @pytest.mark.parametrize("option", WITHOUT)
 def test_an_option_is_had_by_every_command_that_it_makes_sense_for(option: str) -> None:
     assert {name for name in COMMANDS if option not in main._options(name)} == WITHOUT[option]
@@ -272,9 +277,7 @@ def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> Non
     assert told == {option: set() for option in told}
 
 
-@pytest.mark.by_hand_at("zsh")
-@pytest.mark.by_hand_at("fish")
-@pytest.mark.slow_at("fish", "zsh", "bash")
+@pytest.mark.by_hand
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])
 def test_completion_knows_every_command(word: str, run: Any) -> None:
     script = run("completion", word)

@@ -135,6 +135,7 @@ def test_configurations_as_people_write_them() -> None:
             parse_configuration(text, arm, deg=False)
 
 
+@pytest.mark.by_hand_at("140", "60")
 @pytest.mark.slow
 @pytest.mark.slow_at("140", "60")
 @pytest.mark.parametrize("width", [60, 80, 140])

@@ -24,19 +24,8 @@ def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
     assert process(COLUMNS="80").out == process("help", COLUMNS="80").out == text
 
 
-@pytest.mark.slow_at(
-    "analyze",
-    "conditions",
-    "cover",
-    "explain",
-    "find",
-    "path",
-    "report",
-    "through",
-    "tolerant",
-    "verify",
-    "view",
-)
+@pytest.mark.by_hand_at("analyze", "explain", "path")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_line_of_a_command_is_the_first_of_its_page(run: Any, name: str) -> None:
     line = next(commands[name] for commands in GROUPS.values() if name in commands)

@@ -114,6 +114,7 @@ def test_a_tolerance_within_which_nothing_is_moved_is_told(run) -> None:
     assert ended.code == exits.FINE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("typed", ["1", "-1mm", "0mm", "1mm,2mm", "9deg", "1m"])
 @pytest.mark.parametrize("command", [("analyze",), ("conditions",), ("explain", "--q", "0,0,0,0,0,0"), ("report",)])
 def test_what_is_no_tolerance_is_refused(run, command: tuple[str, ...], typed: str) -> None:
@@ -201,6 +202,7 @@ EXACTLY = ("conditions", "--coranks", "1", "--points", "0", "--method", "tree", 
 BY_ITSELF = "Ideal arm within 0.021mm (--ideal off: the arm as written): srs_2e-05_ideal has "
 
 
+@pytest.mark.by_hand_at("command1")
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [EXACTLY, pytest.param(("analyze", *FEW), marks=pytest.mark.slow)])
 def test_both_verbs_take_the_ideal_arm_by_themselves_and_say_so_first(run, command: tuple[str, ...]) -> None:

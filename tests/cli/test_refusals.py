@@ -85,6 +85,7 @@ def test_tables_are_printed_though_the_file_cannot_be_written(run, argv: tuple[s
     assert len(list(tmp_path.iterdir())) == len(others) // 2
 
 
+@pytest.mark.by_hand_at("argv0", "argv2")
 @pytest.mark.slow_at("argv0")
 @pytest.mark.slow_at("argv2")
 @needs_full

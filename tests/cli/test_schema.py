@@ -105,6 +105,7 @@ def test_records_without_an_entry_or_with_a_wrong_one_are_refused(
         assert not check.is_valid(whole | {name: value}), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMAGE)
 def test_a_broken_explanation_is_refused(explained: dict[str, dict[str, Any]], name: str) -> None:
     kind, (path, value) = name.partition(":")[0], DAMAGE[name]
@@ -116,6 +117,7 @@ def test_a_broken_explanation_is_refused(explained: dict[str, dict[str, Any]], n
     assert not validator(kind).is_valid(record)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_schemas_are_schemas(name: str) -> None:
     Draft202012Validator.check_schema(load_schema(name))

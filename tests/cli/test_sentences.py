@@ -71,8 +71,8 @@ def printed() -> dict[str, str]:
     return {}
 
 
-@pytest.mark.by_hand_at("remarks")
-@pytest.mark.slow_at("remarks", "conditions", "ideal")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("remarks", "conditions", "ideal")
 @pytest.mark.parametrize("key", OUTPUTS)
 def test_no_sentence_of_a_default_output_is_longer_than_can_be_read(
     key: str, run: Any, printed: dict[str, str]

@@ -64,7 +64,7 @@ def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]
     return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
 
 
-@pytest.mark.by_hand_at("pa10-watch")
+@pytest.mark.by_hand_at("pa10-watch", "pa10-watch_c")
 @pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("program", ["watch", "watch_c"])

@@ -114,7 +114,7 @@ def apart(one: Robot, two: Robot, q: Array) -> float:
     return max(relative(pose(one, q), pose(two, q)), relative(jacobian(one, q), jacobian(two, q)))
 
 
-@pytest.mark.slow_at("almarkhi4-roboticstoolbox")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PACKAGES)
 @pytest.mark.parametrize("arm", CATALOGUE)
 def test_the_catalogue_in_the_models_of_others(arm: str, name: str, rng: np.random.Generator) -> None:

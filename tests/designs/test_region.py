@@ -73,6 +73,7 @@ def test_a_spent_budget_and_a_region_out_of_reach_leave_the_bounds_open() -> Non
     assert not beyond.covered
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "task", "rpy"), [
     ("planar3r", "planar-position", None), ("anthropomorphic", "position", None), ("ur5", "pose", None),
     ("ur5", "pose", [0.0, 3.1, 0.4]), ("scara", None, [np.pi, 0.0, 0.3]), ("ur5", "tool-axis-free", [0.0, 3.1, 0.4]),
@@ -122,7 +123,7 @@ SIX: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_no_seed_excludes_the_winner_of_another() -> None:
     kept, winners, whole = [], [], []
     for seed in SEEDS:

@@ -22,6 +22,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 TEN_MILLION = 10_000_000
 
 
+@pytest.mark.by_hand_at("ur5-2-False")
 @pytest.mark.slow_at("ur5-2-False", "stanford-1-True")
 @pytest.mark.parametrize(("name", "corank", "limits"), [("ur5", 2, False), ("stanford", 1, True)])
 def test_a_stored_cloud_is_that_of_one_search(

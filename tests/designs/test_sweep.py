@@ -60,7 +60,7 @@ def test_a_family_that_vanishes_is_told_with_the_place(shifted: Designs) -> None
     assert "shift: 0.6 m and 1.2 m" in str(shifted)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_exact_conditions_tell_where_in_parameter_space(shifted: Designs) -> None:
     told = {one["variant"]: one for one in shifted.exact}
     assert told[1]["letters"] == pytest.approx({"a1": 0.31, "a2": 0.5, "d4": 0.4})
@@ -257,7 +257,7 @@ def planar(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Designs]:
     return file, rankdrop.sweep(file, workers=1)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
     _, found = planar
     share = 4 * pi * 20.0**2 / 360.0**2  # θ2 and θ3 within 20° of 0 or π
@@ -312,6 +312,7 @@ def test_records_satisfy_their_schema_which_describes_all_of_it(planar: tuple[Pa
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
 
+@pytest.mark.by_hand
 def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.setattr("rankdrop.designs.outcome.ROWS", 3)

@@ -37,7 +37,10 @@ def printed(script: Path, tmp_path: Path) -> str:
     return done.stdout.decode()
 
 
-@pytest.mark.by_hand_at("11_which_tool_offset")
+@pytest.mark.by_hand_at(
+    "11_which_tool_offset", "01_every_family_of_an_arm", "04_how_far", "06_exact_conditions", "07_your_own_arm",
+    "09_is_this_formula_right", "10_elbow_up_elbow_down", "12_inside_my_limits", "14_which_design",
+)  # fmt: skip
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_examples_print_what_is_recorded(script: Path, tmp_path: Path) -> None:

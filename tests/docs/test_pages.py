@@ -35,6 +35,7 @@ def outputs() -> dict[str, str]:
     return {}
 
 
+@pytest.mark.by_hand_at("postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("from-a-pose-7", "postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("index-0", "start-1", "postures-6", "start-2")
 @pytest.mark.parametrize(
@@ -60,6 +61,7 @@ def test_commands_print_what_is_shown(
         printed = printed.partition(wanted)[2]
 
 
+@pytest.mark.by_hand_at("comparing-designs", "inside-limits", "nearly-ideal", "postures", "tool-offset")
 @pytest.mark.slow_at("from-a-pose")
 @pytest.mark.slow_at("nearly-ideal", "comparing-designs", "paths", "postures", "tool-offset", "inside-limits")
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])

@@ -64,12 +64,14 @@ def assert_exact(robot, task=None, *, tolerance: float = 1e-8, **options) -> Non
         assert_same_row_space(numeric(chain, q), task_jacobian(robot, q, chain.task), tolerance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("lengths", ["auto", "numbers"])
 def test_every_arm_of_the_catalogue(name: str, lengths: str) -> None:
     assert_exact(open_robot(name), lengths=lengths)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kinds", ["rrrrrr", "rprrrr", "rrrrrrr", "prrprrrr"])
 def test_random_screws(kinds: str, seed: int) -> None:
@@ -95,6 +97,7 @@ def test_tables_with_zeros_quarter_turns_and_slides(seed: int) -> None:
     assert_exact(robot, lengths="letters", tolerance=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", ["position", "orientation", "planar", "vx,vz,wy", "vz,wx,wy"])
 @pytest.mark.parametrize("name", ["puma560", "pa10", "stanford", "scara"])
 def test_tasks_of_some_rows(name: str, task: str) -> None:
@@ -173,6 +176,7 @@ def test_the_home_of_the_tool_moves_the_rows_of_a_position_only() -> None:
     assert jacobian(robot, q).shape == (6, robot.n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "task", "alpha"), [(24, "pose", 0.7), (30, "planar", 0.0)])
 def test_a_long_general_arm_ends_at_once_and_says_why(n: int, task: str, alpha: float) -> None:
     rows = [(0.1 + 0.01 * j, alpha, 0.05 * bool(alpha), 0) for j in range(n)]

@@ -54,6 +54,7 @@ def test_the_rank_is_that_of_the_jacobian_everywhere(robot: Robot) -> None:
     assert len(met) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rows", ["vx,vy,vz,wx,wy", "vx,vy,vz,wz", "vx,vz,wx,wy,wz"])
 @pytest.mark.parametrize("frame", [BODY, WORLD_ALIGNED])
 @pytest.mark.parametrize("name", ["iiwa7", "ur5"])

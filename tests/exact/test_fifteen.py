@@ -8,7 +8,8 @@ from reference.structured import fifteen
 from rankdrop.verbs.conditions import conditions
 
 
-@pytest.mark.by_hand_at("8")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("8", "21")
 @pytest.mark.parametrize(
     "seed", [11, 16, 17, 19, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (3, 8, 14, 21))]
 )

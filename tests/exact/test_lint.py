@@ -181,7 +181,7 @@ def test_the_deadline_holds():
         lint(PUMA, pieces, chain, work=Work(0.0))
 
 
-@pytest.mark.by_hand_at("s4; s2-both")
+@pytest.mark.by_hand_at("s4; s2-both", "s4; s6-both")
 @pytest.mark.by_hand_at("s4-both")
 @pytest.mark.slow
 @pytest.mark.parametrize(

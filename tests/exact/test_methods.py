@@ -99,8 +99,11 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
-@pytest.mark.by_hand_at("planar3r-determinant", "puma560-singular_vector", "scara-determinant")
-@pytest.mark.slow_at("scara-cofactors")
+@pytest.mark.slow
+@pytest.mark.by_hand_at(
+    "planar3r-determinant", "puma560-singular_vector", "scara-determinant", "canadarm2-cofactors", "scara-cofactors",
+    "scara-reciprocity",
+)  # fmt: skip
 @pytest.mark.by_hand_at(
     "ur5-singular_vector",
     "pa10-reciprocity",
@@ -109,10 +112,6 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     "canadarm2-reciprocity",
     "canadarm2-singular_vector",
 )
-@pytest.mark.slow_at(
-    "canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector",
-    "pa10-reciprocity", "scara-determinant", "planar3r-determinant",
-)  # fmt: skip
 @pytest.mark.parametrize(("name", "method"), [*PAIRS, pytest.param("gen3", "cofactors", marks=pytest.mark.slow)])
 def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
     found = derived(name, method)
@@ -123,8 +122,11 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert holds_modulo(found, points) == singular
 
 
-@pytest.mark.by_hand_at("canadarm2-determinant")
-@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors")
+@pytest.mark.slow
+@pytest.mark.by_hand_at(
+    "canadarm2-determinant", "canadarm2-reciprocity", "canadarm2-singular_vector", "pa10-singular_vector",
+    "ur5-singular_vector",
+)  # fmt: skip
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_every_numerically_found_singular_configuration_satisfies_a_condition(name: str, method: str) -> None:
     found = derived(name, method)
@@ -241,6 +243,7 @@ def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
         derive(chain_of("canadarm2"), "reciprocity", basic=(2, 3, 4, 5, 6, 8))
 
 
+@pytest.mark.slow
 def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:
     found = derived("canadarm2", "reciprocity")
     points, singular = strata("canadarm2")

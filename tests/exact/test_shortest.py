@@ -33,7 +33,8 @@ def random_polynomial(ring, rng, terms, most):
     return f
 
 
-@pytest.mark.slow_at("6", "7", "8", "9", "10", "11")
+@pytest.mark.by_hand_at("8")
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_every_form_of_a_random_polynomial_is_equal_to_it(seed):
     rng = random.Random(seed)

@@ -53,6 +53,7 @@ def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
     assert found.left == 0
 
 
+@pytest.mark.by_hand_at("1", "2")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (2, 12))])
 def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
@@ -97,6 +98,7 @@ def test_conditions_do_not_hold_where_a_solution_is_undetermined_and_the_rank_is
     assert found.verified
 
 
+@pytest.mark.by_hand_at("j2n6s300")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["m1n6s200", "j2n6s300"])
 def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) -> None:
@@ -111,7 +113,9 @@ def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) ->
     assert check.holds
 
 
-@pytest.mark.by_hand_at("17", "18", "19", "20", "21", "22", "23", "24", "25", "27", "28", "29", "32")
+@pytest.mark.by_hand_at(
+    "17", "18", "19", "20", "21", "22", "23", "24", "25", "27", "28", "29", "32", "12", "26", "30", "31",
+)
 @pytest.mark.by_hand_at("9")
 @pytest.mark.by_hand_at("3", "4", "5", "6", "7", "8", "11", "13", "14", "15", "16")
 @pytest.mark.slow
@@ -122,8 +126,7 @@ def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> 
     assert found.left == 0 or not found.complete
 
 
-@pytest.mark.by_hand_at("1")
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed: int) -> None:
     found = conditions(all_offsets(seed))
@@ -174,6 +177,7 @@ def test_a_zero_at_a_simple_angle_is_seen_where_tangents_are_infinite_too(corner
     assert not proven(ring, c[1] - cosine, s[1] - sine, s[1] * c[2] - sine * c[2], (c[1] - cosine) * (s[2] + 3))
 
 
+@pytest.mark.by_hand_at("pa10-4")
 @pytest.mark.slow_at("pa10-4", "ur5-4")
 @pytest.mark.parametrize(("name", "lowest"), [("pa10", 4), ("ur5", 4), ("puma560", 5)])
 def test_no_rank_that_is_met_is_proven_away(name: str, lowest: int) -> None:

@@ -84,6 +84,7 @@ def strictly(found, q, inside, margin):
 @pytest.mark.slow_at("fetch8", "rail", "panda", "xarm7")
 @pytest.mark.parametrize("name", [*QUICK, *(pytest.param(x, marks=pytest.mark.slow) for x in LONG)])
 class TestEveryArm:
+    @pytest.mark.by_hand_at("fetch8", "gen3", "panda", "rail", "sawyer")
     def test_is_finished(self, name):
         found = derived(name)
         assert found.complete
@@ -178,7 +179,7 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
-@pytest.mark.by_hand_at("fetch8", "canadarm2")
+@pytest.mark.by_hand_at("fetch8", "canadarm2", "pa10")
 @pytest.mark.by_hand_at("panda", "xarm7")
 @pytest.mark.by_hand_at("rail")
 @pytest.mark.parametrize("name", ["ur5", *(pytest.param(x, marks=pytest.mark.slow) for x in ("pa10", *GROWN))])

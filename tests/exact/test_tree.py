@@ -47,7 +47,9 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
-@pytest.mark.by_hand_at("panda", "gen3", "fetch8")
+@pytest.mark.by_hand_at(
+    "panda", "gen3", "fetch8", "almarkhi4", "fetch", "iiwa14", "pa10", "puma560", "ur10e", "xarm6", "z1",
+)
 @pytest.mark.by_hand_at("canadarm2", "sawyer")
 @pytest.mark.by_hand_at("xarm7")
 @pytest.mark.slow_at("puma560")
@@ -62,7 +64,10 @@ def test_conditions_hold_at_singular_configurations_only(name: str) -> None:
         assert sigma[:, found.generic_rank - family.corank].max() < 1e-4, family.texts
 
 
-@pytest.mark.by_hand_at("xarm7", "canadarm2", "sawyer", "z1", "fetch8")
+@pytest.mark.by_hand_at(
+    "xarm7", "canadarm2", "sawyer", "z1", "fetch8", "almarkhi4", "anthropomorphic", "fetch", "gen3", "iiwa14",
+    "pa10", "panda", "puma560", "ur10e", "ur5", "vx300s", "xarm6",
+)  # fmt: skip
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*FAST, *SLOW])
 def test_families_explain_a_thousand_configurations(name: str) -> None:
@@ -89,7 +94,7 @@ def test_a_set_in_the_meeting_of_two_is_not_left_by_both_to_the_other() -> None:
             assert {5: one, 7: two} in pins
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_srs_has_the_rows_of_am() -> None:
     """AM Tables 3 to 5: 4, 4 and 1 rows; in single angles 14, 40 and 32."""
     _chain, tree = tree_of(open_robot("pa10"))
@@ -183,8 +188,7 @@ def test_odd_arms_do_not_fail(name: str) -> None:
         assert conditions(ODD[name], task, points=20, seconds=20).generic_rank <= 3
 
 
-@pytest.mark.by_hand_at("rrrrrrrr", "rrrrrrr")
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("kinds", ["rrrrrr", *slow("rrrrrrr", "rrrrrrrr")])
 def test_the_limit_holds_on_arms_without_structure(kinds: str) -> None:
     robot = random_chain(np.random.default_rng(1), kinds)
@@ -211,8 +215,7 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
     assert Counter(family.corank for family in found.families)[1] == 3
 
 
-@pytest.mark.by_hand_at("puma560", "ur5")
-@pytest.mark.slow_at("stanford")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["stanford", *slow("puma560", "ur5")])
 def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None:
     robot = open_robot(name)

@@ -110,7 +110,7 @@ def test_an_arm_that_is_never_singular_so_has_an_empty_cloud() -> None:
     assert len(cloud(robot, resolve_task(None, robot), 2, 50).q) == 0
 
 
-@pytest.mark.by_hand_at("canadarm2")
+@pytest.mark.by_hand_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", [*ARMS[:7], *(pytest.param(name, marks=pytest.mark.slow) for name in ARMS[7:])])
 def test_the_numeric_families_explain_a_thousand_points(name: str) -> None:
     robot = open_robot(name)

@@ -23,7 +23,7 @@ def wrist_with_offset(d5: float):
     return from_dh([(a, np.radians(alpha), d, 0.0) for a, alpha, d in rows], convention="standard", name="wrist-offset")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("d5", [0.0014])
 def test_a_row_has_every_real_root_of_its_set(d5: float) -> None:
     found = analyze(wrist_with_offset(d5), starts=1000)

@@ -60,7 +60,8 @@ def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
         assert [record.distance for record in records] == sorted(record.distance for record in records)
 
 
-@pytest.mark.slow_at("ur5", "panda")
+@pytest.mark.by_hand_at("canadarm2", "panda", "ur5")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(a, marks=pytest.mark.slow if a == "canadarm2" else ()) for a in ARMS])
 def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.Generator) -> None:
     found = analysed(name)
@@ -93,6 +94,7 @@ def test_points_are_minima_on_their_family(name: str, rng: np.random.Generator) 
             assert distance.min() >= record.distance - 1e-9
 
 
+@pytest.mark.slow
 def test_joints_a_family_does_not_depend_on_stay(rng: np.random.Generator) -> None:
     found = analysed("panda")
     for q in rng.uniform(-3, 3, (3, 7)):

@@ -93,6 +93,7 @@ def test_ur5_conditions_have_the_coefficients_of_its_determinant():
     assert pins(wrist) == {5: STRAIGHT}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "corank", "dimensions"),
     [
@@ -161,6 +162,7 @@ def test_generic_redundant_arms_run_to_an_honest_end(n):
     assert all(family.soundness.holds for family in found.families if family.named)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2), ("canadarm2", 2)])
 def test_every_row_stands_up_to_an_independent_check(name, corank, rng):
     """Texts evaluated from random starts on the row, witness, directions: from the record alone."""
@@ -235,6 +237,7 @@ def test_a_row_without_solutions_is_not_sound(rng):
     assert not verdict.holds
 
 
+@pytest.mark.slow
 def test_what_cannot_be_fitted_is_shown_without_a_name(monkeypatch):
     monkeypatch.setattr(fit_module, "fitted_equations", lambda source, work: None)
     found = table("puma560", 1)

@@ -16,8 +16,8 @@ from rankdrop.results.known import shipped
 EACH = 5
 
 
-@pytest.mark.by_hand_at("tiago")
-@pytest.mark.slow_at("tiago", "gen3", "sawyer", "xarm6", "yumi")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("tiago", "gen3", "sawyer", "xarm6", "yumi")
 @pytest.mark.parametrize("name", KINDS)
 def test_random_members_of_every_family_are_attributed_to_it(name):
     found = shipped(name)

@@ -14,6 +14,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.analyze import analyze
 
 
+@pytest.mark.slow
 def test_sets_of_bound_joints_among_thirty_are_tried_in_bounded_number(monkeypatch: pytest.MonkeyPatch) -> None:
     """A family in general position of 30 joints and dimension 20: no set of fewer than 21 joints is bound."""
     basis = np.linalg.qr(np.random.default_rng(0).normal(size=(30, 20)))[0]
@@ -30,6 +31,7 @@ def test_sets_of_bound_joints_among_thirty_are_tried_in_bounded_number(monkeypat
     assert circuits((basis @ basis.T)[None], tuple(range(30))) == []
 
 
+@pytest.mark.slow
 def test_combinations_of_many_values_are_tested_in_bounded_number() -> None:
     """Of an arm of thirty parallel joints every one of 2^29 combinations of 0 and π holds."""
     linear: Any = SimpleNamespace(

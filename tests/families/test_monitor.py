@@ -125,6 +125,7 @@ def watched(name: str) -> tuple[Monitor, Array]:
     return Monitor(found.robot, found.task, found.families), q
 
 
+@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_rank_and_directions_are_those_of_the_decomposition(name):
@@ -145,6 +146,7 @@ def test_rank_and_directions_are_those_of_the_decomposition(name):
         assert np.abs(j[row] @ still).max(initial=0.0) < 2e-9
 
 
+@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_residuals_and_families_are_those_of_the_equations(name):
@@ -175,6 +177,7 @@ def test_residuals_and_families_are_those_of_the_equations(name):
             assert chosen.corank == seen.corank[row] > best[0]
 
 
+@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
@@ -197,6 +200,7 @@ def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
     assert (seen.distance[seen.corank > 0] == 0).all()
 
 
+@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_one_at_a_time_gives_the_same_bits(name):
@@ -268,7 +272,8 @@ def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(r
     assert {found.families[i].corank for i in seen.nearest} == {1}
 
 
-@pytest.mark.slow_at("xarm6", "canadarm2", "panda")
+@pytest.mark.by_hand_at("canadarm2", "panda", "ur5", "xarm6")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford", "xarm6"])
 def test_the_distance_does_not_contradict_the_search(name: str) -> None:
     """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 % at most."""

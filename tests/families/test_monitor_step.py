@@ -50,6 +50,7 @@ def by_hand(monitor: Monitor, q: Array, velocity: Array) -> float:
     return least
 
 
+@pytest.mark.by_hand_at("hc10", "sawyer")
 @pytest.mark.slow_at("sawyer", "hc10")
 @pytest.mark.parametrize("name", ARMS)
 def test_the_scaling_is_that_of_its_equation(name: str, rng: np.random.Generator) -> None:
@@ -63,6 +64,8 @@ def test_the_scaling_is_that_of_its_equation(name: str, rng: np.random.Generator
     assert slowed >= 2
 
 
+@pytest.mark.by_hand_at("sawyer")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_the_distance_grows_along_its_gradient(name: str, rng: np.random.Generator) -> None:
     monitor, tried = monitor_of(name), 0
@@ -112,6 +115,8 @@ def test_motion_away_from_all_families_is_never_slowed(name: str, rng: np.random
     assert inside >= 1
 
 
+@pytest.mark.by_hand_at("sawyer")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_every_motion_leaves_from_a_singular_configuration(name: str, rng: np.random.Generator) -> None:
     """An arm that stands on a family is let go: what slows it, if anything, is another family."""

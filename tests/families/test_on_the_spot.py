@@ -81,10 +81,8 @@ def same_name(found: Family, whole: str) -> bool:
     return same and all(f"θ{joint} = " in found.name for joint in valued)
 
 
-@pytest.mark.slow_at(
-    "canadarm2", "iiwa14", "pa10", "tiago", "gen3", "sawyer",
-    "xarm7", "fr3", "kr16", "hc10", "m1013", "yumi",
-)  # fmt: skip
+@pytest.mark.by_hand_at("canadarm2", "iiwa14", "kr16", "tiago", "yumi")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_members_of_an_atlas_are_named_as_in_it(name: str, whole: None) -> None:
     """Word for word, and the atlas has these names, cut and told apart."""

@@ -27,9 +27,9 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
-@pytest.mark.by_hand_at("canadarm2")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("canadarm2", "almarkhi4", "pa10", "puma560", "stanford")
 @pytest.mark.by_hand_at("panda")
-@pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford", "puma560", "almarkhi4")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_configuration_is_singular_to_rounding(name):
     robot = open_robot(name)
@@ -212,8 +212,8 @@ def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
         "k2.f1", "k2.f2"}  # fmt: skip
 
 
-@pytest.mark.by_hand_at("pa10", "stanford")
-@pytest.mark.slow_at("stanford", "panda", "pa10")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("pa10", "stanford", "panda")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])
 def test_no_enclosure_around_one_is_called_free(name):
     """The oracle of certificates: a ball or box proven free holds none of them."""

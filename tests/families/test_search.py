@@ -131,6 +131,7 @@ def test_random_geometries_have_corank_two_at_six_joints_and_not_beyond(seed):
         assert found.count(Outcome.NEAR_MISS) + found.count(Outcome.SLOW) == 200
 
 
+@pytest.mark.by_hand_at("almarkhi", "gradient")
 @pytest.mark.slow_at("gradient", "almarkhi")
 @pytest.mark.parametrize("method", METHODS)
 def test_same_seed_same_bits_on_any_number_of_threads(method):

@@ -102,7 +102,7 @@ def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
     assert not Draft202012Validator(load_schema("analysis")).is_valid(record | {"near": {"within": 0.1}})
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_values_are_told_inside_the_range(panda):
     robot = panda.robot
     (row,) = panda.of_corank(2)
@@ -168,7 +168,7 @@ def test_the_share_that_is_slow_is_that_of_configurations_explained_as_slow():
     assert slow_share(Problem(bare, task), samples=60)[0] is None
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_analyze_within_a_distance_reports_the_slow_share_too():
     found = analyze(open_robot("ur5e"), within=radians(5), starts=200)
     assert found.near.slow.share == pytest.approx(0.0745, abs=0.01)

@@ -52,6 +52,7 @@ def test_the_largest_sigma_left_is_larger_elsewhere(regional):
     assert "a better one may have been missed" in text(tolerant_sections(found))
 
 
+@pytest.mark.slow
 def test_within_limits_it_stays_inside_and_no_sample_is_better():
     robot = open_robot("panda")
     found = most_tolerant(robot, limits=True, starts=60, show=2)

@@ -85,7 +85,10 @@ def compare(name: str, text: str) -> None:
     assert text == path.read_text(encoding="utf-8")
 
 
-@pytest.mark.slow_at("conditions-80.txt", "ideal-100.txt", "pa10-140.txt", "steps-100.txt", "puma560-100.txt")
+@pytest.mark.by_hand_at(
+    "conditions-80.txt", "ideal-100.txt", "pa10-140.txt", "pa10-80.txt", "puma560-100.txt", "steps-100.txt",
+)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES | CONDITIONS)
 def test_tables_and_conditions_are_as_they_were(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -119,8 +122,9 @@ README_BLOCKS = {
 """Place of the console block in the README: command lines, width, the part of the output that it shows."""
 
 
+@pytest.mark.by_hand_at("3", "5")
+@pytest.mark.slow
 @pytest.mark.shipped  # as it is installed
-@pytest.mark.slow_at("3")
 @pytest.mark.parametrize("place", README_BLOCKS)
 def test_the_readme_shows_what_is_printed(
     place: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -147,6 +151,7 @@ def readme_block(place: int, wanted: str) -> None:
     assert without_noise(without_time(shown)) == without_noise(without_time(wanted))
 
 
+@pytest.mark.slow
 def test_errors_are_as_they_were(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("xacro")
     monkeypatch.chdir(HERE)

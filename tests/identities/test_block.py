@@ -56,6 +56,7 @@ def test_decomposition_is_orthogonal_and_gives_the_jacobian_back(
     assert relative(sigma, oracle.singular_values(robot, q, task)) < 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "words"), CASES)
 @pytest.mark.parametrize("corank", [1, 2, 3])
 def test_d_is_the_derivative_of_the_block_with_its_bases_held(

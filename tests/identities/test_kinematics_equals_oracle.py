@@ -98,6 +98,7 @@ def test_the_input_is_not_changed(rng: np.random.Generator) -> None:
     np.testing.assert_array_equal(q, before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*task_names(), "vz", "vx,wy,wz"])
 @pytest.mark.parametrize("scale", [None, 1.0, 0.25])
 def test_task_rows_and_length_scale(name: str, scale: float | None, rng: np.random.Generator) -> None:

@@ -204,6 +204,7 @@ def test_a_monitor_sees_the_same_on_any_number_of_threads(threads: int) -> None:
         np.testing.assert_array_equal(getattr(many, name), getattr(one, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kinds", "rank", "limits"), WALKS)
 @pytest.mark.parametrize("name", SETS)
 def test_a_walk_to_the_nearest_ends_alike_on_every_set(name: str, kinds: str, rank: int, limits: bool) -> None:
@@ -227,8 +228,7 @@ KERNELS += [kernels for name, kernels in (("avx2", "Haswell"), ("avx2", "Zen"), 
 """Of the linear algebra, those that this processor can run."""
 
 
-@pytest.mark.slow
-@pytest.mark.by_hand_at("puma560")
+@pytest.mark.by_hand
 @pytest.mark.parametrize("arm", ["ur5e", "puma560"])
 def test_a_result_file_has_the_same_bytes_with_every_kernel_of_the_linear_algebra(tmp_path: Path, arm: str) -> None:
     """Up to 13 numbers of `analyze --json` differed in the last digit between two processors."""

@@ -106,8 +106,8 @@ def check_same(name: str, unit: str, starts: int) -> None:
     assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
 
 
+@pytest.mark.slow
 @pytest.mark.by_hand_at("puma560-\\xb5m")
-@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 500)
@@ -162,6 +162,7 @@ def test_exact_conditions_of_other_kinds_of_arms_do_not_depend_on_the_unit(name:
     check_exact(name, unit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_arm_in_its_own_unit_is_the_same_to_the_last_bit(unit: str) -> None:
     """Of every arm of the catalogue; everything else rests on this."""
@@ -186,7 +187,8 @@ def names(analysis: Analysis) -> list[tuple[str, str, int, str]]:
     return [(one.id, one.name, one.dimension, f"{one.soundness}") for one in analysis.families]
 
 
-@pytest.mark.slow_at("0.0254", "2.8", "77.0", "0.28", "0.0004", "330000.0")
+@pytest.mark.by_hand_at("0.0002808988764044944")
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.4 / 1424, 0.4e-3, 0.0254, 1 / 0.0254, 0.28, 2.8, 77.0, 3.3e5])
 def test_an_arm_of_any_size_has_the_same_families(factor: float) -> None:
     """0.4 mm long, in inches, in numbers that nobody means: no row is lost, none is unnamed."""
@@ -208,6 +210,7 @@ def stretched(joint: Joint, factor: float) -> Joint:
     return replace(joint, frame=frame, screw=screw)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", ["m", *UNITS])
 @pytest.mark.parametrize("travel", [np.inf, 1e6])
 def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: float, unit: str) -> None:
@@ -225,7 +228,7 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     assert len(found.exact.families) == 1
 
 
-@pytest.mark.slow_at("ends0", "ends1")
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", [(-1e6, 1e6), (-np.inf, np.inf), (0.0, 1e6), (0.3, np.inf)])
 def test_limits_far_beyond_the_arm_change_no_row(ends: tuple[float, float]) -> None:
     stanford = arm("stanford")
@@ -268,6 +271,7 @@ def explained(robot: Robot, q: np.ndarray, power: int) -> list[Any]:
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
 @pytest.mark.parametrize("name", ["stanford", "puma560", "scara"])
 def test_what_is_said_of_a_configuration_does_not_depend_on_the_unit(name: str, unit: str) -> None:

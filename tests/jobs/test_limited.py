@@ -68,6 +68,7 @@ def chatter() -> int:
     return 3
 
 
+@pytest.mark.slow
 def test_plain_data_and_bytes_come_back() -> None:
     assert run_limited(sums, [0.1, 0.2], file="f", parser="P") == {"sum": math.fsum([0.1, 0.2])}
     assert run_limited(raw, file="f", parser="P") == b"a\nb"
@@ -119,6 +120,7 @@ def writes(size: int) -> str:
     return str(kept)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_temporary_folder_has_a_limit_and_is_removed() -> None:
     kept = Path(run_limited(writes, 1000, file="f", parser="P", scratch=1000))

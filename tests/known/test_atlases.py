@@ -55,6 +55,7 @@ def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
     assert sum(len(item.read_bytes()) for item in files) < 5_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     robot, found = open_robot(name), shipped(name)
@@ -70,6 +71,7 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert known == found
 
 
+@pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", robot_names())
 def test_the_example_of_a_family_is_of_no_other_one(name):
@@ -83,7 +85,7 @@ def test_the_example_of_a_family_is_of_no_other_one(name):
             assert all(np.abs(systems[it.id].values(at)).max() > 1e-6 for it in same), one.id
 
 
-@pytest.mark.by_hand_at("yumi")
+@pytest.mark.by_hand_at("yumi", "tiago", "z1")
 @pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", robot_names())
@@ -129,6 +131,7 @@ def test_a_file_that_other_code_made_is_stale(tmp_path: Path, monkeypatch: pytes
         assert maker.stale("planar3r") is stale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_every_family_is_sound_at_fresh_points(name):
     found = shipped(name)
@@ -140,8 +143,8 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
-@pytest.mark.by_hand_at("tiago")
-@pytest.mark.slow_at("tiago", "gen3", "sawyer")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("tiago", "gen3", "sawyer", "yumi")
 @pytest.mark.parametrize("name", KINDS)
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
     found = shipped(name)
@@ -162,6 +165,7 @@ def test_what_is_made_anew_is_of_many_structures():
     assert len(structures()) > 40
 
 
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560")
 @pytest.mark.shipped  # rows take the partition of the exact conditions, which `test_shipped_conditions.py` derives anew
 @pytest.mark.parametrize("name", ANEW)

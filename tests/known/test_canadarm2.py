@@ -70,7 +70,8 @@ def eq_27(rng):
     return q
 
 
-@pytest.mark.slow_at("eq_20")
+@pytest.mark.by_hand_at("eq_20", "eq_21")
+@pytest.mark.slow
 @pytest.mark.parametrize("family", [eq_20, eq_21, eq_26, eq_27], ids=lambda f: f.__name__)
 def test_kg_s_family_is_one_row(analysis, family, rng):
     q = family(rng)

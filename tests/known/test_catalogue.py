@@ -23,6 +23,7 @@ QUICK = ("irb140", "iiwa14", "stanford")
 ARMS = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in KINDS]
 
 
+@pytest.mark.by_hand_at("iiwa14", "irb140")
 @pytest.mark.slow_at("iiwa14", "irb140")
 @pytest.mark.parametrize("name", ARMS)
 def test_texts_of_the_equations_explain_an_independent_cloud(name):

@@ -17,14 +17,16 @@ def case(request):
     return DETERMINANTS[request.param], analyze(robot, starts=2000, seed=5, exact="off")
 
 
-@pytest.mark.slow_at("ur5")
+@pytest.mark.by_hand_at("anthropomorphic", "puma560", "ur5")
+@pytest.mark.slow
 def test_complete_and_sound(case):
     _, analysis = case
     assert all_explained(analysis, at_least=1000)
     assert all_sound(analysis)
 
 
-@pytest.mark.slow_at("ur5")
+@pytest.mark.by_hand_at("puma560")
+@pytest.mark.slow
 def test_each_factor_is_one_family_with_the_same_zero_set(case):
     factors, analysis = case
     robot, n = analysis.robot, analysis.robot.n
@@ -46,7 +48,8 @@ def _distance(equation, q):
     return values / np.maximum(slope, 1e-3)
 
 
-@pytest.mark.slow_at("ur5")
+@pytest.mark.by_hand_at("anthropomorphic", "ur5")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["anthropomorphic", "puma560", "ur5", "scara"])
 def test_coefficients_to_one_in_a_billion(name):
     analysis = analyze(open_robot(name), starts=1500, seed=1, exact="off")

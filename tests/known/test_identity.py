@@ -26,6 +26,7 @@ def named(families):
     return [(one.id, one.name, one.corank, one.dimension) for one in families]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", conditions_names())
 def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
     found, derived = shipped(name), shipped_conditions(name)
@@ -35,7 +36,7 @@ def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
         assert len(set(names)) == len(names)
 
 
-@pytest.mark.by_hand_at("ur5e")
+@pytest.mark.by_hand_at("ur5e", "puma560")
 @pytest.mark.slow_at("ur5e", "puma560", "stanford")
 @pytest.mark.parametrize("name", [pytest.param(x, marks=pytest.mark.by_hand if x in LONG else ()) for x in FEW])
 def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
@@ -45,6 +46,7 @@ def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(n
     assert named(one.families) == named(other.families) == named(shipped(name).families)
 
 
+@pytest.mark.by_hand_at("ur5e")
 @pytest.mark.slow_at("ur5e", "puma560")
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=() if x in PLAIN else pytest.mark.by_hand) for x in conditions_names()]

@@ -61,6 +61,7 @@ def ends_regular(arm: Robot, q: Array) -> bool:
     return after.verdict == ("always-singular" if found.rank.always_singular else "regular")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FEW)
 def test_the_verdict_is_regular_after_the_jog_that_is_advised(name: str) -> None:
     every = [ends_regular(arm, q) for arm, q in singular_configurations(name, PER_CORANK)]

@@ -33,7 +33,7 @@ ARMS = {  # exact families that the rows consist of, corank by corank
 STARTS = 400
 
 
-@pytest.mark.by_hand_at("canadarm2")
+@pytest.mark.by_hand_at("canadarm2", "anthropomorphic", "pa10", "puma560", "ur5")
 @pytest.mark.slow_at("canadarm2", "pa10", "ur5", "puma560", "anthropomorphic")
 @pytest.mark.parametrize("name", ARMS)  # the Canadarm2 takes five seconds, the others one
 def test_what_is_found_and_what_is_derived_agree(name: str) -> None:
@@ -98,6 +98,7 @@ def test_a_condition_with_a_value_too_many_is_not_sound(meddle: Any) -> None:
     assert found.verdict.word == "unsound"
 
 
+@pytest.mark.slow
 def test_a_dimension_too_large_is_a_contradiction(meddle: Any) -> None:
     meddle(lambda exact: [replace(one, dimension=one.dimension + (one.id == "k2.f1")) for one in exact])
     found = analyze(open_robot("anthropomorphic"), starts=300)

@@ -12,6 +12,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
 
 
+@pytest.mark.by_hand_at("crx10ia-which0")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "which"),

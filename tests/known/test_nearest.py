@@ -34,7 +34,8 @@ def asked(robot: Robot, q: Array, **options: int) -> Nearest:
     return found
 
 
-@pytest.mark.slow_at("2-60")
+@pytest.mark.by_hand_at("2-60")
+@pytest.mark.slow
 @pytest.mark.parametrize(("corank", "count"), [(1, 250), (2, 60), (3, 40)])
 def test_pa10_distances_are_those_of_the_tables(corank: int, count: int) -> None:
     robot = open_robot("pa10")
@@ -100,6 +101,7 @@ def test_wrist_partitioned_arms_against_brute_force(name: str, rng: np.random.Ge
     assert min(reached.values()) > 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur5", "panda", "canadarm2", "puma560", "gen3"])
 def test_no_singular_point_of_a_large_sample_is_nearer(name: str, rng: np.random.Generator) -> None:
     """20 000 singular configurations, as they are and as starts: none is nearer, nor leads to a nearer one."""

@@ -15,8 +15,8 @@ def random_arm(n: int, seed: int):
     return from_dh(rows, convention="standard", name=f"random{n}r")
 
 
+@pytest.mark.slow
 @pytest.mark.by_hand_at("6-coranks0")
-@pytest.mark.slow_at("6-coranks0")
 @pytest.mark.parametrize(
     ("n", "coranks"),
     [(6, [True, True, False]), (7, [True, False]), pytest.param(8, [True, False], marks=pytest.mark.by_hand)],

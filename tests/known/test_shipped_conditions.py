@@ -124,7 +124,7 @@ def test_the_plain_question_is_answered_from_the_shelf_and_no_other() -> None:
         assert conditions(robot, **options).anew is None, options
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_another_arm_is_derived(stored: dict[str, Any]) -> None:
     robot = open_robot("ur5e")
     stored["ur5e"] = through_json(derived("ur5e"))
@@ -205,6 +205,7 @@ def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
     assert sum(len(item.read_bytes()) for item in files) < 8_000_000  # 1.3 MB each for two Kinova wrists at 60°
 
 
+@pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> None:

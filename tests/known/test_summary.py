@@ -42,6 +42,7 @@ def explained(name: str, count: int) -> Iterator[Explanation]:
 FEW = robot_names()[::20]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in robot_names()]
 )

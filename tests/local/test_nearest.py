@@ -63,7 +63,7 @@ def test_the_result_is_singular_and_a_minimum(name: str, rng: np.random.Generato
 STEPPED = ("pa10", "ur5", "puma560", "panda", "gen3", "canadarm2", "fetch8", "iiwa14", "sawyer", "rizon4")
 
 
-@pytest.mark.slow_at("puma560-40")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "count"), [
     *((name, 40) for name in STEPPED), *(pytest.param(name, 1000, marks=pytest.mark.by_hand) for name in STEPPED),
 ])  # fmt: skip
@@ -79,6 +79,7 @@ def test_newtons_steps_come_no_less_near_than_walks(name: str, count: int) -> No
     assert above <= count // 1000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pa10", "ur5", "gen3", "fetch8", "rrrrrr", "hrprhr", "rrhrrrr", "rrrprrrrr"])
 def test_newtons_steps_end_where_they_should(name: str, rng: np.random.Generator) -> None:
     """From beside a foot ten at most arrive there, to six digits or more: by the right second derivatives only."""

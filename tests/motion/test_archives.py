@@ -71,6 +71,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", REFUSED)
 @pytest.mark.parametrize("ending", ["npy", "npz"])
 def test_what_is_refused_is_not_unpacked(kind: str, ending: str, tmp_path: Path) -> None:

@@ -67,6 +67,7 @@ def test_the_closest_approach_is_found_between_samples() -> None:
     assert bent.stretches[0].closest.distance == pytest.approx(float(dip.min()), abs=1e-6)
 
 
+@pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ["planar3r", "puma560", "stanford"])
 def test_a_minimum_distance_is_proven_kept_or_found_violated(name: str) -> None:

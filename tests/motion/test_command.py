@@ -75,6 +75,8 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
 
 
+@pytest.mark.by_hand_at("0.05-False")
+@pytest.mark.slow
 @pytest.mark.parametrize(("seconds", "says"), [(2.0, True), (0.05, False)])
 def test_a_joint_path_that_crosses_within_its_rates_may_do_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], seconds: float, says: bool
@@ -205,6 +207,7 @@ def test_degrees_read_as_radians_are_refused_with_their_row(tmp_path: Path, run)
     assert run(file, "--deg")[::2] == (0, "")
 
 
+@pytest.mark.by_hand
 def test_radians_stated_in_the_file_are_only_warned_of(tmp_path: Path, run) -> None:
     file = tmp_path / "rad.csv"
     file.write_text("q1 [rad],q2 [rad],q3 [rad]\n0,40,5\n10,60,5\n")
@@ -272,6 +275,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", REFUSED)
 def test_bad_input_is_one_line(tmp_path: Path, run, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

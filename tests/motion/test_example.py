@@ -28,7 +28,8 @@ def test_it_begins_regular_passes_the_nearest_singularity_and_keeps_the_limits(n
     assert least < 0.05 * first
 
 
-@pytest.mark.slow_at("csv")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("csv", "npz")
 @pytest.mark.parametrize("ending", ["csv", "npz", "json"])
 def test_what_is_written_is_read_and_crosses(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

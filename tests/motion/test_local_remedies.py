@@ -66,7 +66,8 @@ def led_around(name: str) -> tuple[Array, Array, Remedy]:
     return q, t, best
 
 
-@pytest.mark.slow_at("puma560", "ur5e")
+@pytest.mark.by_hand_at("irb120", "puma560")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(MIDDLE))
 def test_a_wrist_that_dips_across_zero_is_lifted_and_the_rest_stays_to_the_last_bit(name: str) -> None:
     q, found = mended(name)
@@ -122,6 +123,7 @@ def test_fifty_thousand_rows_are_mended() -> None:
     assert (found.best.trajectory.q != q).any(axis=1).mean() < 0.03
 
 
+@pytest.mark.slow
 def test_a_wrist_that_comes_too_near_is_kept_away_by_what_is_asked_for() -> None:
     q, t = dipping("ur5e", 1000, to=DEPTH)
     found = rankdrop.check_path(open_robot("ur5e"), q, t, min_distance=np.radians(2.0))
@@ -186,7 +188,7 @@ def test_a_path_that_stays_on_the_other_side_has_no_bump_and_says_why() -> None:
     assert "every joint path between the two sides crosses it" in found.notes[0]
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["irb120", "ur5e"])
 def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None:
     robot = open_robot(name)
@@ -257,6 +259,7 @@ def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
     assert np.abs(np.sin(best.trajectory.q[:, 1])).min() > 1e-3
 
 
+@pytest.mark.by_hand_at("cubic")
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 def test_smooth_paths_get_smooth_bumps(how: str) -> None:
@@ -273,7 +276,7 @@ def test_smooth_paths_get_smooth_bumps(how: str) -> None:
     assert (made.accelerations is None) == (how == "cubic")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_remedies_come_in_the_order_of_how_far_the_tool_leaves_its_path() -> None:
     q, t = dipping("ur5e", 300)
     found = mend_path(rankdrop.check_path(open_robot("ur5e"), q, t), kinds=("bump", "tool tilt"), tool_tilt=0.2)

@@ -123,6 +123,7 @@ def test_lines_through_singularities_go_on_or_fold_back_as_a_continuation_does(n
     assert kinds["through"]
 
 
+@pytest.mark.by_hand_at("2", "3", "4")
 @pytest.mark.slow
 @pytest.mark.parametrize("rows", [2, 3, 4, 400])
 def test_a_wrist_turned_for_the_line_passes_at_any_speed(rows: int) -> None:

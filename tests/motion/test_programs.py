@@ -181,6 +181,7 @@ def test_joint_values_of_fanuc_need_axes_2_and_3_against_each_other() -> None:
         check_program(open_robot("irb120"), read_program(DATA / "tp.ls"), ASK)
 
 
+@pytest.mark.slow
 def test_the_verdict_names_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out.json"
     assert main.run(["path", "ur5e", str(DATA / "urscript.script"), "--json", str(out), "--quiet"]) == 3

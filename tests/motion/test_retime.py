@@ -43,7 +43,7 @@ def instants(times: np.ndarray, each: int = 41) -> np.ndarray:
     return (times[:-1, None] + share * np.diff(times)[:, None]).reshape(-1)
 
 
-@pytest.mark.slow_at("0-quintic")
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 @pytest.mark.parametrize("seed", range(2))
 def test_limits_hold_at_every_instant_and_the_bounds_are_tight(how: str, seed: int) -> None:

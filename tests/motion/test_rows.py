@@ -67,6 +67,7 @@ def test_every_format_has_the_same_table() -> None:
     assert table.schema.field("time_s").metadata[b"meaning"] == b"of the sample"
 
 
+@pytest.mark.slow
 def test_the_command_writes_rows_and_refuses_what_it_cannot(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

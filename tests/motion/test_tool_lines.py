@@ -132,7 +132,7 @@ def test_no_line_of_a_thousand_that_is_called_free_breaks_a_rate_or_leaves_its_l
     assert sum(hold(name, 100, 3).values()) == 100
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_line_of_the_issue_is_not_possible_at_the_programmed_speed() -> None:
     """0.2 m that pass the UR5e's wrist at 0.005°: the joint path of rows 0.02 reaches apart left it by 29 mm."""
     robot = open_robot("ur5e")
@@ -152,7 +152,7 @@ def test_the_line_of_the_issue_is_not_possible_at_the_programmed_speed() -> None
     assert check_poses(robot, ends).holds  # without times nothing is said of rates
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_tighter_tolerance_puts_more_rows_and_the_bound_is_above_what_is_measured() -> None:
     robot = open_robot("ur5e")
     ends = pose(robot, [[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [0.9, -1.0, 1.2, -1.2, 1.0, 0.1]])

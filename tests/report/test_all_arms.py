@@ -12,7 +12,10 @@ from rankdrop.results.known import shipped
 LARGEST = 15_000_000
 
 
-@pytest.mark.by_hand_at("yumi", "tiago", "fr3", "z1", "hc10", "mycobot280")
+@pytest.mark.by_hand_at(
+    "yumi", "tiago", "fr3", "z1", "hc10", "mycobot280", "anthropomorphic", "fetch", "irb140", "irb6640", "kr16",
+    "kr210l150", "m1013", "puma560", "rcrrrr",
+)  # fmt: skip
 @pytest.mark.by_hand_at("almarkhi4", "iiwa14", "pa10")
 @pytest.mark.by_hand_at("canadarm2", "fetch8", "gen3", "panda", "sawyer", "ur5", "ur5e", "xarm6", "xarm7")
 @pytest.mark.slow

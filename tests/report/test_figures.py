@@ -29,6 +29,7 @@ def shown() -> Content:
     return content(shipped("scara"), exact=False)
 
 
+@pytest.mark.by_hand_at("pdf", "svg")
 @pytest.mark.slow_at("pdf", "svg", "png")
 @pytest.mark.parametrize("format", ["pdf", "png", "svg"])
 def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> None:
@@ -37,6 +38,7 @@ def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> No
     assert all(data.startswith(HEAD[format]) for data in drawn.values())
 
 
+@pytest.mark.by_hand_at("pdf")
 @pytest.mark.slow
 @pytest.mark.slow_at("pdf")
 @pytest.mark.parametrize("format", ["pdf", "svg"])

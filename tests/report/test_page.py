@@ -38,6 +38,7 @@ def text_of(name: str) -> str:
     return page(shown(name))
 
 
+@pytest.mark.by_hand_at("stanford")
 @pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["scara", "planar2r", "stanford"])
 def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
@@ -58,6 +59,7 @@ def test_the_page_names_every_family_with_its_joints_and_losses(name: str) -> No
         assert all(words in text for words in lost_sentences(family.lost_freedoms))
 
 
+@pytest.mark.slow
 def test_the_page_says_how_it_was_verified() -> None:
     text, analysis = text_of("stanford"), shipped("stanford")
     solved = sum(row.soundness.tested for row in analysis.families)

@@ -88,6 +88,7 @@ def test_names_cannot_end_the_script() -> None:
     assert "</script><b>" not in data
 
 
+@pytest.mark.slow
 def test_the_command_writes_it_and_refuses_what_it_cannot(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -112,6 +113,7 @@ def browser() -> Iterator[Browser]:
         yield one
 
 
+@pytest.mark.by_hand_at("1024-False", "390-False", "390-True")
 @pytest.mark.browser
 @pytest.mark.parametrize(("width", "dark"), [(390, False), (390, True), (1024, False), (1024, True)])
 def test_in_a_browser_the_slider_moves_the_arm(

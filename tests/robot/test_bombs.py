@@ -110,6 +110,7 @@ def refused(path: Path) -> str:
     return line
 
 
+@pytest.mark.by_hand_at("cloth", "keys", "replicate", "replicate once")
 @pytest.mark.slow_at("height field", "memory", "user data")
 @pytest.mark.slow_at("replicate once", "replicate", "cloth", "keys")
 @pytest.mark.parametrize("kind", MJCF)
@@ -137,7 +138,8 @@ def test_included_files_count(tmp_path: Path) -> None:
     assert "too many bodies" in line or "processor time" in line
 
 
-@pytest.mark.slow_at("power", "macros")
+@pytest.mark.by_hand_at("macros", "power")
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EXPANSIONS)
 def test_a_small_xacro_file_costs_little(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("xacro")

@@ -96,7 +96,7 @@ def test_keys_with_many_dots_never_reach_the_parser(tmp_path: Path, monkeypatch:
         robot_from_toml(many + "\n" + ROW, file="x")
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_a_chain_longer_than_any_arm_is_refused_before_its_numbers_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """40,000 joints took 45 s."""
     read: list[str] = []

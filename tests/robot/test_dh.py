@@ -53,6 +53,7 @@ def rows_and_q(draw: Any) -> tuple[list[DHRow], Array]:
     return rows, np.array([draw(numbers) for _ in rows])
 
 
+@pytest.mark.by_hand_at("standard")
 @pytest.mark.slow_at("standard")
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @given(case=rows_and_q())

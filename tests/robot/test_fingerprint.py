@@ -56,6 +56,7 @@ OTHERS = ("j2n6s300", "kr210l150", "px150", "so101", "wx250s", "xarm5", "yumi", 
 """Arms at odd angles: products by a BLAS of another processor gave all but the last other numbers."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kernels", ["Nehalem", "Haswell"])
 def test_a_file_is_the_same_arm_on_every_processor(kernels: str) -> None:
     """OpenBLAS takes the kernels that it is told; where NumPy is built on something else nothing is tried."""

@@ -32,6 +32,7 @@ def reader(name: str) -> Any:
     return FUZZ.readers(Path(mkdtemp()))[name]
 
 
+@pytest.mark.by_hand_at("mjcf")
 @pytest.mark.slow_at("mjcf")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 def test_the_corpus_is_read_or_refused(name: str) -> None:
@@ -41,8 +42,8 @@ def test_the_corpus_is_read_or_refused(name: str) -> None:
     assert any(taken)
 
 
-@pytest.mark.by_hand_at("mjcf")
-@pytest.mark.slow_at("poses", "mjcf")
+@pytest.mark.slow
+@pytest.mark.by_hand_at("mjcf", "certificate")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(seed=st.integers(0, 2**32))
 def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
@@ -51,8 +52,8 @@ def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
         FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
 
 
-@pytest.mark.slow_at("configuration")
-@pytest.mark.slow_at("robot", "quantity")
+@pytest.mark.by_hand_at("tolerance")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FUZZ.NAMES)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_any_bytes_are_read_or_refused(name: str, data: bytes) -> None:

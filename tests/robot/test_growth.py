@@ -163,6 +163,10 @@ def test_ten_times_the_size_takes_ten_times_the_calls(tmp_path: Path, case: str)
     assert many <= MOST * max(few, 200)
 
 
+@pytest.mark.by_hand_at(
+    "path: aliases", "path: comments", "path: empty lines", "program: moves of KRL", "program: names of RAPID",
+    "program: names of URScript", "robot: rows of a table",
+)  # fmt: skip
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_megabyte_is_read_or_refused_in_seconds(tmp_path: Path, case: str) -> None:

@@ -83,6 +83,7 @@ def test_a_length_beyond_a_tenth_of_the_arm_makes_another_arm() -> None:
     assert "up to" in str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
@@ -145,6 +146,7 @@ def test_what_was_moved_is_told_with_its_joints() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_few_arms_of_the_catalogue_are_near_another_one_and_by_an_offset_of_theirs(name: str) -> None:
     near = near_ideal(open_robot(name))

@@ -70,6 +70,7 @@ def moved_by_mujoco(mujoco: Any, path: Path, arm: Robot, q: np.ndarray) -> tuple
     return result, np.vstack([v, w])[:, columns]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "tip"),
     [(SEVERAL, "mark"), (SEVERAL, "plate"), (SEVERAL, "arm"), (DEGREES, "c"), (DEGREES, "b"), (DEGREES, "a")],
@@ -170,6 +171,7 @@ def test_a_ball_joint_is_refused_with_the_base_below_it(tmp_path: Path) -> None:
     assert open_robot(path, base="upper").n == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "words"),
     [

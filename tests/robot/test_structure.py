@@ -55,6 +55,7 @@ def carried_screw(transform: Array, screw: Array) -> Array:
     return np.concatenate([turn @ screw[:3] + np.cross(shift, omega), omega])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_an_exact_arm_is_left_alone(name: str) -> None:
     arm = open_robot(name)
@@ -63,6 +64,7 @@ def test_an_exact_arm_is_left_alone(name: str) -> None:
     assert changes == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
@@ -89,6 +91,7 @@ def same_turn(one: float, other: float, *, exact: bool) -> bool:
     return abs((one - other + pi) % (2 * pi) - pi) < (1e-14 if exact else 1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_the_arm_moves_by_no_more_than_its_noise_allows(name: str, rng: np.random.Generator) -> None:
     given = noisy(open_robot(name), rng)

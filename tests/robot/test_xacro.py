@@ -55,6 +55,7 @@ def test_includes_are_relative_to_the_file(tmp_path: Path, macros: Path) -> None
     assert arm.joints[1].screw.tolist() == [0, -0.5, 0, 0, 0, 1]
 
 
+@pytest.mark.slow
 def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacro")
     path = write(tmp_path, "$(find given_pack)/urdf/macro.xacro")
@@ -117,6 +118,7 @@ def needs(tmp_path: Path, inside: str, name: str = "r") -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_an_argument_without_a_default_is_named_with_the_mend(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     path = needs(tmp_path, '<xacro:arg name="with" default="7"/>')
@@ -171,6 +173,7 @@ def test_a_file_of_macros_alone_is_told(macros: Path) -> None:
         open_robot(macros / "urdf" / "macro.xacro")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arm.urdf", "arm.xml", "arm", "arm.URDF.txt"])
 def test_what_does_not_end_in_xacro_is_expanded_on_request_only(
     tmp_path: Path, macros: Path, name: str, monkeypatch: pytest.MonkeyPatch

@@ -126,6 +126,7 @@ def settled(server: Server, wanted: str, within: float = 180.0) -> list[str]:
     return told
 
 
+@pytest.mark.by_hand
 def test_a_hundred_silent_clients(server: Server) -> None:
     """They connect and read nothing; more than the server wants are sent away, and who leaves makes room."""
     with server.client():
@@ -143,6 +144,7 @@ def test_a_hundred_silent_clients(server: Server) -> None:
         assert again.recv(timeout=180)
 
 
+@pytest.mark.by_hand
 def test_a_message_of_200_megabytes_is_refused(server: Server) -> None:
     with server.client():
         time.sleep(0.5)

@@ -205,7 +205,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
     assert "opacity:0.4" in controls._details.content
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:
     names = [family.name.split(":")[0] for family in stops_of(viewer.session.live.families)]
     assert names[:3] == ["shoulder", "elbow", "wrist"]

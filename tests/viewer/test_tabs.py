@@ -90,6 +90,7 @@ def test_the_end_effector_stays_where_it_is_on_a_self_motion_out(viewer: Viewer)
     assert smallest(q) > 1e-4
 
 
+@pytest.mark.slow
 def test_a_slice_shows_points_on_the_families(viewer: Viewer) -> None:
     viewer.session.set(ELBOW + 0.2)
     viewer.slice.draw()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from math import pi
 
 import numpy as np
@@ -28,6 +29,13 @@ def random_equation(rng: np.random.Generator, *, powers: bool) -> Equation:
 def evaluated(text: str, q: np.ndarray) -> np.ndarray:
     names = {f"q{j + 1}": q[..., j] for j in range(q.shape[-1])}
     return np.broadcast_to(eval(text, {"sin": np.sin, "cos": np.cos, "pi": pi, **names}), q.shape[:-1])
+
+
+def test_it_is_pickled_after_it_was_used(rng):
+    equation = random_equation(rng, powers=True)
+    equation.gradient(np.zeros((1, N)))
+    assert equation.compiled is not None
+    assert pickle.loads(pickle.dumps(equation)) == equation
 
 
 @pytest.mark.parametrize("powers", [False, True])

@@ -71,6 +71,9 @@ class Equation:
         if kinds:
             raise OptionError("unknown kind of term", got=", ".join(sorted(kinds)), allowed="sin, cos")
 
+    def __reduce__(self) -> tuple[type[Equation], tuple[tuple[Term, ...]]]:
+        return Equation, (self.terms,)  # what the core keeps is made anew in another process
+
     @property
     def n(self) -> int:
         """Number of joint variables."""

@@ -120,15 +120,25 @@ def _renamed(key: str) -> str:
 
 
 def _field(key: str, kind: Any, about: str = "", *_: Any) -> tuple[Any, ...]:
-    kind = Annotated[kind, Meta(description=about)] if about else kind
-    key = f"{key}_" if key in ("from", "global", "is") else key
-    return (key, kind, UNSET) if UnsetType in _parts(kind) else (key, kind)
+    if about:
+        kind = Annotated[kind, Meta(description=about)]
+    else:
+        kind = kind
+    if key in ("from", "global", "is"):
+        key = f"{key}_"
+    else:
+        key = key
+    if UnsetType in _parts(kind):
+        return (key, kind, UNSET)
+    return (key, kind)
 
 
 def _parts(kind: Any) -> tuple[Any, ...]:
     if get_origin(kind) is Annotated:
         return _parts(get_args(kind)[0])
-    return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    if get_origin(kind) in (Union, UnionType):
+        return get_args(kind)
+    return (kind,)
 
 
 def _columns_of(record: type, given: dict[str, Any]) -> dict[str, tuple[Any, ...]]:
@@ -154,7 +164,9 @@ def _json_type(kind: Any) -> Any:
     if get_origin(kind) is Annotated:
         return kind
     if isinstance(kind, type) and is_dataclass(kind):
-        return _TABLES[kind] if kind in _TABLES else table(kind.__name__, of=kind)
+        if kind in _TABLES:
+            return _TABLES[kind]
+        return table(kind.__name__, of=kind)
     if isinstance(kind, type) and issubclass(kind, Enum):
         return Literal[tuple(one.value for one in kind)]
     if get_origin(kind) in (Union, UnionType):
@@ -198,7 +210,9 @@ def _entries(kind: type[Struct]) -> tuple[tuple[str, Callable[[Any], Any], Calla
 
 
 def _attribute(name: str, record: Any) -> Any:
-    return record.get(name, UNSET) if isinstance(record, dict) else getattr(record, name)
+    if isinstance(record, dict):
+        return record.get(name, UNSET)
+    return getattr(record, name)
 
 
 def _encoder(kind: Any) -> Callable[[Any], Any]:
@@ -238,7 +252,9 @@ def plain(value: Any) -> Any:
         return [plain(one) for one in value]
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
-    return value.value if isinstance(value, Enum) else value
+    if isinstance(value, Enum):
+        return value.value
+    return value
 
 
 _AS_IT_IS = frozenset((str, int, bool, NoneType))
@@ -291,7 +307,10 @@ def save_record(record: Any, path: str | Path) -> None:
     try:
         replace_file(path, json_text(record).encode())
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
+        if isinstance(error, OSError):
+            reason = error.strerror
+        else:
+            reason = str(error)
         raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
 
@@ -331,7 +350,9 @@ def shown(value: Any) -> str:
     if isinstance(value, int) and abs(value) > _LARGEST**2:
         return "a number of hundreds of digits"
     words = repr(value)
-    return words if len(words) <= _SHOWN else f"{words[:_SHOWN]} …"
+    if len(words) <= _SHOWN:
+        return words
+    return f"{words[:_SHOWN]} …"
 
 
 def json_schema(kind: type[Struct]) -> dict[str, Any]:

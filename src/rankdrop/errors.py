@@ -120,6 +120,9 @@ class MissingExtraError(RankdropError):
 
     def __init__(self, package: str, extra: str | None, purpose: str) -> None:
         self.package, self.extra = package, extra
-        source = "." if extra is None else f'".[{extra}]"'
+        if extra is None:
+            source = "."
+        else:
+            source = f'".[{extra}]"'
         super().__init__(f"{purpose} needs the package {package}",
                          mend=f"in the folder of rankdrop's source: pip install {source}")  # fmt: skip

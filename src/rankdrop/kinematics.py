@@ -61,7 +61,10 @@ def check_robot(robot: object) -> None:
         RobotError: not a Robot.
     """
     if not isinstance(robot, Robot):
-        what = repr(robot)[:80] if isinstance(robot, str | PurePath) else f"a {type(robot).__name__}"
+        if isinstance(robot, str | PurePath):
+            what = repr(robot)[:80]
+        else:
+            what = f"a {type(robot).__name__}"
         raise RobotError("a Robot is needed", got=what, allowed="a Robot", mend="use open_robot(…)")
 
 
@@ -71,9 +74,17 @@ def whole_number(name: str, value: object, least: int, most: int) -> int:
     Raises:
         OptionError: not a whole number, or outside least … most.
     """
-    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        number = value
+    else:
+        number = None
     if number is None or not least <= number <= most:
-        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
+        if number is None:
+            shown = repr(value)
+        elif abs(int(number)) < 10**30:
+            shown = str(number)
+        else:
+            shown = "a number too long"
         raise OptionError(
             f"{name} is not a whole number" if number is None else f"{name} is outside the range",
             got=shown, allowed=f"{least} … {most}",
@@ -180,7 +191,10 @@ def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[in
         return None
     shape = (*batch, *entry)
     if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != shape:
-        got = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else f"a {type(out).__name__}"
+        if isinstance(out, np.ndarray):
+            got = f"{out.dtype} {out.shape}"
+        else:
+            got = f"a {type(out).__name__}"
         raise OptionError("out does not fit the result", got=got, allowed=f"a float64 array of shape {shape}")
     if not out.flags.c_contiguous or not out.flags.writeable:
         raise OptionError("out cannot be written to row by row", allowed="a C-contiguous, writable array")
@@ -231,7 +245,9 @@ def pose(robot: Robot, q: ArrayLike, *, out: Array | None = None) -> Array:
         return single
     rows, batch = configurations(robot, q)
     found = _core.pose(chain_of(robot), rows, rows_of(out, rows, batch, (4, 4)))
-    return found.reshape(*batch, 4, 4) if out is None else out
+    if out is None:
+        return found.reshape(*batch, 4, 4)
+    return out
 
 
 def link_poses(robot: Robot, q: ArrayLike) -> Array:
@@ -291,7 +307,9 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame | str = WORLD_ALIGNED, *, 
         return single
     rows, batch = configurations(robot, q)
     found = _core.jacobian(chain_of(robot), frame_view(robot, frame), rows, rows_of(out, rows, batch, (6, robot.n)))
-    return found.reshape(*batch, 6, robot.n) if out is None else out
+    if out is None:
+        return found.reshape(*batch, 6, robot.n)
+    return out
 
 
 def jacobian_derivative(
@@ -323,7 +341,9 @@ def jacobian_derivative(
     rows, batch = configurations(robot, q)
     into = rows_of(out, rows, batch, (6, robot.n, robot.n))
     derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows, into)
-    return derivative.reshape(*batch, 6, robot.n, robot.n) if out is None else out
+    if out is None:
+        return derivative.reshape(*batch, 6, robot.n, robot.n)
+    return out
 
 
 def task_jacobian(robot: Robot, q: ArrayLike, task: Task) -> Array:

@@ -81,13 +81,17 @@ def advised(name: str, value: str = "", *, python: str = "") -> str:
         ('--tip-tolerance', '--task position', '--full')
     """
     if _typed:
-        return f"--{name} {value}" if value and value != "…" else f"--{name}"
+        if value and value != "…":
+            return f"--{name} {value}"
+        return f"--{name}"
     if python:
         return python
     keyword = name.replace("-", "_")
     if not value:
         return f"{keyword}=True"
-    return f"{keyword}={value}" if value == "…" else f"{keyword}={value!r}"
+    if value == "…":
+        return f"{keyword}={value}"
+    return f"{keyword}={value!r}"
 
 
 class Options:
@@ -113,7 +117,10 @@ class Options:
             if "seed" in given:
                 raise OptionError("rng and seed are the same option", where="rng", mend="give one of them")
             rng = given["rng"]
-            seed = rng.integers(2**63) if hasattr(rng, "integers") else rng
+            if hasattr(rng, "integers"):
+                seed = rng.integers(2**63)
+            else:
+                seed = rng
             given = {key: value for key, value in given.items() if key != "rng"} | {"seed": seed}
         for name in given.keys() - set(names):
             raise OptionError("no option has this name", where=name, allowed=", ".join(names))
@@ -159,7 +166,9 @@ def plain_type(hint: Any) -> Any:
 def unit_of(hint: Any) -> str:
     """The unit of a field, empty where it has none."""
     meta = meta_of(hint)
-    return str((meta.extra_json_schema or {}).get("unit", "")) if meta else ""
+    if meta:
+        return str((meta.extra_json_schema or {}).get("unit", ""))
+    return ""
 
 
 def allowed(hint: Any) -> str:
@@ -192,7 +201,9 @@ def _plain(value: Any) -> Any:
     """A number of NumPy as one of Python; a list as a tuple."""
     if isinstance(value, list):
         return tuple(value)
-    return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
+    if hasattr(value, "item") and getattr(value, "ndim", 1) == 0:
+        return value.item()
+    return value
 
 
 def check_value(name: str, hint: Any, value: Any) -> None:

@@ -120,7 +120,9 @@ class Problem:
     @cached_property
     def walls(self) -> tuple[Array, Array] | None:
         """Lower and upper corner (n,) of where a motion may go [rad, m]; None where no limits are asked for."""
-        return limit_box(self.robot, self.task) if self.limits else None
+        if self.limits:
+            return limit_box(self.robot, self.task)
+        return None
 
     @cached_property
     def idle(self) -> Mask:

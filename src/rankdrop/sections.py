@@ -95,7 +95,10 @@ def html(sections: Iterable[Section]) -> str:
 
 def _html(section: Section) -> str:
     heading = f"<p><b>{escape(section.title)}</b> {escape(section.summary)}</p>"
-    parts = [heading] if section.title or section.summary else []
+    if section.title or section.summary:
+        parts = [heading]
+    else:
+        parts = []
     parts += [_line(line) for line in section.lines]
     if section.rows:
         head = "".join(f"<th>{escape(name)}</th>" for name in section.columns)
@@ -109,5 +112,8 @@ def _html(section: Section) -> str:
 def _line(text: str) -> str:
     """A sentence; blanks before it are an indent."""
     inset = len(text) - len(text.lstrip(" "))
-    style = f' style="margin-left:{inset / 2:g}em"' if inset else ""
+    if inset:
+        style = f' style="margin-left:{inset / 2:g}em"'
+    else:
+        style = ""
     return f"<div{style}>{escape(text.strip())}</div>"

@@ -92,7 +92,10 @@ def iterate(
         length = np.linalg.norm(move, axis=1)
         move = move * np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None]
         there = q[active] + (move if scale is None else scale * move if scale.ndim == 1 else move @ scale.T)
-        q[active] = there if box is None else np.clip(there, box[0], box[1])
+        if box is None:
+            q[active] = there
+        else:
+            q[active] = np.clip(there, box[0], box[1])
         active = active[length > still]
     return q
 
@@ -124,7 +127,12 @@ def newton(
 
     def shortest_step(q: Array, _active: NDArray[np.intp]) -> Array:
         going, f, a = residuals(q)
-        a = a if scale is None else a * scale if scale.ndim == 1 else a @ scale
+        if scale is None:
+            a = a
+        elif scale.ndim == 1:
+            a = a * scale
+        else:
+            a = a @ scale
         move = np.zeros((len(q), a.shape[2]))
         move[going] = -shortest(a[going], f[going], cut)
         return move
@@ -157,7 +165,10 @@ def trace(
             break
         if number == 0:
             direction = sign * tangent * np.sign(tangent[np.abs(tangent).argmax()])
-        direction = tangent if tangent @ direction > 0 else -tangent
+        if tangent @ direction > 0:
+            direction = tangent
+        else:
+            direction = -tangent
         arrived = _corrected(linear, x + step * direction, zero)
         if arrived is None or np.linalg.norm(arrived[0] - x) > 2 * step:
             break

@@ -32,7 +32,10 @@ def frame_of(frame: Frame | str) -> Frame:
         return frame
     if isinstance(frame, str) and frame in FRAMES:
         return FRAMES[frame]
-    got = frame if isinstance(frame, str) else f"a {type(frame).__name__}"
+    if isinstance(frame, str):
+        got = frame
+    else:
+        got = f"a {type(frame).__name__}"
     raise TaskError("there is no such frame", where="frame", got=got, allowed=f"{', '.join(FRAMES)}, or a Frame")
 
 
@@ -78,7 +81,9 @@ class Task:
 
     def scale(self, robot: Robot) -> float:
         """The length scale in use for `robot` [m]."""
-        return reach(robot) if self.length_scale is None else self.length_scale
+        if self.length_scale is None:
+            return reach(robot)
+        return self.length_scale
 
 
 def six_rows(values: Array, task: Task) -> Array:
@@ -117,7 +122,10 @@ def resolve_task(
             "a length scale so far from the arm's reach would hide rotations or translations", got=f"{length_scale} m",
             allowed=f"{low:.4g} … {high:.4g} m",
         )
-    resolved = task if isinstance(task, Task) else _from_rows(robot.task if task is None else task)
+    if isinstance(task, Task):
+        resolved = task
+    else:
+        resolved = _from_rows(robot.task if task is None else task)
     if frame is not None:
         resolved = replace(resolved, frame=frame)
     if length_scale is not None:

@@ -68,7 +68,9 @@ def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:
 
 def in_units(robot: Robot) -> Robot:
     """The arm in its own unit of length; itself where it is in it already. Made once for each robot."""
-    return robot if robot.exponent is not None else _own(robot)
+    if robot.exponent is not None:
+        return robot
+    return _own(robot)
 
 
 @_once
@@ -82,12 +84,17 @@ def _with_exponent(robot: Robot, power: int) -> Robot:
 
 def exponent(robot: Robot) -> int:
     """Of the arm's unit of length: 10 to this power is nearest to the reach, by its logarithm."""
-    return round(log10(reach(robot))) if robot.exponent is None else robot.exponent
+    if robot.exponent is None:
+        return round(log10(reach(robot)))
+    return robot.exponent
 
 
 def task_in_units(task: Task, robot: Robot) -> Task:
     """The task of an arm for `in_units(robot)`: its length scale and its reference point in that unit."""
-    power = -exponent(robot) if robot.exponent is None else 0
+    if robot.exponent is None:
+        power = -exponent(robot)
+    else:
+        power = 0
     return _moved_task(task, power)
 
 
@@ -96,7 +103,10 @@ def _moved_task(task: Task, power: int) -> Task:
     if not power:
         return task
     x, y, z = (shifted(part, power) for part in task.frame.point)
-    length = None if task.length_scale is None else shifted(task.length_scale, power)
+    if task.length_scale is None:
+        length = None
+    else:
+        length = shifted(task.length_scale, power)
     return replace(task, frame=replace(task.frame, point=(x, y, z)), length_scale=length)
 
 
@@ -132,7 +142,9 @@ def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
 
 def shifted(length: _Length, power: int) -> _Length:
     """A length times 10 to a power, rounded once."""
-    return length * 10.0**power if power >= 0 else length / 10.0**-power
+    if power >= 0:
+        return length * 10.0**power
+    return length / 10.0**-power
 
 
 def metre_exponent(robot: Robot) -> int:
@@ -141,12 +153,16 @@ def metre_exponent(robot: Robot) -> int:
     At one configuration σ is that of joint rates in rad/s and m/s, as GR and AM have it: of an arm in mm, its slides'
     rates would count a thousandfold. So it is looked at as if its numbers were metres.
     """
-    return counted_exponent(robot) if robot.exponent is None else 0
+    if robot.exponent is None:
+        return counted_exponent(robot)
+    return 0
 
 
 def in_metres(robot: Robot) -> Robot:
     """The arm with its lengths divided by 10 to the power of `metre_exponent`; mostly itself."""
-    return _metres(robot) if metre_exponent(robot) else robot
+    if metre_exponent(robot):
+        return _metres(robot)
+    return robot
 
 
 @_once
@@ -230,5 +246,7 @@ def _pose(pose: Array, change: Callable[[Any], Any]) -> Array:
 def _rounded(length: Any) -> Any:
     """A length, or an array of them, rounded to `DECIMALS` places."""
     if isinstance(length, float):
-        return round(length, DECIMALS) if np.isfinite(length) else length
+        if np.isfinite(length):
+            return round(length, DECIMALS)
+        return length
     return np.round(length, DECIMALS) + 0.0

@@ -160,7 +160,10 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None) -> Pa
         if work is not None:
             work.check()
         found = _at(conditions, joints, size)
-        best = found if best is None else _better(best, found)
+        if best is None:
+            best = found
+        else:
+            best = _better(best, found)
         if best.exact:
             break
     assert best is not None
@@ -205,7 +208,10 @@ def _chunks(places: Labels) -> list[Labels]:
 
 def _middles(places: Labels, joints: Sequence[int], size: int) -> dict[int, Array]:
     """Angles of the middles of cells by joint."""
-    index = np.unravel_index(places, (size,) * len(joints)) if joints else ()
+    if joints:
+        index = np.unravel_index(places, (size,) * len(joints))
+    else:
+        index = ()
     step = 2 * np.pi / size
     return {joint: np.asarray((k + 0.5) * step - np.pi) for joint, k in zip(joints, index, strict=True)}
 
@@ -249,7 +255,10 @@ def clusters(mask: Mask) -> Labels:
         other = np.roll(number, -1, axis=axis)
         both = (number >= 0) & (other >= 0)
         pairs.append(np.stack([number[both], other[both]]))
-    edges = np.concatenate(pairs, axis=1) if pairs else np.zeros((2, 0), dtype=np.int64)
+    if pairs:
+        edges = np.concatenate(pairs, axis=1)
+    else:
+        edges = np.zeros((2, 0), dtype=np.int64)
     return np.where(flat, joined(flat.size, edges), -1).reshape(mask.shape)
 
 

@@ -98,7 +98,9 @@ class AspectCount:
     @property
     def at_most(self) -> int | None:
         """Upper bound, proven where `proven` says so; None where nothing was counted."""
-        return None if self.left is not None else sum(one.parts.at_most for one in self.each)
+        if self.left is not None:
+            return None
+        return sum(one.parts.at_most for one in self.each)
 
     @property
     def proven(self) -> bool:
@@ -198,7 +200,10 @@ def _polynomial(factor: SignedFactor) -> Polynomial:
         if atom.pinned:
             place = ring.index[f"t{atom.joint}"]
             degrees[place] += 1
-            f = f if atom.value == "pi" else f * ring.half_of(atom)
+            if atom.value == "pi":
+                f = f
+            else:
+                f = f * ring.half_of(atom)
         else:
             own = atom.f.degrees()
             degrees = [degree + int(own[k]) for k, degree in enumerate(degrees)]

@@ -44,7 +44,9 @@ class Interval:
     def scaled(self, factor: float) -> Interval:
         """Times a number."""
         ends = factor * self.low, factor * self.high
-        return Interval(*ends) if factor >= 0 else Interval(ends[1], ends[0])
+        if factor >= 0:
+            return Interval(*ends)
+        return Interval(ends[1], ends[0])
 
     def size(self) -> Interval:
         """Of the absolute value."""
@@ -77,7 +79,10 @@ class Wave:
 
     def _own(self, middles: Mapping[int, Array]) -> Any:
         """(N, K) exp(i k·θ) at the middles of cells."""
-        count = len(next(iter(middles.values()))) if middles else 1
+        if middles:
+            count = len(next(iter(middles.values())))
+        else:
+            count = 1
         phase = np.zeros((count, len(self.amplitudes)))
         for a, joint in enumerate(self.joints):
             phase += np.multiply.outer(middles[joint], self.frequencies[:, a])
@@ -115,7 +120,10 @@ def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float
         unit: what it is divided by, so that polynomials that are added stay comparable.
     """
     names = p.context().names()
-    present = [j for j in ring.revolute if any(p.degrees()[names.index(f"{x}{j}")] for x in "sc")] if p != 0 else []
+    if p != 0:
+        present = [j for j in ring.revolute if any(p.degrees()[names.index(f"{x}{j}")] for x in "sc")]
+    else:
+        present = []
     sums: dict[tuple[int, ...], complex] = {}
     total = 0.0
     for number, powers in numeric_terms(p, numbers, unit=unit) if p != 0 else ():

@@ -97,7 +97,10 @@ def write_certificate(record: Record, path: str | Path) -> Path:
     try:
         replace_file(place, (json.dumps(record, allow_nan=False) + "\n").encode())
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
+        if isinstance(error, OSError):
+            reason = error.strerror
+        else:
+            reason = str(error)
         raise ResultFileError(f"cannot write: {reason}", where=str(path)) from error
     return place
 
@@ -174,9 +177,14 @@ def asked_about(
 def _path_asked(path: str | Path | AskedPath | None, rows: ArrayLike | None) -> AskedPath | None:
     if isinstance(path, AskedPath):
         return path
-    given = None if rows is None else np.asarray(unmasked(rows, "rows"), dtype=np.float64)
+    if rows is None:
+        given = None
+    else:
+        given = np.asarray(unmasked(rows, "rows"), dtype=np.float64)
     if path is None:
-        return None if given is None else AskedPath("", "", given, interpolate="linear")
+        if given is None:
+            return None
+        return AskedPath("", "", given, interpolate="linear")
     return AskedPath(Path(path).name, file_hash(Path(path)), given, interpolate="linear")
 
 
@@ -246,7 +254,10 @@ def verify(
                           mend="leave it out")  # fmt: skip
     kept = None if journal is None else Path(journal)
     work = Work(int(enclosures), progress, sample=sample, every=every, journal=kept)
-    asked = asked_about(about) if about is None or isinstance(about, Robot) else about
+    if about is None or isinstance(about, Robot):
+        asked = asked_about(about)
+    else:
+        asked = about
     with refused_as_result():
         found = check_certificate(Path(file), asked, work)
     return Verified(**vars(found))
@@ -292,7 +303,10 @@ def ball_certificate(
                           "the tolerance may be" if tolerance else "no ball around q is proven to be free: it is "
                           "singular, or nearly", where="q", got=f"a radius of {most:.3g}")  # fmt: skip
     for share in SHARES if radius is None else (1.0,):
-        wanted = most * share if radius is None else radius
+        if radius is None:
+            wanted = most * share
+        else:
+            wanted = radius
         tree = tree_of(test, wanted, BOXES if share > SHARES[-1] else 50 * BOXES)
         if tree is not None:
             claim = {"q": centre.tolist(), "radius": wanted, "scale": setting.scale.tolist()}

@@ -144,7 +144,10 @@ class Covering:
                 child = child << 1 | (at(level)[:, j] & halved)
             first = np.concatenate([[0], np.cumsum(counts(masks))])
             row = np.where(made, row, 0)
-            mask = masks[row] if len(masks) else np.zeros(len(x), shape.kind)
+            if len(masks):
+                mask = masks[row]
+            else:
+                mask = np.zeros(len(x), shape.kind)
             bit = np.left_shift(1, child.astype(shape.kind), dtype=shape.kind)
             there = (mask & bit) != 0
             row = first[row] + counts((mask & (bit - 1)).astype(shape.kind))
@@ -370,12 +373,17 @@ def _range(robot: Robot, setting: Setting, j: int, width: float, limits: bool) -
 
 
 def _halvings(length: float, width: float) -> int:
-    return max(0, ceil(log2(length / width) - 1e-12)) if length > width else 0
+    if length > width:
+        return max(0, ceil(log2(length / width) - 1e-12))
+    return 0
 
 
 def tables_of(robot: Robot, plan: Plan) -> _core.Split:
     """The split determinant of an arm in tables."""
-    six = _with_tool_axis(robot) if plan.rows == _POINTING else robot
+    if plan.rows == _POINTING:
+        six = _with_tool_axis(robot)
+    else:
+        six = robot
     return _core.Split(
         **split_of(six), lower=np.array(plan.lower), upper=np.array(plan.upper),
         depth=np.array(plan.depth, dtype=np.int32), further=plan.further, top=plan.top,

@@ -63,7 +63,9 @@ class Setting:
 
     def seen(self, robot: Robot) -> Robot:
         """The arm whose link frames the view is in: with `tool`, the frame of its last link is that of the tip."""
-        return _with_tip_in_last_link(robot) if self.tool else robot
+        if self.tool:
+            return _with_tip_in_last_link(robot)
+        return robot
 
     def chain(self, robot: Robot) -> _core.Chain:
         """The chain that the view belongs to."""
@@ -217,7 +219,10 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
     """(link, point at q = 0 in base coordinates). Without rotation rows the point is that of the task."""
     joints = len(robot.joints)
     if rows == (0, 1, 2):
-        carrier = robot.home if task.frame.origin == TIP else robot.joints[-1].frame
+        if task.frame.origin == TIP:
+            carrier = robot.home
+        else:
+            carrier = robot.joints[-1].frame
         yield joints, carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3]
         return
     if joints == 1:
@@ -235,7 +240,9 @@ def middle_of(robot: Robot) -> Array:
         np.mean(feet(a, b), axis=0) for place, a in enumerate(lines) for b in lines[:place]
         if abs(dot(a[0], b[0])) < 0.99
     ]  # fmt: skip
-    return np.asarray(np.mean(middles, axis=0)) if middles else robot.home[:3, 3]
+    if middles:
+        return np.asarray(np.mean(middles, axis=0))
+    return robot.home[:3, 3]
 
 
 def _size(robot: Robot) -> float:
@@ -245,7 +252,9 @@ def _size(robot: Robot) -> float:
     last = robot.joints[-1]
     start = nearest((last.axis, last.foot), middle_of(robot))
     total = float(_arms(robot, len(robot.joints), start)[0])
-    return total if total > 1e-6 * reach(robot) else reach(robot)
+    if total > 1e-6 * reach(robot):
+        return total
+    return reach(robot)
 
 
 def _points_between(joints: Sequence[Joint], middle: Array) -> list[Array]:
@@ -259,7 +268,9 @@ def _points_between(joints: Sequence[Joint], middle: Array) -> list[Array]:
         second = nearest(after, first)
     else:
         first, second = feet(before, after)
-    return [first] if norm(first - second) < 1e-9 else [first, second, (first + second) / 2]
+    if norm(first - second) < 1e-9:
+        return [first]
+    return [first, second, (first + second) / 2]
 
 
 def _arms(robot: Robot, link: int, home: Array) -> Array:

@@ -97,7 +97,10 @@ def analyze(
     options = replace(options, within=within or None)
     analysis = run(model, task, options, progress=report)
     alone = made is not None and arm.ideal is None and not made.tolerance.angle
-    own = run(made.real, task, options, progress=report) if made is not None and alone else None
+    if made is not None and alone:
+        own = run(made.real, task, options, progress=report)
+    else:
+        own = None
     nearby, *about_ideal = ideal_sections(made, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
@@ -127,7 +130,8 @@ def _brief(
     near = near_line(analysis.robot, made).get("near", "")
     about = [text.arm_line(analysis.robot, task, analysis.generic_rank, limits=analysis.settings.limits)]
     about += [f"Near: {near}"] if near else []
-    about += [f"{made.moved}."] if made is not None and not made.changes else []
+    if made is not None and not made.changes:
+        about += [f"{made.moved}."]
     blocks: list[Block] = [
         answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made)),
         [*about, *(Text(note, style="bold yellow") for note in analysis.notes)],
@@ -179,13 +183,19 @@ def corank_section(
     one is asked for.
     """
     rows, robot, limits = analysis.of_corank(summary.corank), analysis.robot, analysis.settings.limits
-    shown = dict(enumerate(rows, start=1)) if every else text.examples(rows)
+    if every:
+        shown = dict(enumerate(rows, start=1))
+    else:
+        shown = text.examples(rows)
     title = Text.assemble((f"Corank {summary.corank}", "bold"), f" (rank {summary.rank} of {analysis.generic_rank}): ")
     if not rows:
         yield title.append(text.nothing_found(summary))
     else:
         share = summary.completeness
-        failed = "" if share.agree == share.tested else BAD
+        if share.agree == share.tested:
+            failed = ""
+        else:
+            failed = BAD
         yield title.append(f"{text.number_of(rows)}, ").append(text.explained(share), failed)
         kept = {i: text.within(row, robot, limits=limits) for i, row in shown.items()}
         yield from _rows(console, robot, kept, analysis.exact, lost=len(shown) == len(rows))
@@ -260,4 +270,6 @@ def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
 
 
 def _unbroken(cell: str) -> int:
-    return len(cell) if len(cell) <= _LONGEST_UNBROKEN else max(map(len, cell.split()))
+    if len(cell) <= _LONGEST_UNBROKEN:
+        return len(cell)
+    return max(map(len, cell.split()))

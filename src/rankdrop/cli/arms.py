@@ -88,7 +88,9 @@ def _similar(text: str) -> str:
     every = catalogue.search_catalog("")
     words = {word for entry in every for word in (entry.name, entry.maker.lower()) if word}
     similar = get_close_matches(text.lower(), sorted(words), n=5, cutoff=0.5)
-    return f"; similar: {', '.join(similar)}" if similar else "; a file does as well as a name"
+    if similar:
+        return f"; similar: {', '.join(similar)}"
+    return "; a file does as well as a name"
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,10 @@ def monitor(
 
     check_target(header, "--header")
     model, task = open_arm(robot, arm)
-    found = results.known_analysis(model, task) if options.analysis is None else results.Analysis.load(options.analysis)
+    if options.analysis is None:
+        found = results.known_analysis(model, task)
+    else:
+        found = results.Analysis.load(options.analysis)
     if found is None:
         found = analyze(model, task, starts=options.starts, progress=report)
     watched = Monitor(model, task, found.families, start=options.start, stop=options.stop)
@@ -201,6 +206,8 @@ def jacobian(
 
     def blocks() -> Sequence[Block]:
         sections = found.sections()
-        return sections if options.full else fitted(sections, cut=[one for one in sections if len(one.lines) > _FEW])
+        if options.full:
+            return sections
+        return fitted(sections, cut=[one for one in sections if len(one.lines) > _FEW])
 
     return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)

@@ -100,7 +100,9 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
                 done = function(*bound.args, **bound.kwargs, report=report)
         else:
             done = function(*bound.args, **bound.kwargs)
-        return done if isinstance(done, int) else deliver(done, {name: file for name, _, file, _ in targets})
+        if isinstance(done, int):
+            return done
+        return deliver(done, {name: file for name, _, file, _ in targets})
 
     run.__signature__ = typed  # type: ignore[attr-defined]
     return run
@@ -130,13 +132,18 @@ def deliver(done: Done, targets: Mapping[str, str | None]) -> int:
     files = {name: target for name, target in targets.items() if name in done.files and target is not None}
     steps: list[Callable[[], object]] = [] if STDOUT in files.values() else [lambda: print_blocks(done.text())]
     steps += [partial(_write, make, files[name]) for name, make in done.files.items() if name in files]
-    steps += [done.last] if done.last is not None else []
+    if done.last is not None:
+        steps += [done.last]
     failed = [error for step in steps if (error := _failure(step)) is not None]
     if failed:
         raise min(failed, key=lambda error: isinstance(error, BrokenPipeError))
     if done.code is not None:
         return done.code
-    return exits.INTERRUPTED if not done.complete else exits.FINE if done.holds else exits.UNEXPLAINED
+    if not done.complete:
+        return exits.INTERRUPTED
+    if done.holds:
+        return exits.FINE
+    return exits.UNEXPLAINED
 
 
 def _failure(step: Callable[[], object]) -> Exception | None:
@@ -182,13 +189,20 @@ def derived(record: type[Options]) -> type[Options]:
 
     body = {"__annotations__": own, "__doc__": "", "__module__": __name__, "__new__": make, **kept}
     made: type[Options] = dataclass(frozen=True)(type(record.__name__, (record,), body))
-    flat = Parameter(name="*", group=_group(record.TITLE)) if hasattr(record, "TITLE") else Parameter(name="*")
+    if hasattr(record, "TITLE"):
+        flat = Parameter(name="*", group=_group(record.TITLE))
+    else:
+        flat = Parameter(name="*")
     return flat(made)
 
 
 def _typed(hint: Any) -> Any:
     """The typed text of a field: of a text or something else the text, which the verb reads."""
-    return hint if plain_type(hint) is not str else str | None if NoneType in parts_of(hint) else str
+    if plain_type(hint) is not str:
+        return hint
+    if NoneType in parts_of(hint):
+        return str | None
+    return str
 
 
 @cache
@@ -261,8 +275,14 @@ def _labels(entry: HelpEntry) -> str:
 def _description(console: Console, entry: HelpEntry) -> str:
     endless = console.options.update(max_width=10_000)
     words = "".join(segment.text for segment in console.render(entry.description or "", endless))
-    choices = f" One of {', '.join(entry.choices)}." if entry.choices else ""
-    default = f" Default: {entry.default}." if entry.default not in (None, "False", "None", "") else ""
+    if entry.choices:
+        choices = f" One of {', '.join(entry.choices)}."
+    else:
+        choices = ""
+    if entry.default not in (None, "False", "None", ""):
+        default = f" Default: {entry.default}."
+    else:
+        default = ""
     return f"{' '.join(words.split())}{choices}{default}"
 
 
@@ -304,13 +324,17 @@ def _pointed(text: str, count: int) -> str | None:
     words = re.split(r"\s*;\s*|\s+", text.strip())
     commas = all(re.fullmatch(r"[-+−]?\d+(,\d+)?\D*", word) for word in words)
     fits = commas and len(words) == count
-    return f"write decimals with points: {'; '.join(words).replace(',', '.')}" if fits else None
+    if fits:
+        return f"write decimals with points: {'; '.join(words).replace(',', '.')}"
+    return None
 
 
 def split_values(text: str) -> list[str]:
     """The words of a list of quantities, however it is bracketed and separated."""
     body = _without_brackets(text.translate(_AS_TYPED).strip()).strip().rstrip(",;")
-    return _SEPARATOR.split(body) if body else []
+    if body:
+        return _SEPARATOR.split(body)
+    return []
 
 
 def _without_brackets(text: str) -> str:
@@ -333,7 +357,9 @@ def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
     except RobotError as error:
         raise ConfigurationError(**error.parts) from error
     plain = not re.search(r"(deg|rad|°)$", word)
-    return radians(value) if deg and unit == "rad" and plain else value
+    if deg and unit == "rad" and plain:
+        return radians(value)
+    return value
 
 
 @dataclass(frozen=True)
@@ -532,7 +558,10 @@ def arm_section(
     grid.add_column(overflow="fold")  # a long path keeps its end
     names = [joint.name for joint in robot.variables]
     numbered = all(name.endswith(str(number)) for number, name in enumerate(names, start=1))
-    whose = "the arm's reach" if task.length_scale is None else "as given"
+    if task.length_scale is None:
+        whose = "the arm's reach"
+    else:
+        whose = "as given"
     source = robot.source.reference or robot.source.origin
     rows, redundancy = arms.count(task.m, "row"), robot.n - generic_rank
     facts = [
@@ -552,12 +581,17 @@ def arm_section(
 
 def _first_sentence(text: str) -> str:
     first = re.split(r"(?<![A-Z])\. (?=[A-Z])", text, maxsplit=1)[0]
-    return first if first == text else f"{first}."
+    if first == text:
+        return first
+    return f"{first}."
 
 
 def starts_line(starts: str, seed: int, *, limits: bool) -> dict[str, str]:
     """The label and the line that says where random starts are drawn."""
-    where = "within the joint limits" if limits else "in the whole joint space (limits ignored)"
+    if limits:
+        where = "within the joint limits"
+    else:
+        where = "in the whole joint space (limits ignored)"
     return {"starts": f"{starts} {where}, seed {seed}"}
 
 
@@ -577,7 +611,10 @@ def open_ideal(
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
-    given = None if options.ideal in (None, OFF) else arms.read_tolerance(options.ideal)
+    if options.ideal in (None, OFF):
+        given = None
+    else:
+        given = arms.read_tolerance(options.ideal)
     robot, task = open_arm(name, options, tool)
     if options.ideal is None and intended and not options.as_written:
         given = arms.intended_tolerance(robot)
@@ -593,14 +630,24 @@ def subject(robot: arms.Robot, made: verbs.Idealised | None) -> str:
     """
     if made is not None and made.changes:
         return f"Ideal arm within {made.tolerance.text} (--ideal {OFF}: the arm as written): "
-    near = arms.near_ideal(robot) if made is None else None
-    return "" if near is None else f"Arm as written (--ideal {near.tolerance.text}: the ideal arm near it): "
+    if made is None:
+        near = arms.near_ideal(robot)
+    else:
+        near = None
+    if near is None:
+        return ""
+    return f"Arm as written (--ideal {near.tolerance.text}: the ideal arm near it): "
 
 
 def near_line(robot: arms.Robot, made: verbs.Idealised | None) -> dict[str, str]:
     """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
-    near = arms.near_ideal(robot) if made is None else None
-    return {} if near is None else {"near": near.line}
+    if made is None:
+        near = arms.near_ideal(robot)
+    else:
+        near = None
+    if near is None:
+        return {}
+    return {"near": near.line}
 
 
 def ideal_sections(

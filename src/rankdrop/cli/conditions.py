@@ -78,7 +78,10 @@ class Question(Output):
         if self.test is not None:
             exact.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
         if (self.start is None) != (self.end is None):
-            missing, given = ("--from", "--to") if self.start is None else ("--to", "--from")
+            if self.start is None:
+                missing, given = ("--from", "--to")
+            else:
+                missing, given = ("--to", "--from")
             raise OptionError(f"{given} needs {missing}", where=missing, mend="give both configurations")
         typed = {"--flags": self.flags, "--from": self.start, "--to": self.end}
         configurations = [self._q(robot, one, option) for option, one in typed.items() if one is not None]
@@ -162,15 +165,21 @@ def conditions(
         return {**found.to_dict(), **answered, **nearby}
 
     def blocks() -> Iterable[Block]:
-        return whole() if output.full or steps else brief()
+        if output.full or steps:
+            return whole()
+        return brief()
 
     def brief() -> list[Block]:
         near = near_line(model, made).get("near", "")
         about = [text.arm_line(model, task, found.generic_rank), *([f"Near: {near}"] if near else [])]
-        about += [f"{made.moved}."] if made is not None and not made.changes else []
+        if made is not None and not made.changes:
+            about += [f"{made.moved}."]
         table = text.conditions_table(found)
         lost = text.lost_section(model, found.generic_rank, found.families)
-        left = Section("Not finished", lines=found.left) if found.left else None
+        if found.left:
+            left = Section("Not finished", lines=found.left)
+        else:
+            left = None
         blocks: list[Block] = [answer_lines(found.answer, verdict, subject(model, made)), *answers, about]
         blocks += [table] if table.rows else []
         blocks += [one for one in (lost, left) if one is not None]

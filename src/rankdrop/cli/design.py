@@ -49,7 +49,9 @@ class SweepOptions(Options):
     @property
     def axes(self) -> tuple[str, ...]:
         """Names of the parameters of the maps; none for the first two."""
-        return tuple(word.strip() for word in self.over.split(",")) if self.over else ()
+        if self.over:
+            return tuple(word.strip() for word in self.over.split(","))
+        return ()
 
 
 @command
@@ -177,8 +179,14 @@ class CompareOptions(Options):
             asked["slow"] = {"speed": self.speed}
         if self.lower is not None or self.upper is not None:
             region = {"lower": _three(self.lower, "--lower"), "upper": _three(self.upper, "--upper")}
-            turned = {} if self.rpy is None else {"rpy": _three(self.rpy, "--rpy")}
-            speed = {} if self.speed is None else {"speed": self.speed}
+            if self.rpy is None:
+                turned = {}
+            else:
+                turned = {"rpy": _three(self.rpy, "--rpy")}
+            if self.speed is None:
+                speed = {}
+            else:
+                speed = {"speed": self.speed}
             asked["region"] = {**region, "points": self.points, **turned, **speed}
         if self.path:
             asked["paths"] = {"files": list(self.path)}
@@ -211,13 +219,18 @@ def compare(
                                  report=report)  # fmt: skip
     def blocks() -> Iterable[Block]:
         sections = list(found.sections(full=options.full))
-        return sections if options.full else fitted(sections, cut=[sections[-1]])
+        if options.full:
+            return sections
+        return fitted(sections, cut=[sections[-1]])
 
     return Done(blocks, {"json": found.to_dict}, holds=found.holds)
 
 
 def _three(text: str | None, option: str) -> list[float | str]:
-    words = [] if text is None else [word.strip() for word in text.split(",")]
+    if text is None:
+        words = []
+    else:
+        words = [word.strip() for word in text.split(",")]
     if len(words) != 3:
         raise OptionError("it is three numbers", where=option, got=text, allowed="such as 0.3,-0.3,0.1")
     return list(words)

@@ -116,19 +116,37 @@ def explain(
         )  # fmt: skip
     if arm.task is None and output.analysis is None:
         task = local.asked_task(model, task)
-    budget = BUDGET[output.only] if options.evaluations == EVALUATIONS else options.evaluations
-    coranks = 6 if output.only == "nearest" else options.coranks
+    if options.evaluations == EVALUATIONS:
+        budget = BUDGET[output.only]
+    else:
+        budget = options.evaluations
+    if output.only == "nearest":
+        coranks = 6
+    else:
+        coranks = options.coranks
     found = run(
         model, parse_configuration(q, model, deg=tool.deg), task, replace(options, evaluations=budget, coranks=coranks),
         analysis=None if output.analysis is None else results.Analysis.load(output.analysis),
         tolerances=DEFAULT if output.tolerance is None else replace(DEFAULT, singular=output.tolerance),
     )  # fmt: skip
-    here = None if made is None else verbs.here(made, found)
-    proven = None if output.certificate is None and near is None else of_place(found, near, budget)
-    procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed) if output.lie else None
+    if made is None:
+        here = None
+    else:
+        here = verbs.here(made, found)
+    if output.certificate is None and near is None:
+        proven = None
+    else:
+        proven = of_place(found, near, budget)
+    if output.lie:
+        procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed)
+    else:
+        procedure = None
 
     def blocks() -> list[Block]:
-        certified = [] if proven is None or output.only != "nearest" else [Section("certificate", in_words(proven))]
+        if proven is None or output.only != "nearest":
+            certified = []
+        else:
+            certified = [Section("certificate", in_words(proven))]
         lie: list[Block] = [] if procedure is None else [[text.procedure_text(procedure)]]
         return [*_sections(found, made, here, output), *certified, *lie]
 
@@ -190,7 +208,10 @@ def _record(
 
     if only is not None:
         return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})
-    nearby = {} if made is None or here is None else {"ideal": {**made.to_dict(found.task), "here": plain(here)}}
+    if made is None or here is None:
+        nearby = {}
+    else:
+        nearby = {"ideal": {**made.to_dict(found.task), "here": plain(here)}}
     return found.to_dict() | nearby
 
 

@@ -198,7 +198,9 @@ def run(argv: Sequence[str]) -> int:
         if ours:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     stopped = interrupted and list(argv[:1]) != ["view"]  # which Ctrl-C ends as it should
-    return exits.INTERRUPTED if stopped and code != exits.BROKEN_PIPE else code
+    if stopped and code != exits.BROKEN_PIPE:
+        return exits.INTERRUPTED
+    return code
 
 
 def whole_help(command: str) -> None:
@@ -219,8 +221,14 @@ def _expand(argv: Sequence[str]) -> list[str]:
         return ["--help"]
     if words[:1] == ["robots"]:
         words = list(_printed_json(words))
-    first, *rest = ALIASES.get(words[0], (words[0],)) if words else ("--help",)
-    full = ["--full"] if {"-v", "--verbose"} & set(words) and "--full" in _options(first) else []
+    if words:
+        first, *rest = ALIASES.get(words[0], (words[0],))
+    else:
+        first, *rest = ("--help",)
+    if {"-v", "--verbose"} & set(words) and "--full" in _options(first):
+        full = ["--full"]
+    else:
+        full = []
     plain = {"--degrees": ["--deg"], "-v": full, "--verbose": full}
     return [first, *(one for word in words[1:] for one in plain.get(word, [word])), *rest]
 
@@ -264,7 +272,9 @@ def _run(argv: Sequence[str]) -> int:
                 "allowed: what the file system takes, most often 255 bytes between two slashes")  # fmt: skip
             return exits.BAD_INPUT
         raise
-    return code if isinstance(code, int) else exits.FINE
+    if isinstance(code, int):
+        return code
+    return exits.FINE
 
 
 def _in_our_words(error: CycloptsError) -> str:
@@ -277,7 +287,10 @@ def _in_our_words(error: CycloptsError) -> str:
         return f"{arm} is an arm; a command comes first: rankdrop analyze {arm}. See `rankdrop --help`."
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         text = _missing(error)
-    command = error.command_chain[0] if error.command_chain else ""
+    if error.command_chain:
+        command = error.command_chain[0]
+    else:
+        command = ""
     if isinstance(error, UnknownOptionError) and command in app:
         text += f" Allowed: {', '.join(_options(command))}."
     return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
@@ -290,15 +303,22 @@ def _arm(word: str) -> str:
     """
     from rankdrop.robot import names_an_arm
 
-    return shlex.quote(word) if names_an_arm(word) else ""
+    if names_an_arm(word):
+        return shlex.quote(word)
+    return ""
 
 
 def _missing(error: MissingArgumentError) -> str:
     argument = error.argument
     assert argument is not None
-    what = f"{argument.name} is missing" if error.keyword is None else f"{error.keyword} needs a value"
+    if error.keyword is None:
+        what = f"{argument.name} is missing"
+    else:
+        what = f"{error.keyword} needs a value"
     about = re.split(r"\. |;|\.$", argument.parameter.help or "")[0]
-    return f"{what}: {about[0].lower()}{about[1:]}." if about else f"{what}."
+    if about:
+        return f"{what}: {about[0].lower()}{about[1:]}."
+    return f"{what}."
 
 
 def _options(command: str) -> list[str]:

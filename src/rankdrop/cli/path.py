@@ -197,9 +197,15 @@ def path(
     if several:
         _check_several(output, mend)
     model, task = open_arm(name, arm, source)
-    given = [] if source.start is None else [source.start]
+    if source.start is None:
+        given = []
+    else:
+        given = [source.start]
     start = [tuple(parse_configuration(one, model, deg=source.deg, option="--start")) for one in given]
-    families = None if source.analysis is None else results.Analysis.load(source.analysis)
+    if source.analysis is None:
+        families = None
+    else:
+        families = results.Analysis.load(source.analysis)
     own = arm.task is None and arm.length_scale is None
     question = motion.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
@@ -252,7 +258,10 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
         raise OptionError("the arm is named first, then its files", where="ROBOT", got=robot,
                           mend=f"rankdrop path {names[0]} {robot}")  # fmt: skip
     for path in map(Path, names):
-        inside = [path] if not path.is_dir() or motion.is_bag(path) else motion.trajectories_in(path)
+        if not path.is_dir() or motion.is_bag(path):
+            inside = [path]
+        else:
+            inside = motion.trajectories_in(path)
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=str(path),
                               allowed=", ".join(motion.ENDINGS))  # fmt: skip
@@ -297,7 +306,10 @@ def _of_one(
     families: results.Analysis | None, output: PathOutput, mend: Remedies, file: Path,
 ) -> Done:  # fmt: skip
     fixed = mend.fixed
-    local, remedies = (None, remedies) if mend.wanted else (remedies, None)
+    if mend.wanted:
+        local, remedies = (None, remedies)
+    else:
+        local, remedies = (remedies, None)
     proven = near is not None and result.complete and result.clear and motion.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
 
@@ -341,7 +353,10 @@ def _fixed(mending: motion.Mending, target: str) -> bytes | None:
     if one is None:
         say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
         return None
-    between = "" if one.interpolate == "linear" else f", read it with --interpolate {one.interpolate}"
+    if one.interpolate == "linear":
+        between = ""
+    else:
+        between = f", read it with --interpolate {one.interpolate}"
     say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}")
     return motion.trajectory_bytes(one.trajectory, mending.before.robot, target)
 

@@ -91,7 +91,10 @@ def cover(
         raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
                           mend="name the covering with --out, in the same folder")  # fmt: skip
     model, task = open_arm(robot, arm)
-    families = None if output.analysis is None else results.Analysis.load(output.analysis)
+    if output.analysis is None:
+        families = None
+    else:
+        families = results.Analysis.load(output.analysis)
     found = verbs.cover(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
     stopped = found.covering.stopped == "interrupted"
 
@@ -200,7 +203,10 @@ def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
                 raise OptionError("this is compared for an arm", where=option, got=value, mend="name it with --robot")
         return certify.asked_about(None, limits=about.limits)
     model, task = open_arm(about.robot, arm)
-    q = None if about.q is None else parse_configuration(about.q, model, deg=about.deg)
+    if about.q is None:
+        q = None
+    else:
+        q = parse_configuration(about.q, model, deg=about.deg)
     path = None
     if about.path is not None:
         near = PathOptions(tip_tolerance=about.tip_tolerance, turn_tolerance=about.turn_tolerance)

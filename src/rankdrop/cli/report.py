@@ -48,7 +48,10 @@ class ReportOptions(Options):
             OptionError: nothing can be written there; found before the work.
         """
         paper = self.format != "html"
-        out = self.out or f"{default}-figures" if paper else self.out or f"{default}.html"
+        if paper:
+            out = self.out or f"{default}-figures"
+        else:
+            out = self.out or f"{default}.html"
         path = Path(out)
         if not paper or path.suffix.lower() == f".{self.format}":
             check_target(out, "--out", () if paper else (".html", ".htm"))
@@ -114,7 +117,9 @@ def report(
     if shown.interrupted or not analysis.complete:
         say("interrupted: the page says what was done")
         return exits.INTERRUPTED
-    return exits.FINE if shown.verdict.holds else exits.UNEXPLAINED
+    if shown.verdict.holds:
+        return exits.FINE
+    return exits.UNEXPLAINED
 
 
 def _analysis(
@@ -129,7 +134,10 @@ def _analysis(
                               mend="leave the options out")  # fmt: skip
         return results.Analysis.load(robot), None
     model, task, made = open_ideal(robot, arm)
-    known = results.known_analysis(model, task) if arm.length_scale is None and plain else None
+    if arm.length_scale is None and plain:
+        known = results.known_analysis(model, task)
+    else:
+        known = None
     return known or analyze(model, task, options, progress=report), made
 
 

@@ -183,7 +183,9 @@ def _outcomes(search: families.Search, target: str) -> Any:
     """Every start's outcome, as the ending of the file says."""
     if target.lower().endswith(".json"):
         return record_of("find", search)
-    return results.find_to_csv(search) if target.lower().endswith(".csv") else results.find_to_npz(search)
+    if target.lower().endswith(".csv"):
+        return results.find_to_csv(search)
+    return results.find_to_npz(search)
 
 
 def _history(search: families.Search, target: str) -> str | bytes | None:
@@ -191,13 +193,18 @@ def _history(search: families.Search, target: str) -> str | bytes | None:
     if search.history is None:
         return None
     to_csv = target.lower().endswith(".csv")
-    return results.history_to_csv(search.history) if to_csv else results.history_to_npz(search.history)
+    if to_csv:
+        return results.history_to_csv(search.history)
+    return results.history_to_npz(search.history)
 
 
 def _starts(search: families.Search, start: str | None) -> dict[str, str]:
     if start is not None and not start.strip().isdecimal():
         return {"starts": f"one, {start}"}
-    which = f"{len(search.q):,}" if start is None else f"random start {start}"
+    if start is None:
+        which = f"{len(search.q):,}"
+    else:
+        which = f"random start {start}"
     return starts_line(which, search.seed, limits=search.limits)
 
 
@@ -225,7 +232,10 @@ def _outcome(search: families.Search, seconds: float) -> Section:
     elif len(search.q) == 1 and search.complete:
         ended = ", ".join(f"{value:.4g}" for value in search.sigma[0, search.rank :])
         lines.append(f"It ended at σ{search.rank + 1} … = {ended} after {search.iterations[0]:,} iterations.")
-    stuck = f", {counts[Outcome.CREASE]:,} stuck on a crease (a tie, no minimum)" if counts[Outcome.CREASE] else ""
+    if counts[Outcome.CREASE]:
+        stuck = f", {counts[Outcome.CREASE]:,} stuck on a crease (a tie, no minimum)"
+    else:
+        stuck = ""
     rest = f"{counts[Outcome.NEAR_MISS]:,} near misses{stuck}, {counts[Outcome.SLOW]:,} slow."
     if search.smallest_near_miss is not None:
         rest += f" Smallest near miss: σ{search.rank + 1} = {search.smallest_near_miss:.4g}, not singular."
@@ -319,9 +329,15 @@ def aspects(
         deg: Angles without a unit are in degrees, and so are those printed.
     """
     model, task = open_arm(robot, arm)
-    start = None if q is None else parse_configuration(q, model, deg=deg)
+    if q is None:
+        start = None
+    else:
+        start = parse_configuration(q, model, deg=deg)
     found = motion.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
-    decided = found.count.exact if found.verdict == motion.NOT_ASKED else found.verdict != motion.NOT_FOUND
+    if found.verdict == motion.NOT_ASKED:
+        decided = found.count.exact
+    else:
+        decided = found.verdict != motion.NOT_FOUND
     return _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
 
 

@@ -99,7 +99,9 @@ def answer_lines(answer: str, verdict: Verdict, subject: str = "") -> list[Text]
 
     tone = TONES["good" if verdict.holds else "bad"]
     lines = [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.beside(answer)]
-    return [Text.assemble((subject, "bold"), lines[0]), *lines[1:]] if subject else lines
+    if subject:
+        return [Text.assemble((subject, "bold"), lines[0]), *lines[1:]]
+    return lines
 
 
 def _console(*, stderr: bool) -> Console:
@@ -160,7 +162,10 @@ def _bar_report(bars: Progress) -> Report:
             tasks[label] = (bars.add_task(label, total=total, rate=""), monotonic())
         task, begun = tasks[label]
         seconds = monotonic() - begun
-        rate = f"{done / seconds:,.0f}/s" if done and seconds > 0.2 else ""
+        if done and seconds > 0.2:
+            rate = f"{done / seconds:,.0f}/s"
+        else:
+            rate = ""
         bars.update(task, completed=done, total=total, rate=rate)  # type: ignore[arg-type]  # rich's TaskID is an int
 
     return report
@@ -176,8 +181,14 @@ def _line_report() -> Report:
         start, first = begun.setdefault(label, (now, done))
         if now - last >= _SECONDS_BETWEEN_LINES:
             last = now
-            rate = (done - first) / (now - start) if now > start else 0.0
-            left = f", {rate:,.0f}/s, {(total - done) / rate:,.0f} s left" if rate > 0.5 and total > done else ""
+            if now > start:
+                rate = (done - first) / (now - start)
+            else:
+                rate = 0.0
+            if rate > 0.5 and total > done:
+                left = f", {rate:,.0f}/s, {(total - done) / rate:,.0f} s left"
+            else:
+                left = ""
             say(f"{label}: {done} of {total}{left}")
 
     return report
@@ -193,7 +204,10 @@ def print_blocks(blocks: Iterable[Block]) -> None:
     """Print to stdout: headings bold, notes dim, tables aligned, blank lines between."""
     console = screen()
     for number, block in enumerate(blocks):
-        parts = section_parts(block, console.width) if isinstance(block, Section) else block
+        if isinstance(block, Section):
+            parts = section_parts(block, console.width)
+        else:
+            parts = block
         show(console, [*([""] if number else []), *parts])
 
 
@@ -228,7 +242,10 @@ def fitted(blocks: Sequence[Block], optional: Sequence[Section] = (), cut: Seque
         while low < high:
             middle = (low + high + 1) // 2
             kept[place] = _cut(section, middle)
-            low, high = (middle, high) if lines() <= BRIEF else (low, middle - 1)
+            if lines() <= BRIEF:
+                low, high = (middle, high)
+            else:
+                low, high = (low, middle - 1)
         kept[place] = _cut(section, low)
     return kept
 
@@ -243,7 +260,10 @@ def _cut(section: Section, number: int) -> Section:
 
 def _height(console: Console, block: Block) -> int:
     """Lines of a block on a console."""
-    parts = section_parts(block, console.width) if isinstance(block, Section) else block
+    if isinstance(block, Section):
+        parts = section_parts(block, console.width)
+    else:
+        parts = block
     with console.capture() as capture:
         for part in parts:
             console.print(part)
@@ -299,7 +319,9 @@ def _place(text: str, room: int) -> int:
     near = [place for place, letter in enumerate(text[: room + 1]) if letter == " "]
     late = [place for place in near if place > room // 5] or near
     if not late:
-        return text.find(" ") if " " in text else len(text)
+        if " " in text:
+            return text.find(" ")
+        return len(text)
     kinds = {place: _kind_of_break(text[place - 1], text[place + 1 :]) for place in late}
     return min(late, key=lambda place: (kinds[place] == _PLAIN, depths[place], kinds[place], -place))
 
@@ -434,7 +456,9 @@ def check_different(targets: Mapping[str, str | None]) -> None:
 
 def kept(folder: str | None) -> str:
     """What becomes of finished work after an interruption."""
-    return f"finished work is kept in {folder}; run the same command to continue" if folder else "--out keeps the work"
+    if folder:
+        return f"finished work is kept in {folder}; run the same command to continue"
+    return "--out keeps the work"
 
 
 def write(content: Any, target: str) -> None:

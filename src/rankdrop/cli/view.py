@@ -105,7 +105,10 @@ def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions
     from rankdrop.viewer.server import Viewer, Wishes
 
     model, task = open_arm(robot, arm, tool)
-    played = None if options.trajectory is None else motion.read_trajectory(options.trajectory, model, deg=tool.deg)
+    if options.trajectory is None:
+        played = None
+    else:
+        played = motion.read_trajectory(options.trajectory, model, deg=tool.deg)
     wishes = Wishes(
         q=None if options.q is None else np.array(parse_configuration(options.q, model, deg=tool.deg)),
         analysis=None if options.analysis is None else results.Analysis.load(options.analysis),

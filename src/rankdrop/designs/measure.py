@@ -65,7 +65,9 @@ def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
             derived = conditions(robot, task, method="tree", seconds=SECONDS["auto"], points=0, special=False)
     except RankdropError:
         return None
-    return derived if derived.complete and derived.letters else None
+    if derived.complete and derived.letters:
+        return derived
+    return None
 
 
 def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tuple[ExactFamily, ...] | None:
@@ -107,7 +109,10 @@ def families_of(
     own, inner = in_units(robot), task_in_units(task, robot)
     rank = generic_rank(own, inner)
     derived = with_lengths_of(robot, task, nominal)
-    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
+    if derived is None:
+        known = None
+    else:
+        known = [one.in_units(robot).as_family(own) for one in derived]
 
     def once(corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
         """Families of one corank; nominal ones that have no real configuration with these lengths are left out."""
@@ -120,7 +125,10 @@ def families_of(
 
     def settled(corank: int) -> CorankFamilies:
         """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
-        here = None if known is None else [one for one in known if one.corank == corank]
+        if known is None:
+            here = None
+        else:
+            here = [one for one in known if one.corank == corank]
         tested = once(corank, 1, here)
         for times, given in ([] if here is None else [(MORE[0], here)]) + [(times, None) for times in MORE]:
             if holds(tested.summary, tested.families):
@@ -233,7 +241,10 @@ def _slow(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Meas
 
 
 def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Measured:
-    rpy = None if asked["rpy"] is None else np.array(asked["rpy"])
+    if asked["rpy"] is None:
+        rpy = None
+    else:
+        rpy = np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
     sigma, q, lowest = reached(problem, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed)
     there = np.isfinite(sigma)
@@ -254,7 +265,10 @@ def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Me
     values: Record = {"sigma": entry["sigma"], "reached": float(there.mean())}
     if asked["speed"] is not None:
         entry["slow"] = _slow_poses(problem, targets, asked, seed, oriented=rpy is not None)
-        values["slow_poses"] = None if entry["slow"] is None else entry["slow"]["share"]
+        if entry["slow"] is None:
+            values["slow_poses"] = None
+        else:
+            values["slow_poses"] = entry["slow"]["share"]
     return {"region": entry}, values
 
 
@@ -276,7 +290,10 @@ def _paths(problem: Problem, known: Analysis, asked: Mapping[str, Any], _: int) 
     values: Record = {}
     for measure, key in (("path_sigma", "sigma"), ("path_distance", "distance")):
         each = [row[key] for row in rows]
-        values[measure] = None if None in each else min(each)
+        if None in each:
+            values[measure] = None
+        else:
+            values[measure] = min(each)
     return {"paths": rows}, values | {"paths_free": sum(row["verdict"] == FREE for row in rows) / len(rows)}
 
 
@@ -321,7 +338,10 @@ def variants(plan: Record, chunk: int) -> bytes:
     drawing, task = Drawing(**plan["drawing"]), restored(Task, plan["task"])
     places = [[Place(*one) for one in parameter] for parameter in plan["places"]]
     searched = any(plan["asks"][ask] is not None for ask in NEED_FAMILIES)
-    nominal = _nominal(json.dumps([plan["drawing"], plan["task"]])) if searched else None
+    if searched:
+        nominal = _nominal(json.dumps([plan["drawing"], plan["task"]]))
+    else:
+        nominal = None
     size = plan["size"]
     lines = []
     for number, values in plan["variants"][chunk * size : (chunk + 1) * size]:

@@ -129,7 +129,10 @@ class Designs(Result):
             return f"Incomplete: {len(self.failed):,} of {count} could not be measured as a whole."
         if self.unverified:
             return f"Incomplete: the families of {len(self.unverified):,} of {count} do not hold."
-        parts = [self._best()] if self.pareto or self.spec.goals else [f"{count} were measured"]
+        if self.pareto or self.spec.goals:
+            parts = [self._best()]
+        else:
+            parts = [f"{count} were measured"]
         if self.structures:
             sets = len(self.structures)
             parts.append("all have the same families" if sets == 1 else f"they have {sets} different sets of families")
@@ -146,7 +149,10 @@ class Designs(Result):
             return f"Variant {self.pareto[0] + 1} is the best of {count}"
         if self.ranking.differ:
             others = variants - best
-            worse = f", {others:,} {'is' if others == 1 else 'are'} worse by more than the error" if others else ""
+            if others:
+                worse = f", {others:,} {'is' if others == 1 else 'are'} worse by more than the error"
+            else:
+                worse = ""
             return f"{best:,} of {count} are Pareto-optimal{worse}"
         return f"{best:,} of {count} cannot be distinguished by their measures"
 
@@ -155,7 +161,10 @@ class Designs(Result):
         """The lines printed first: the result, the best variant or one of several, ranges of measures, what is next."""
         titles = [*(one.name for one in self.parameters), *self.measures]
         best = [self.row(self.records[number]) for number in self._in_order(self.pareto)[:1]]
-        head = "Best" if len(self.pareto) == 1 else f"One of {len(self.pareto)}"
+        if len(self.pareto) == 1:
+            head = "Best"
+        else:
+            head = f"One of {len(self.pareto)}"
         known = {name: [x for x in self.values(name) if x is not None] for name in self.measures}
         ranges = [f"{name} {measure_text(name, min(values))} … {measure_text(name, max(values))}"
                   for name, values in known.items() if values]  # fmt: skip
@@ -173,7 +182,10 @@ class Designs(Result):
             (one.name, ", ".join(map(str, one.places)), shown(one.lower, one), shown(one.upper, one))
             for one in self.parameters
         )
-        where = "inside the joint limits" if self.spec.limits else "the whole joint space"
+        if self.spec.limits:
+            where = "inside the joint limits"
+        else:
+            where = "the whole joint space"
         spec = self.spec
         about = f"{len(self.records):,} variants ({spec.kind}); task {spec.task.name}; {where}; seed {spec.seed}"
         after = (f"σ has translation divided by {self.spec.task.length_scale:.4g} m, for every variant",)
@@ -303,7 +315,9 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     if measure == "slow_poses":
         slow = [one["slow"] for one in regions if one.get("slow")]
         wide = max((one["interval"][1] - one["interval"][0] for one in slow), default=0.0)
-        return slow_poses_note(slow[0]["slower_than"], wide) if slow else ""
+        if slow:
+            return slow_poses_note(slow[0]["slower_than"], wide)
+        return ""
     if measure == "sigma":
         wide_bounds = sum(not one.get("narrow") for one in regions)
         return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
@@ -311,8 +325,13 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
               "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
     shares = tables.get(measure, [])
     most = max((float(one["error"]) for one in shares), default=0.0)
-    larger = " or more" if any(one["bound"] for one in shares) else ""
-    return f", by samples: ± {APART * 100 * most:.2g} %{larger}" if most else ""
+    if any(one["bound"] for one in shares):
+        larger = " or more"
+    else:
+        larger = ""
+    if most:
+        return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
+    return ""
 
 
 def measure_cell(name: str, record: Mapping[str, Any]) -> str:
@@ -342,7 +361,9 @@ def measure_text(name: str, value: float | None) -> str:
         return "–"
     if UNITS[name] == "share":
         return f"{100 * value:.3g} %"
-    return f"{int(value)}" if UNITS[name] == "" else f"{value:.4g}{' rad' if UNITS[name] == 'rad' else ''}"
+    if UNITS[name] == "":
+        return f"{int(value)}"
+    return f"{value:.4g}{' rad' if UNITS[name] == 'rad' else ''}"
 
 
 ROWS = 1000
@@ -517,7 +538,10 @@ class SideBySide(Result):
                      for i, one in enumerate(self.records)))
             for name in self.measures
         ]  # fmt: skip
-        where = "inside the joint limits" if self.limits else "the whole joint space"
+        if self.limits:
+            where = "inside the joint limits"
+        else:
+            where = "the whole joint space"
         notes = [f"σ has translation divided by {self.task.length_scale:.4g} m for every arm; ← best",
                  *(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in self.measures)]  # fmt: skip
         yield Section("Side by side", f"task {self.task.name}; {where}; seed {self.seed}", columns=("", *self.names),
@@ -531,7 +555,9 @@ class SideBySide(Result):
 
     def _ranked_best(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)
-        return best if measure != "families" and len(best) < len(self.names) else ()
+        if measure != "families" and len(best) < len(self.names):
+            return best
+        return ()
 
 
 def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
@@ -548,7 +574,10 @@ def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
         at = ", ".join(f"{x:.3g}" for x in one["region"]["at"])
         lines.append(f"σ over the region is smallest at ({at}) m: {one['region']['sigma']:.4g}".replace("-", "−"))
     for path in one.get("paths", []):
-        told = f": {path['why']}" if path["sigma"] is None else f", smallest σ {path['sigma']:.4g}"
+        if path["sigma"] is None:
+            told = f": {path['why']}"
+        else:
+            told = f", smallest σ {path['sigma']:.4g}"
         lines.append(f"{path['name']}: {path['verdict']}{told}")
     columns = ("corank", "family", "dim", "near") if rows else ()
     return Section(name, about, lines=tuple(lines), columns=columns, rows=rows, texts=(1,))

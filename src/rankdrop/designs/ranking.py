@@ -103,7 +103,10 @@ def form_of(family: Family, robot: Robot) -> Form:
     for pin in sorted(family.pinned, key=lambda pin: pin.number):
         slides = robot.variables[pin.number - 1].kind is JointKind.PRISMATIC
         if slides:
-            kept = [0.0] if any(abs(value) <= _ZERO for value in pin.values) else []
+            if any(abs(value) <= _ZERO for value in pin.values):
+                kept = [0.0]
+            else:
+                kept = []
             others = sum(abs(value) > _ZERO for value in pin.values)
         else:
             angles = sorted(round(degrees(value), 6) + 0.0 for value in pin.values)
@@ -120,7 +123,10 @@ def key_of(form: Form) -> str:
     for number, slides, values, others in pins:
         told = [f"{value:g}{' m' if slides else '°'}".replace("-", "−") for value in values]
         parts.append(f"{'q' if slides else 'θ'}{number} = {', '.join(told + [f'{others} other'] * (others > 0))}")
-    tied = [f"joints {', '.join(map(str, coupled))} coupled"] if coupled else []
+    if coupled:
+        tied = [f"joints {', '.join(map(str, coupled))} coupled"]
+    else:
+        tied = []
     return f"k{corank}, dim {dimension}: {'; '.join([*parts, *tied]) or 'everywhere'}"
 
 
@@ -142,7 +148,9 @@ def forms_of(record: Mapping[str, Any]) -> dict[str, Form] | None:
 def keys_of(record: Mapping[str, Any]) -> tuple[str, ...] | None:
     """The keys of a variant's families, sorted, each once; None where they were not asked for or do not hold."""
     forms = forms_of(record)
-    return None if forms is None else tuple(forms)
+    if forms is None:
+        return None
+    return tuple(forms)
 
 
 def _union(forms: Sequence[Form]) -> Form:
@@ -261,7 +269,9 @@ def deviations(record: Record, measure: str) -> Array:
 
 def _of_mean(values: Array) -> Array:
     """Of the mean of samples."""
-    return np.asarray((values - values.mean()) / len(values)) if len(values) else values
+    if len(values):
+        return np.asarray((values - values.mean()) / len(values))
+    return values
 
 
 def proven_bounds(record: Record, measure: str) -> tuple[float, float]:
@@ -314,7 +324,10 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
     def better(name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
         """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
         lower, upper = np.array([proven_bounds(one, name) for one in ranked]).T
-        low, high = (lower, upper) if goals[name] == "less" else (-upper, -lower)
+        if goals[name] == "less":
+            low, high = (lower, upper)
+        else:
+            low, high = (-upper, -lower)
         return _smaller(low, high, spreads[name], beyond, rows, columns)
 
     def dominated(rows: Rows) -> NDArray[np.bool_]:

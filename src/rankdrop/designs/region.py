@@ -185,7 +185,9 @@ class _Proof:
             best[i] = self.sought_again(_Worst(float(sigma[i]), places[i], q[i]))
             sigma[i] = best[i].sigma
         least = min(best.values(), key=lambda one: one.sigma, default=None)
-        return least if least is not None and least.sigma < below else None
+        if least is not None and least.sigma < below:
+            return least
+        return None
 
     def sought_again(self, one: _Worst) -> _Worst:
         """The best posture at a pose, by more starts."""
@@ -256,7 +258,10 @@ class _Proof:
             if not len(rows):
                 break
             wide = (np.abs(v[rows]) @ y[rows, :, None])[:, :, 0] * _OUTWARDS
-            turned = np.zeros(len(rows)) if self.upright else wide @ self.coupling.T @ self.turning
+            if self.upright:
+                turned = np.zeros(len(rows))
+            else:
+                turned = wide @ self.coupling.T @ self.turning
             needed = push(rows, turned)
             bound = enclose(robot, reach, q[rows], wide / np.asarray(reach.scale) * _OUTWARDS)[2]
             matrix = -bound
@@ -306,7 +311,10 @@ class _Proof:
             rest = np.setdiff1d(open_, chosen)
             c, h = self._left(goal, *_split(centre[chosen], half[chosen], weight))
             tested += 2 * len(chosen)
-            value = self._most(c, h) if len(c) else np.zeros(0)
+            if len(c):
+                value = self._most(c, h)
+            else:
+                value = np.zeros(0)
             best = self._better(goal, c[np.argsort(-value, kind="stable")[:_TRIED]], best)
             centre, half, top = (np.concatenate([x[rest], new]) for x, new in ((centre, c), (half, h), (top, value)))
         return max(float(top.max(initial=0.0)), best.sigma * (1.0 + NARROW)), best, tested
@@ -317,7 +325,9 @@ class _Proof:
             return best
         q, sigma = self.postures.found(np.repeat(goal[None], len(starts), axis=0), starts)
         k = int(sigma.argmax())
-        return best._replace(sigma=float(sigma[k]), q=q[k]) if sigma[k] > best.sigma else best
+        if sigma[k] > best.sigma:
+            return best._replace(sigma=float(sigma[k]), q=q[k])
+        return best
 
     def _span(self) -> tuple[Array, Array] | None:
         """Centre and half-widths (n,) of all configurations; None where a joint without limits has no whole turn."""
@@ -341,7 +351,10 @@ class _Proof:
         if self.postures.wanted.rows[-1] >= ROWS_OF_POSITION:
             return idle
         drivers, arm = self.robot.drivers, np.asarray(self.reach.arm)
-        most = 1 if self.task.rows[-1] >= ROWS_OF_POSITION else len(drivers)
+        if self.task.rows[-1] >= ROWS_OF_POSITION:
+            most = 1
+        else:
+            most = len(drivers)
         for i in range(len(drivers) - 1, len(drivers) - 1 - most, -1):
             joint = self.robot.joints[i]
             if joint.slides or joint.pitch or arm[i] > _ROUNDING * self.reach.length or drivers.count(drivers[i]) > 1:

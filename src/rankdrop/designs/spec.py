@@ -64,7 +64,9 @@ class Parameter:
     @property
     def unit(self) -> str:
         """ "m" or "rad"."""
-        return "m" if self.measure == "length" else "rad"
+        if self.measure == "length":
+            return "m"
+        return "rad"
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,10 @@ class Asks:
     def measures(self) -> list[str]:
         """Names of the measures that result: the columns of the table."""
         names = [name for ask in ASKS if getattr(self, ask) is not None for name in _MEASURES[ask]]
-        speed = None if self.region is None else self.region.get("speed")
+        if self.region is None:
+            speed = None
+        else:
+            speed = self.region.get("speed")
         return [name for name in names if name != "slow_poses" or speed is not None]
 
 
@@ -208,7 +213,10 @@ def _place(where: str, file: str, lines: Lines | None) -> str:
     shown, _, number = table.rstrip("]").partition("[")
     parts = [file] if file else []
     if lines is not None:
-        own = (shown, int(number) if number else None, key) if key or number else ("", None, shown)
+        if key or number:
+            own = (shown, int(number) if number else None, key)
+        else:
+            own = ("", None, shown)
         titled = lines.get((name, None, ""))  # [parameters.x] has a line of its own
         parts[0] += f", line {lines.get(own) or titled or line_of(lines, *own)}"
     if shown:
@@ -263,7 +271,9 @@ def _whole_number(value: Any, where: str, least: int, most: int, key: str = "") 
 
 
 def _length(value: Any, where: str) -> float | None:
-    return None if value is None else quantity(value, "length", where=where)
+    if value is None:
+        return None
+    return quantity(value, "length", where=where)
 
 
 def _speed(value: Any, where: str, measure: str) -> float:
@@ -273,7 +283,9 @@ def _speed(value: Any, where: str, measure: str) -> float:
 
 
 def _region_speed(value: Any, where: str, measure: str) -> float | None:
-    return None if value is None else _speed(value, where, measure)
+    if value is None:
+        return None
+    return _speed(value, where, measure)
 
 
 def _width(value: Any, where: str, most: float) -> float:
@@ -454,7 +466,10 @@ def _parameter(drawing: Drawing, entry: Any, where: str) -> Parameter:
     _require(
         lower < upper, OptionError("lower is not below upper", where=where, got=f"lower {lower:g}, upper {upper:g}")
     )
-    steps = _whole_number(entry["steps"], where, 2, 100_000, "steps") if "steps" in entry else 0
+    if "steps" in entry:
+        steps = _whole_number(entry["steps"], where, 2, 100_000, "steps")
+    else:
+        steps = 0
     values = tuple(lower + (upper - lower) * i / (steps - 1) for i in range(steps))
     return Parameter(name, places, measure, values, lower, upper)
 
@@ -520,7 +535,10 @@ def _variants(listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[flo
         OptionError("variants is a list of tables", where="variants", allowed="[[variants]], one or more"),
     )
     for index, entry in enumerate(listed):
-        got = ", ".join(entry) if isinstance(entry, Mapping) else repr(entry)
+        if isinstance(entry, Mapping):
+            got = ", ".join(entry)
+        else:
+            got = repr(entry)
         _require(
             isinstance(entry, Mapping) and sorted(entry) == sorted(names),
             OptionError(
@@ -580,4 +598,6 @@ def _pareto(table: Mapping[str, Any], known: list[str]) -> dict[str, str]:
 
 def finite(value: float | None) -> float | None:
     """The number, or None for what is none: JSON has no infinity."""
-    return None if value is None or not isfinite(value) else float(value)
+    if value is None or not isfinite(value):
+        return None
+    return float(value)

@@ -77,7 +77,10 @@ def sweep(
         >>> found.values("families")
         [1, 1]
     """
-    read = spec_of(spec) if isinstance(spec, Mapping) else read_spec(spec)
+    if isinstance(spec, Mapping):
+        read = spec_of(spec)
+    else:
+        read = read_spec(spec)
     if precision is not None:
         read = refined(read, precision)
     values = variants_of(read)
@@ -91,7 +94,10 @@ def sweep(
         (json.loads(line) for _, content in made for line in content.splitlines()), key=lambda one: one["number"]
     )
     asked = read.asks.families
-    exact = _exact(read, records, tell) if asked is not None and asked["exact"] else ()
+    if asked is not None and asked["exact"]:
+        exact = _exact(read, records, tell)
+    else:
+        exact = ()
     return Designs(read, records, exact, None if out is None else Path(out))
 
 
@@ -207,7 +213,10 @@ def order_of(spec: Spec, values: Array) -> list[int]:
     unit = spec.in_unit_box(values)
     strips = max(1, round(sqrt(len(values) / 4)))
     strip = np.minimum((unit[:, 0] * strips).astype(int), strips - 1)
-    second = unit[:, 1] if unit.shape[1] > 1 else unit[:, 0]
+    if unit.shape[1] > 1:
+        second = unit[:, 1]
+    else:
+        second = unit[:, 0]
     along = np.where(strip % 2 == 0, second, 1.0 - second)
     return [int(i) for i in np.lexsort((np.arange(len(values)), along, strip))]
 
@@ -260,7 +269,10 @@ def compare(
     head, asks = question_of(spec)
     drawings = _drawings(arms, as_written=head["as_written"])
     robots = [one.nominal for one in drawings]
-    scale = max(reach(robot) for robot in robots) if head["length_scale"] is None else head["length_scale"]
+    if head["length_scale"] is None:
+        scale = max(reach(robot) for robot in robots)
+    else:
+        scale = head["length_scale"]
     first = resolve_task(head["task"], robots[0])
     tasks = [_task_of(drawing, first, scale) for drawing in drawings]
     entries = [{"drawing": asdict(drawing), "task": plain(task)} for drawing, task in zip(drawings, tasks, strict=True)]

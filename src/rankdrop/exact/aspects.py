@@ -155,12 +155,17 @@ def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     trig = ring.to_trig(atom.f)
     if trig is None:
         return _text(atom.f, str(atom.f)), 1
-    sense = 1 if number_value(ratio(ring, trig, atom.f)) > 0 else -1
+    if number_value(ratio(ring, trig, atom.f)) > 0:
+        sense = 1
+    else:
+        sense = -1
     return _text(trig, text_of(ring, trig) if len(trig) <= _READABLE else ""), sense
 
 
 def _text(f: Polynomial, text: str) -> str:
-    return text if len(f) <= _READABLE else f"a polynomial of {len(f):,} terms"
+    if len(f) <= _READABLE:
+        return text
+    return f"a polynomial of {len(f):,} terms"
 
 
 def _odd(ring: Ring, atom: Atom) -> set[int]:
@@ -177,7 +182,10 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
         sine = atoms[0].value == "0"
         return SignedFactor(ring, atoms, f"{'s' if sine else 'c'}{atoms[0].joint}", periodic, 1 if sine else -1)
     read = [reading(ring, atom) for atom in atoms]
-    text = read[0][0] if len(read) == 1 else "·".join(f"({one})" for one, _ in read)
+    if len(read) == 1:
+        text = read[0][0]
+    else:
+        text = "·".join(f"({one})" for one, _ in read)
     return SignedFactor(ring, atoms, text, periodic, int(np.prod([sense for _, sense in read])))
 
 
@@ -241,7 +249,10 @@ def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
     still = lost_over_family(robot, points, task, 1)
     found = still or lost_in_sparsest_frame(robot, points[0], task, 1)
     at = out_of_units(chain.robot, points[0])
-    where = "" if still else f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
+    if still:
+        where = ""
+    else:
+        where = f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
     length = counted_length(robot)
     return tuple(words(direction, found.name, length) + where for direction in np.asarray(found.directions))
 
@@ -295,7 +306,9 @@ def _hollows(sample: Array) -> list[int]:
 def _kind(sample: Array, i: int) -> str:
     if i in (0, len(sample) - 1):
         return "starts on" if i == 0 else "ends on"
-    return "crosses" if sample[i - 1] * sample[i + 1] < 0 else "touches"
+    if sample[i - 1] * sample[i + 1] < 0:
+        return "crosses"
+    return "touches"
 
 
 def _zoomed(value: Function, low: float, high: float, *, crossing: bool) -> float:
@@ -406,11 +419,17 @@ class Between:
             )
         for i in self.open:
             zero = self.first.flags[i].sign == 0 or self.second.flags[i].sign == 0
-            why = "it is zero at one of the two" if zero else "it has no sign of its own on the torus"
+            if zero:
+                why = "it is zero at one of the two"
+            else:
+                why = "it has no sign of its own on the torus"
             found.append(f"{_title(flags[i])} decides nothing: {why}.")
         if self.crossings:
             for one in self.crossings:
-                where = "" if one.kind in _ENDS else f" at {one.at:.6g} of its length"
+                if one.kind in _ENDS:
+                    where = ""
+                else:
+                    where = f" at {one.at:.6g} of its length"
                 found.append(f"The straight way {one.kind} {one.name or one.factor}{where}.")
         else:
             found.append("The straight way meets no singularity at its sample points, nor between them by a sign.")
@@ -483,9 +502,15 @@ def configuration_flags(chain: Chain, q: ArrayLike, *, signs: Signs | None = Non
         >>> [flag.label for flag in configuration_flags(arm, [0.0, 0.4, 0.9, 0.0, -1.0, 0.0]).flags]
         ['elbow +', 'wrist −', 'shoulder −']
     """
-    known = signs if signs is not None else signs_of(chain)
+    if signs is not None:
+        known = signs
+    else:
+        known = signs_of(chain)
     configuration = one_configuration(chain.robot, q)
-    values = known.values(configuration)[0] if known.factors else ()
+    if known.factors:
+        values = known.values(configuration)[0]
+    else:
+        values = ()
     flags = tuple(
         Flag(factor.text, name, _sign(float(value)) if factor.periodic else None, float(value))
         for factor, name, value in zip(known.factors, known.names, values, strict=True)
@@ -509,7 +534,10 @@ def between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs |
         >>> between(exact_chain(open_robot("planar2r")), [0, 0.5], [0, -0.5]).sentences()[0]
         'Every path between them crosses elbow: axes 1, 2 and tip coplanar (s2): its sign differs.'
     """
-    known = signs if signs is not None else signs_of(chain)
+    if signs is not None:
+        known = signs
+    else:
+        known = signs_of(chain)
     one, two = (configuration_flags(chain, q, signs=known) for q in (first, second))
     products = [(a.sign or 0) * (b.sign or 0) for a, b in zip(one.flags, two.flags, strict=True)]
     start, end = np.array(one.q), np.array(two.q)
@@ -525,11 +553,17 @@ def between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs |
 
 
 def _sign(value: float) -> int:
-    return 0 if abs(value) <= DEFAULT.singular else (1 if value > 0 else -1)
+    if abs(value) <= DEFAULT.singular:
+        return 0
+    if value > 0:
+        return 1
+    return -1
 
 
 def _title(flag: Flag) -> str:
-    return f"{flag.name} ({flag.factor})" if flag.name else flag.factor
+    if flag.name:
+        return f"{flag.name} ({flag.factor})"
+    return flag.factor
 
 
 def _flag_words(flag: Flag) -> str:

@@ -95,7 +95,10 @@ CLEAR = 1e-8
 
 def _distance(equality: Equality, distances: Distances) -> Array:
     """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
-    parts = equality.atoms if equality.whole is None else (equality.whole,)
+    if equality.whole is None:
+        parts = equality.atoms
+    else:
+        parts = (equality.whole,)
     return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
 
 
@@ -275,8 +278,13 @@ class Derivation:
         atoms = self.atoms(p)
         if atoms is None:
             raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
-        found = atoms_on(piece, Equality(atoms), self._work.assumed) if atoms else ()
-        return None if found is None else frozenset(found)
+        if atoms:
+            found = atoms_on(piece, Equality(atoms), self._work.assumed)
+        else:
+            found = ()
+        if found is None:
+            return None
+        return frozenset(found)
 
     def branches(self, piece: ZeroSet, atoms: Atoms) -> list[ZeroSet]:
         """The disjoint parts of a set where a product vanishes: each factor in turn, those before it not."""
@@ -288,7 +296,10 @@ class Derivation:
 
     def equality(self, p: Polynomial) -> Equality:
         """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
-        atoms = self.atoms(p) if self.remaining > 0 else None
+        if self.remaining > 0:
+            atoms = self.atoms(p)
+        else:
+            atoms = None
         if atoms is None:
             self._whole += 1
             return Equality((), p)
@@ -311,7 +322,10 @@ def conjunctions(
     given = list(equalities)
     whole = [equality for equality in given if equality.whole is not None]
     sets = {frozenset(equality.atoms) for equality in given if equality.whole is None}
-    common = frozenset.intersection(*sets) if sets and not whole else frozenset()
+    if sets and not whole:
+        common = frozenset.intersection(*sets)
+    else:
+        common = frozenset()
     rest = {found - common for found in sets}
     found = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
     if all(rest):  # a polynomial that is the common factors alone leaves no more
@@ -336,7 +350,9 @@ def place_of(equality: Equality) -> tuple[int, list[str]]:
 
 def columns_on(piece: ZeroSet, columns: Columns) -> Columns:
     """A matrix with the pinned joints put in."""
-    return [[piece.ring.at(x, piece.pins) for x in column] for column in columns] if piece.pins else columns
+    if piece.pins:
+        return [[piece.ring.at(x, piece.pins) for x in column] for column in columns]
+    return columns
 
 
 def conditions_on(piece: ZeroSet) -> tuple[Equality, ...]:

@@ -106,14 +106,23 @@ def corank_one(
         OptionError: a method that is not for this arm; says why.
     """
     check_method(chain, method)
-    found = decouple(chain) if method in ("auto", "decoupling") else None
+    if method in ("auto", "decoupling"):
+        found = decouple(chain)
+    else:
+        found = None
     if found is not None:
         return _decoupled(chain, found, tree)
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
-    reason = why_not(chain) if method == "auto" else "asked for"
+    if method == "auto":
+        reason = why_not(chain)
+    else:
+        reason = "asked for"
     if method == "auto" and tree.complete and longest > _LONG:
         return _by_tree(tree, f"{reason}. With conditions of {longest} terms no second method comes to an end")
-    name = _chosen(chain, tree) if method == "auto" else method
+    if method == "auto":
+        name = _chosen(chain, tree)
+    else:
+        name = method
     if name == "tree":
         return _by_tree(tree, reason)
     if name == "suppression":
@@ -127,7 +136,9 @@ def _chosen(chain: Chain, tree: Tree) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
     if chain.task.m == 6 and 6 < chain.n <= WIDE and tree.generic_rank == 6 and not chain.coupled:
         return "suppression"
-    return "determinant" if chain.n == chain.task.m == tree.generic_rank else "tree"
+    if chain.n == chain.task.m == tree.generic_rank:
+        return "determinant"
+    return "tree"
 
 
 def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:

@@ -87,7 +87,10 @@ def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
     if not _has_line(scene, bundle[0], others):
         return ""
     met = tuple(i + 1 for i in others if not scene.parallel[bundle[0], i].any())
-    which = f"axes {listed(met)}" if len(met) > 1 else f"axis {listed(met)}"
+    if len(met) > 1:
+        which = f"axes {listed(met)}"
+    else:
+        which = f"axis {listed(met)}"
     return f"the points of the line that is parallel to axes {listed(group)} and meets {which} cannot move along it"
 
 
@@ -115,7 +118,10 @@ def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
     scene = Scene(robot, points)
     centre = scene.common_point([j - 1 for j in group])[0]
     own = [j - 1 for j in joints]
-    name = f"{part} centre" if part in ("wrist", "shoulder") else "centre"
+    if part in ("wrist", "shoulder"):
+        name = f"{part} centre"
+    else:
+        name = "centre"
     if joints == group:
         for i, j in combinations(own, 2):
             if _lost(np.cross(scene.z[i], scene.z[j]), scene.screws[:, 3:, own]):
@@ -134,7 +140,10 @@ def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Itera
     axes = [i for i in own if i in scene.axes]
     for i, j in pairwise(axes):
         if scene.meeting(i, j).all():
-            shoulder = "the shoulder, " if (i, j) == (0, 1) else ""
+            if (i, j) == (0, 1):
+                shoulder = "the shoulder, "
+            else:
+                shoulder = ""
             meeting = scene.common_point((i, j))[0]
             yield f"along the line from {shoulder}where axes {i + 1} and {j + 1} meet, to it", centre - meeting
     for i in axes:
@@ -287,7 +296,10 @@ def decouple(chain: Chain) -> Decoupling | None:
         >>> [(block.name, [part.roles[0] for part in block.parts]) for block in found.blocks]
         [('arm', ['elbow', 'shoulder']), ('wrist', ['wrist'])]
     """
-    form = block_form(chain, structure_of(chain)) if chain.n == chain.task.m else None
+    if chain.n == chain.task.m:
+        form = block_form(chain, structure_of(chain))
+    else:
+        form = None
     if form is None:
         return None
     halves = ((form.group, form.group_rows), (form.rest, form.rest_rows))
@@ -307,7 +319,12 @@ def why_not(chain: Chain) -> str:
         return "joints follow others"
     structure = structure_of(chain)
     near = "".join(f"; near-structural: {one.text}" for one in structure.near)
-    part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
+    if structure.wrist:
+        part = "wrist"
+    elif structure.shoulder:
+        part = "shoulder"
+    else:
+        part = ""
     if n > m and not (pose and part):
         return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks{near}"
     if n > m:
@@ -322,7 +339,10 @@ def why_not(chain: Chain) -> str:
         return "the arm is singular at every configuration"
     if block_form(chain, structure) is not None:
         return ""
-    groups = "no three axes meet in one point, are parallel or slide: " if pose else ""
+    if pose:
+        groups = "no three axes meet in one point, are parallel or slide: "
+    else:
+        groups = ""
     return f"{groups}the Jacobian stays in one piece{near}"
 
 
@@ -390,7 +410,10 @@ class Determinants:
         found = [self.meaning]
         for one in self.minors:
             found += [one.about] if one.about else []
-            name = self.product if self.product and one.name == "det J" else one.name
+            if self.product and one.name == "det J":
+                name = self.product
+            else:
+                name = one.name
             found.append(Formula(f"{name} = {one.value.text(most)}"))
         return (*found, *(f"not done: {what}" for what in self.left))
 
@@ -427,7 +450,10 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         try:
             work.check()
             found = chain.ring.determinant([[chain.columns[j - 1][i] for j in joints] for i in place])
-            found = found * _sign(chain, found, joints) if len(rows) == chain.task.m else found
+            if len(rows) == chain.task.m:
+                found = found * _sign(chain, found, joints)
+            else:
+                found = found
             value = _value(chain.ring, found, work)
         except OutOfTime:
             left.append(name)
@@ -461,7 +487,10 @@ def _chosen(chain: Chain) -> Iterator[tuple[str, tuple[int, ...], tuple[int, ...
     if chain.n == len(rows):
         yield "det J", joints, rows
     elif chain.n > len(rows):
-        letter = "$" if len(rows) == 6 and not chain.coupled else "J"
+        if len(rows) == 6 and not chain.coupled:
+            letter = "$"
+        else:
+            letter = "J"
         for some in combinations(joints, len(rows)):
             yield f"|{' '.join(f'{letter}{j}' for j in some)}|", some, rows
     else:
@@ -473,14 +502,23 @@ def _meaning(chain: Chain) -> str:
     n, rows = chain.n, chain.task.rows
     told = ", ".join(ROWS[r] for r in rows)
     everywhere = rows in (POSE, POSITION, ORIENTATION)
-    axes = "the same number in the axes of every link" if everywhere else "in the axes of the task"
+    if everywhere:
+        axes = "the same number in the axes of every link"
+    else:
+        axes = "in the axes of the task"
     if n == len(rows):
         return f"rows {told}, joints 1 to {n}: {axes}"
     if n > len(rows):
         screws = len(rows) == 6 and not chain.coupled
-        column = "$j = (v; ω) is the screw of joint j" if screws else f"Jj is column j of J, rows {told}"
+        if screws:
+            column = "$j = (v; ω) is the screw of joint j"
+        else:
+            column = f"Jj is column j of J, rows {told}"
         return f"{column}: the rank drops where all of these minors vanish; {axes}"
-    where = f"rows in the frame of link {chain.frame}" if rows == POSE else "rows in axes in which they are short"
+    if rows == POSE:
+        where = f"rows in the frame of link {chain.frame}"
+    else:
+        where = "rows in axes in which they are short"
     return f"each minor is made of as many rows as there are joints, {where}: the rank drops where all of them vanish"
 
 

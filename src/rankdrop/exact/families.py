@@ -83,11 +83,17 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
         text = letters_text(chain.ring, found)
         if sign_of(chain, found) < 0:
             none = np.empty((0, n))
-            proof = f"{text} ≥ 0 does not hold" if text else "a negative discriminant"
+            if text:
+                proof = f"{text} ≥ 0 does not hold"
+            else:
+                proof = "a negative discriminant"
             return Reality(none, False, proof, text, none)
         if text and not is_number(found) and not _always(chain, found):
             words.append(f"{text} ≥ 0")
-    condition = "real if and only if " + " and ".join(words) if words else ""
+    if words:
+        condition = "real if and only if " + " and ".join(words)
+    else:
+        condition = ""
     return replace(real_points(chain, piece, rank, rng), condition=condition)
 
 
@@ -112,11 +118,17 @@ def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generato
         if not good.any():
             q, good = system.solve_flat(starts, along=moving, iterations=200)
     sigma = singular_values(chain.own, q, chain.own_task)
-    full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(REAL_STARTS)
+    if rank < sigma.shape[1]:
+        full = sigma[:, rank]
+    else:
+        full = np.zeros(REAL_STARTS)
     strays = q[good & (full > RANK_HIGHER)]
     unclear = int((good & (full > DEFAULT.singular) & (full <= RANK_HIGHER)).sum())
     good &= full <= DEFAULT.singular
-    good &= (sigma[:, rank - 1] > RANK_KEPT) if rank else True
+    if rank:
+        good &= sigma[:, rank - 1] > RANK_KEPT
+    else:
+        good &= True
     q = q[good]
     if not equations or not len(q):
         return Reality(q, len(q) > 0, "", "", strays, unclear)
@@ -300,9 +312,15 @@ def real_sets(
                 piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
                 systems = len(work.unresolved)
                 work.without_points.clear()
-                thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
+                if found.real or found.proof:
+                    thinner = []
+                else:
+                    thinner = _thinner(chain, piece, work)
         except (Exception, KeyboardInterrupt) as stop:
-            what = failure(stop) if isinstance(stop, Exception) else "interrupted"
+            if isinstance(stop, Exception):
+                what = failure(stop)
+            else:
+                what = "interrupted"
             left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not searched for real points")
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
@@ -493,7 +511,10 @@ def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:
     rounded = q.copy()
     for joint in range(chain.n):
         tried = rounded.copy()
-        tried[:, joint] = 0.0 if joint in (0, chain.n - 1) else np.round(tried[:, joint] / _ROUND) * _ROUND
+        if joint in (0, chain.n - 1):
+            tried[:, joint] = 0.0
+        else:
+            tried[:, joint] = np.round(tried[:, joint] / _ROUND) * _ROUND
         if joint + 1 not in pins and _holds(chain, rank, tried):
             rounded = tried
     sigma = singular_values(chain.own, rounded, chain.own_task)
@@ -503,6 +524,12 @@ def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:
 
 def _holds(chain: Chain, rank: int, q: Array) -> bool:
     sigma = singular_values(chain.own, q, chain.own_task)
-    low = sigma[:, rank:].max(axis=1) if rank < sigma.shape[1] else np.zeros(len(q))
-    high = sigma[:, rank - 1] if rank else np.ones(len(q))
+    if rank < sigma.shape[1]:
+        low = sigma[:, rank:].max(axis=1)
+    else:
+        low = np.zeros(len(q))
+    if rank:
+        high = sigma[:, rank - 1]
+    else:
+        high = np.ones(len(q))
     return bool((low <= DEFAULT.singular).all() and (high > RANK_KEPT).all())

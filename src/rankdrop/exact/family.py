@@ -208,7 +208,10 @@ def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
 def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point]) -> Polynomial | None:
     """The polynomial of Σ turns_j θ_j = value where that holds at all points for a simple value."""
     met = {_sum(turns, point) for point in points}
-    value = _SIMPLE.get(met.pop()) if len(met) == 1 else None
+    if len(met) == 1:
+        value = _SIMPLE.get(met.pop())
+    else:
+        value = None
     if value is None:
         return None
     real, imaginary = ring.half.constant(1), ring.half.constant(0)
@@ -329,7 +332,9 @@ def _different(one: Pins, two: Pins) -> int | None:
     if set(one) != set(two):
         return None
     joints = [joint for joint in one if one[joint] != two[joint]]
-    return joints[0] if len(joints) == 1 else None
+    if len(joints) == 1:
+        return joints[0]
+    return None
 
 
 def _order(row: Row) -> tuple[object, ...]:

@@ -40,7 +40,11 @@ def sign_of(chain: Chain, f: Polynomial) -> int:
     """Sign of f at the arm's own lengths: −1, 0 or 1."""
     parts = _terms(chain, f)
     value, size = sum(parts, Fraction(0)), sum(map(abs, parts), Fraction(0))
-    return 0 if abs(value) <= Fraction(ROUNDED_LENGTHS) * size else (1 if value > 0 else -1)
+    if abs(value) <= Fraction(ROUNDED_LENGTHS) * size:
+        return 0
+    if value > 0:
+        return 1
+    return -1
 
 
 def _terms(chain: Chain, f: Polynomial) -> list[Fraction]:
@@ -85,7 +89,9 @@ def letters_text(ring: Ring, f: Polynomial) -> str:
         text = sum_text(ring, kept)
         parts.append((f"({text})" if len(kept) > 1 and len(factors) + power > 2 else text) + _power(int(power)))
     text = " ".join(parts)
-    return f"−{text}" if negative and text else text
+    if negative and text:
+        return f"−{text}"
+    return text
 
 
 def sum_text(ring: Ring, f: Polynomial) -> str:
@@ -105,7 +111,9 @@ def sum_text(ring: Ring, f: Polynomial) -> str:
 
 
 def _power(e: int) -> str:
-    return "" if e == 1 else str(e).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    if e == 1:
+        return ""
+    return str(e).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 _LONG = 2000  # terms of a condition that is factored at the arm's own lengths
@@ -155,7 +163,9 @@ def with_equal_lengths(chain: Chain) -> Chain | None:
         other = kept.setdefault(abs(value), name)
         if other != name:
             changed[name] = (1 if value == chain.letters[other] else -1, other)
-    return chain.with_letters(changed) if changed else None
+    if changed:
+        return chain.with_letters(changed)
+    return None
 
 
 def covered_by_numeric_tree(chain: Chain, tree: Tree, plain: Tree) -> bool:
@@ -250,14 +260,19 @@ def _words(chain: Chain, equal: _Equal, drops: Sequence[Drop], lowest: int, work
     if not rows:
         return ""
     said = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
-    more = f", and {len(rows) - _SHOWN} more families" if len(rows) > _SHOWN else ""
+    if len(rows) > _SHOWN:
+        more = f", and {len(rows) - _SHOWN} more families"
+    else:
+        more = ""
     return f"if {letter} = {'−' if sign < 0 else ''}{other}, " + "; ".join(said) + more
 
 
 def _sentence(texts: tuple[str, ...], corank: int) -> str:
     """What a family of a special arm takes away, in words."""
     lost = _NUMBERS.get(corank, str(corank))
-    return f"{texts[0]} alone loses {lost}" if len(texts) == 1 else f"{', '.join(texts)} together lose {lost}"
+    if len(texts) == 1:
+        return f"{texts[0]} alone loses {lost}"
+    return f"{', '.join(texts)} together lose {lost}"
 
 
 def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:

@@ -98,7 +98,10 @@ class LintResult:
             "too large": "is too large: some regular configurations satisfy it",
             "both": "is too small and too large",
         }[self.verdict]
-        start = "The condition" if self.complete else "As far as could be decided, the condition"
+        if self.complete:
+            start = "The condition"
+        else:
+            start = "As far as could be decided, the condition"
         found = [f"{start} {said}." if self.real else f"{start} has no real zero: it {said}."]
         for one in self.missing:
             at = _at(one.example)
@@ -190,7 +193,10 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     parsed = parse_conditions(text, chain.ring, shifts=[float(shift) for shift in chain.shifts])
     general = _Comparison(chain, parsed, pieces, {}, work)
     special = bool(chain.letters) and any(general.sizes)
-    own = _Comparison(chain, parsed, pieces, chain.letters, work) if special else general
+    if special:
+        own = _Comparison(chain, parsed, pieces, chain.letters, work)
+    else:
+        own = general
     same = own.sizes == general.sizes
     told = general if same else own  # with letters where they say the same
     missing, unreal = told.shown(told.missing, singular=True)
@@ -202,7 +208,10 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     remarks += [f"Not decided: {left}." for left in undecided]
     real = any(next(round_points(piece, chain), None) is not None for piece in own.users)
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
-    any_lengths = verdict == "exact" and same if chain.letters else None
+    if chain.letters:
+        any_lengths = verdict == "exact" and same
+    else:
+        any_lengths = None
     return LintResult(text, verdict, missing, extra, real, any_lengths, not undecided, tuple(remarks))
 
 

@@ -98,7 +98,10 @@ def determinant(builder: Derivation) -> None:
     if len(columns) == len(columns[0]):
         builder.sizes["terms"] = len(minors[0])
         equality = builder.equality(minors[0])
-        parts = [Equality((atom,)) for atom in equality.atoms] if equality.whole is None else [equality]
+        if equality.whole is None:
+            parts = [Equality((atom,)) for atom in equality.atoms]
+        else:
+            parts = [equality]
         builder.conditions += [Conjunction((part,)) for part in parts]
         builder.note("factors", terms=len(minors[0]), factors=len(parts))
         return
@@ -110,7 +113,10 @@ def determinant(builder: Derivation) -> None:
         total = total + minor * minor
     total = builder.ring.reduce(total)
     builder.sizes |= {"minors": len(minors), "terms": len(total)}
-    product = "J Jᵀ" if len(columns) > len(columns[0]) else "Jᵀ J"
+    if len(columns) > len(columns[0]):
+        product = "J Jᵀ"
+    else:
+        product = "Jᵀ J"
     builder.note("squares", product=product, minors=len(minors), terms=len(total))
     _factored(builder, Equality((), total))
 
@@ -210,7 +216,10 @@ def check_wrist(chain: Chain) -> None:
             "decomposition needs a task of all six rows", where=where, got=f"{chain.task.m} rows",
             mend="use the method determinant or cofactors",
         )  # fmt: skip
-    missing = "mimic joints" if chain.coupled else _missing(chain)
+    if chain.coupled:
+        missing = "mimic joints"
+    else:
+        missing = _missing(chain)
     if missing:
         raise OptionError(
             "decomposition needs a spherical wrist: the last three axes meet in one point", where=where, got=missing,
@@ -229,7 +238,9 @@ def _missing(chain: Chain) -> str:
     apart = [f"{name} = {float(value):.6g} m" for name, value in gaps.items() if value != 0]
     if apart:
         return ", ".join(apart)
-    return "parallel axes" if 0 in (first.twist.sin, second.twist.sin) else ""
+    if 0 in (first.twist.sin, second.twist.sin):
+        return "parallel axes"
+    return ""
 
 
 def _null_space(builder: Derivation, arm: Columns) -> list[list[Polynomial]]:
@@ -402,7 +413,10 @@ def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
         screw = _alternating([builder.minor(chosen, [i for i in range(m) if i != row]) for row in range(m)])
         if any(w != 0 for w in screw):
             found.append((joints, tuple(screw)))
-    wished = {j - 1 for j in builder.basic} if builder.basic is not None else set(range(len(columns)))
+    if builder.basic is not None:
+        wished = {j - 1 for j in builder.basic}
+    else:
+        wished = set(range(len(columns)))
     return sorted(
         found, key=lambda choice: (not wished.issuperset(choice[0]), sum(map(len, choice[1])), choice[0])
     )

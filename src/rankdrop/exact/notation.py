@@ -227,7 +227,10 @@ def number_of(value: Fraction, ring: Ring) -> Polynomial:
 def _half_of_factor(factor: Factor, ring: Ring) -> Form:
     """`half_of` for a length, a slide, a sine or cosine, or a sum."""
     if isinstance(factor, Symbol):
-        f = ring.q_half[factor.slide] if factor.slide else ring.letter_half[factor.name]
+        if factor.slide:
+            f = ring.q_half[factor.slide]
+        else:
+            f = ring.letter_half[factor.name]
         return Form(ring, f, (0,) * ring.angles)
     if isinstance(factor, Wave):
         turns = dict(factor.turns)
@@ -291,7 +294,10 @@ def fourier(form: Form) -> Product:
         for kind, value in (("cos", twice * real), ("sin", -twice * imaginary)):
             sign, one = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
             if value and sign:
-                factors = monomial if one is None else [*monomial, (one, 1)]
+                if one is None:
+                    factors = monomial
+                else:
+                    factors = [*monomial, (one, 1)]
                 parts.append(product(Fraction(value * sign, bottom), factors))
     return total(parts)
 
@@ -400,7 +406,9 @@ class Text:
     def angle_value(self, value: float) -> str:
         """An angle for people: parts of π as such, others in radians with degrees beside."""
         text = pretty_angle(value)
-        return text if "π" in text or text == "0" else f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
+        if "π" in text or text == "0":
+            return text
+        return f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
 
     def symbol(self, symbol: Symbol) -> str:
         """A length, the variable of a slide, or a root: its name; √2."""
@@ -429,17 +437,23 @@ class Text:
 
     def offset(self, wave: Wave) -> str:
         """What is added to the angle of a wave."""
-        return "" if wave.less == "0" else f" − {wave.less}"
+        if wave.less == "0":
+            return ""
+        return f" − {wave.less}"
 
     def half(self, text: str) -> str:
         """Half an angle."""
         two = self.number(Fraction(2))
-        return f"({text})/{two}" if " " in text else f"{text}/{two}"
+        if " " in text:
+            return f"({text})/{two}"
+        return f"{text}/{two}"
 
     def signed(self, parts: Sequence[tuple[bool, str]]) -> str:
         """Summands, each with whether it is negative, joined by signs."""
         text = " ".join(f"{self.minus if negative else '+'} {one}" for negative, one in parts)
-        return text[2:] if text[:1] == "+" else text.replace(" ", "", 1)
+        if text[:1] == "+":
+            return text[2:]
+        return text.replace(" ", "", 1)
 
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A factor to a power from 2 up: a raised number, before an angle in brackets."""
@@ -466,14 +480,18 @@ class Text:
         if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
             whole = form.factors[0][0]
             text = self.sum([replace(part, number=form.number * part.number) for part in whole.parts])
-            return text if self.most is None or len(text) <= self.most else f"[{describe_sum(whole)}]"
+            if self.most is None or len(text) <= self.most:
+                return text
+            return f"[{describe_sum(whole)}]"
         return self.sum([form])
 
     def fraction(self, above: Product, below: Product) -> str:
         """One form over another one, which is not the number 1 and holds no sum alone."""
         upper, lower = self.sum([self.readable(above)]), self.product(self.readable(below))
         line = "/" if self.exact else " / "
-        return f"{upper}{line}({lower})" if len(below.factors) + (below.number != 1) > 1 else f"{upper}{line}{lower}"
+        if len(below.factors) + (below.number != 1) > 1:
+            return f"{upper}{line}({lower})"
+        return f"{upper}{line}{lower}"
 
     def readable(self, form: Product) -> Product:
         """The form, equal to it, with sums of long numbers divided by the largest one."""
@@ -486,7 +504,10 @@ class Text:
     def product(self, part: Product) -> str:
         """One product without its sign."""
         number = abs(part.number)
-        factors = [self.number(number)] if number != 1 or not part.factors else []
+        if number != 1 or not part.factors:
+            factors = [self.number(number)]
+        else:
+            factors = []
         return self.times.join(factors + [self.factor(factor, power) for factor, power in part.factors])
 
     def factor(self, factor: Factor, power: int) -> str:
@@ -496,8 +517,13 @@ class Text:
             if self.most is not None and len(text if power == 1 else self.power(text, factor, power)) > self.most:
                 text = f"[{describe_sum(factor)}]"
         else:
-            text = self.symbol(factor) if isinstance(factor, Symbol) else self.wave(factor)
-        return text if power == 1 else self.power(text, factor, power)
+            if isinstance(factor, Symbol):
+                text = self.symbol(factor)
+            else:
+                text = self.wave(factor)
+        if power == 1:
+            return text
+        return self.power(text, factor, power)
 
 
 def describe_sum(factor: Factor) -> str:
@@ -543,7 +569,9 @@ class Latex(Text):
             return rf"{text}\,\mathrm{{rad}}"
         top, line, bottom = text.partition("/")
         sign = "-" * top.startswith("-")
-        return rf"{sign}\frac{{{top.removeprefix('-')}}}{{{bottom}}}" if line else text
+        if line:
+            return rf"{sign}\frac{{{top.removeprefix('-')}}}{{{bottom}}}"
+        return text
 
     def symbol(self, symbol: Symbol) -> str:
         """With a subscript."""
@@ -551,7 +579,9 @@ class Latex(Text):
 
     def theta(self, joint: int) -> str:
         """With a subscript, in braces where it has two digits."""
-        return rf"\theta_{joint}" if joint < 10 else self.angle.format(joint)
+        if joint < 10:
+            return rf"\theta_{joint}"
+        return self.angle.format(joint)
 
     def half(self, text: str) -> str:
         """A small fraction."""
@@ -565,7 +595,10 @@ class Latex(Text):
 
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A superscript, before an angle in brackets."""
-        name, bracket, rest = text.partition("(") if isinstance(factor, Wave) else (text, "", "")
+        if isinstance(factor, Wave):
+            name, bracket, rest = text.partition("(")
+        else:
+            name, bracket, rest = (text, "", "")
         return f"{name}^{{{power}}}{bracket}{rest}"
 
     def fraction(self, above: Product, below: Product) -> str:
@@ -579,9 +612,16 @@ def latex_name(name: str) -> str:
     if name in WRITTEN:
         return re.sub("√(.*)", r"\\sqrt{\1}", WRITTEN[name]).replace("cos", r"\cos").replace("°", r"^\circ")
     head, tail = re.fullmatch(r"([A-Za-z]*)_?(.*)", name, re.DOTALL).groups()  # type: ignore[union-attr] # matches all
-    head = head if len(head) == 1 else rf"\mathrm{{{head}}}"
+    if len(head) == 1:
+        head = head
+    else:
+        head = rf"\mathrm{{{head}}}"
     tail = tail.replace("_", r"\_")
-    return head if not tail else f"{head}_{tail}" if len(tail) == 1 else f"{head}_{{{tail}}}"
+    if not tail:
+        return head
+    if len(tail) == 1:
+        return f"{head}_{tail}"
+    return f"{head}_{{{tail}}}"
 
 
 @dataclass(frozen=True)
@@ -603,7 +643,9 @@ class Python(Text):
 
     def number(self, value: Fraction) -> str:
         """Whole numbers as such, others as floats."""
-        return str(value.numerator) if value.denominator == 1 and value <= EXACT else repr(float(value))
+        if value.denominator == 1 and value <= EXACT:
+            return str(value.numerator)
+        return repr(float(value))
 
     def symbol(self, symbol: Symbol) -> str:
         """Its name, or the name given for it; the value of a root."""
@@ -620,7 +662,10 @@ class Python(Text):
     def offset(self, wave: Wave) -> str:
         """Σ m_j shift_j / 2, twice that where the whole angle is halved, less what the wave says."""
         less, halved = wave.less, all(m % 2 for _, m in wave.turns)
-        text = "" if less == "0" else f" {'+' if less[0] == '-' else '-'} {self.simple(less.lstrip('-'))}"
+        if less == "0":
+            text = ""
+        else:
+            text = f" {'+' if less[0] == '-' else '-'} {self.simple(less.lstrip('-'))}"
         shifts = (m * float(self.shifts[j - 1]) for j, m in wave.turns if len(self.shifts))
         constant = sum(shifts) * (1.0 if halved else 0.5)
         return text + f" {'+' if constant > 0 else '-'} {abs(constant)!r}" * bool(constant)
@@ -712,8 +757,13 @@ def _leaf(token: str, before: str) -> str:
         plain = "".join(token[8:-1].replace("\\", "").split())
         return f"<mtext>{escape(plain)}</mtext>"
     if token.isalpha() or token[0].isdigit():
-        return f"<mi>{token}</mi>" if token.isalpha() else f"<mn>{token}</mn>"
-    form = ' form="infix"' if token in _BREAKS and before not in _LEADING else ""
+        if token.isalpha():
+            return f"<mi>{token}</mi>"
+        return f"<mn>{token}</mn>"
+    if token in _BREAKS and before not in _LEADING:
+        form = ' form="infix"'
+    else:
+        form = ""
     return f'<mo stretchy="false"{form}>{escape(_OPERATORS.get(token, token))}</mo>'
 
 

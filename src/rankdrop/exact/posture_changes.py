@@ -96,7 +96,10 @@ def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: t
     numbers = replace(chain, letters={}, written={})
     whole, pose = numbers.ring, numbers.link_pose(1, 3)
     p = [whole.reduce(sum((pose[i][h] * whole.constant(point[h]) for h in range(3)), pose[i][3])) for i in range(3)]
-    f, g = (whole.reduce(sum((x * x for x in p), whole.zero)), p[2]) if first else (p[0], p[1])
+    if first:
+        f, g = (whole.reduce(sum((x * x for x in p), whole.zero)), p[2])
+    else:
+        f, g = (p[0], p[1])
     places = [whole.trig.names().index(name) for name in ring.trig.names()]
     values = dict(zip(ring.trig.names(), ring.trig.gens(), strict=True))
     offsets = []
@@ -260,8 +263,12 @@ def decide_postures(chain: Chain) -> Decision:
     if rows == ORIENTATION and n == 3:
         return Decision(SIGNS, "orientation")
     if rows == POSE and n == 6:
-        return Decision(SIGNS, "three parallel") if _three_parallel(chain) else Decision(OPEN, "structure")
-    return Decision(SIGNS, "planar") if _planar(chain) else Decision(OPEN, "structure")
+        if _three_parallel(chain):
+            return Decision(SIGNS, "three parallel")
+        return Decision(OPEN, "structure")
+    if _planar(chain):
+        return Decision(SIGNS, "planar")
+    return Decision(OPEN, "structure")
 
 
 def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:

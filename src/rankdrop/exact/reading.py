@@ -142,7 +142,10 @@ class _Reader:
                     sides.append(self.sum())
             found.append(Node("=", start, tuple(sides), self.text[start : self.token.place].strip()))
             ended = self.token.kind == "end"
-            separator = None if ended else self.take(";", ",", "and")
+            if ended:
+                separator = None
+            else:
+                separator = self.take(";", ",", "and")
             if separator is None and not ended:
                 raise self.unexpected("an operator or the end")
             if ended or (self.token.kind == "end" and separator is not None and separator.name == ";"):
@@ -169,9 +172,15 @@ class _Reader:
         """Power { [* | /] Power }: side by side is a product, too; a factor after a sign may have a −."""
         parts = [self.power()]
         while (sign := self.take("*", "/")) is not None or self.starts_primary():
-            minus = self.take("-") if sign is not None else None
+            if sign is not None:
+                minus = self.take("-")
+            else:
+                minus = None
             part = self.power()
-            part = part if minus is None else Node("-", minus.place, (part,))
+            if minus is None:
+                part = part
+            else:
+                part = Node("-", minus.place, (part,))
             parts.append(Node("/", part.place, (part,)) if sign is not None and sign.name == "/" else part)
         return _together("*", parts)
 
@@ -185,7 +194,9 @@ class _Reader:
         return self.raise_to_power(self.primary(), self.exponent())
 
     def raise_to_power(self, node: Node, exponent: Fraction | None) -> Node:
-        return node if exponent is None else Node("**", node.place, (node,), number=exponent)
+        if exponent is None:
+            return node
+        return Node("**", node.place, (node,), number=exponent)
 
     def exponent(self) -> Fraction | None:
         """A raised number, or what stands after **; None where neither does."""
@@ -256,7 +267,9 @@ class _Reader:
 
 
 def _together(kind: str, parts: Sequence[Node]) -> Node:
-    return parts[0] if len(parts) == 1 else Node(kind, parts[0].place, tuple(parts))
+    if len(parts) == 1:
+        return parts[0]
+    return Node(kind, parts[0].place, tuple(parts))
 
 
 TURNED = 1e-9
@@ -306,7 +319,9 @@ class Parsed:
     @cached_property
     def letters(self) -> tuple[Polynomial, ...]:
         """Factors in lengths alone: for special lengths the condition always holds."""
-        return () if self.form.f == 0 else tuple(factor for factor, _ in self.form.factors().letters)
+        if self.form.f == 0:
+            return ()
+        return tuple(factor for factor, _ in self.form.factors().letters)
 
     def __call__(self, theta: ArrayLike, letters: dict[str, float]) -> Array:
         """The value at angles.
@@ -343,7 +358,9 @@ class Meaning:
                 allowed="θ4 = 0 or π",
             )  # fmt: skip
         value = self.value(left)
-        return self.sum([value, self.negative(self.value(rights[0]))], rights[0]) if rights else value
+        if rights:
+            return self.sum([value, self.negative(self.value(rights[0]))], rights[0])
+        return value
 
     # angles
 
@@ -368,7 +385,9 @@ class Meaning:
     def angle(self, node: Node) -> Angle:
         """The tree as an angle."""
         if node.kind == "number":
-            return {ONE: node.number} if node.number else {}
+            if node.number:
+                return {ONE: node.number}
+            return {}
         if node.kind == "name":
             return self.named_angle(node)
         if node.kind == "-":
@@ -400,7 +419,10 @@ class Meaning:
         joint = self.joint(node)
         if joint is None or joint not in self.ring.revolute:
             raise wrong(self.text, node.place, "this is no angle", allowed=self.angles())
-        shift = Fraction(float(self.shifts[joint - 1])) if node.name[0] == "q" else Fraction(0)
+        if node.name[0] == "q":
+            shift = Fraction(float(self.shifts[joint - 1]))
+        else:
+            shift = Fraction(0)
         return _combined({joint: Fraction(1)}, {ONE: -shift})  # q = θ − shift
 
     def angles(self) -> str:
@@ -500,8 +522,12 @@ class Meaning:
         if joint is not None:
             raise wrong(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
         allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
-        allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"] if ring.revolute else []
-        lengths = None if ring.letters else "the lengths of this arm are numbers here: write numbers"
+        if ring.revolute:
+            allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"]
+        if ring.letters:
+            lengths = None
+        else:
+            lengths = "the lengths of this arm are numbers here: write numbers"
         raise wrong(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
 
     def joint(self, node: Node) -> int | None:

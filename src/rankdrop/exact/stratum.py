@@ -97,7 +97,10 @@ class Stratum:
     def pins(self) -> dict[int, tuple[str, ...]]:
         """Joints pinned on every piece, each with the angles it takes there."""
         joints = [set(piece.pins) for piece in self.pieces]
-        shared = sorted(set.intersection(*joints)) if joints else []
+        if joints:
+            shared = sorted(set.intersection(*joints))
+        else:
+            shared = []
         return {j: tuple(sorted({piece.pins[j] for piece in self.pieces}, key=SIMPLE.index)) for j in shared}
 
     @property
@@ -192,7 +195,10 @@ def vanishes(piece: ZeroSet, p: Polynomial, rng: random.Random, points: int = 3)
     if not piece.several:
         return atoms_on(piece, Equality((), p)) is None
     p = piece.ring.at(p, piece.pins)
-    drawn = piece.points(rng, points) if p != 0 else []
+    if p != 0:
+        drawn = piece.points(rng, points)
+    else:
+        drawn = []
     return bool(p == 0) or (len(drawn) == points and all(value_at(piece.ring, p, point) == 0 for point in drawn))
 
 
@@ -202,7 +208,10 @@ def _with_equations(
     """The set of these equations and pins; the inequations are those of a piece where none are given."""
     roots = [(f, _root(piece.ring, f)) for f in equations]
     solved, rest = tuple(root for _, root in roots if root is not None), tuple(f for f, root in roots if root is None)
-    kept = piece.nonzero if nonzero is None else tuple(dict.fromkeys(nonzero))
+    if nonzero is None:
+        kept = piece.nonzero
+    else:
+        kept = tuple(dict.fromkeys(nonzero))
     return ZeroSet(piece.ring, pins, solved, rest, nonzero=kept, equations=tuple(equations))
 
 
@@ -218,7 +227,9 @@ def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> S
     here = piece.pins.get(atom.joint)
     if here is not None:
         return None if here == atom.value else ()
-    return () if any(one.place == ring.index[f"t{atom.joint}"] for one in piece.solved) else (atom,)
+    if any(one.place == ring.index[f"t{atom.joint}"] for one in piece.solved):
+        return ()
+    return (atom,)
 
 
 def _never(piece: ZeroSet, atom: Atom) -> bool:
@@ -258,7 +269,9 @@ def _rebuild_set(
 def _holding(piece: ZeroSet, condition: Equality, assumed: Assumed) -> list[ZeroSet]:
     """Pieces that together are the part of one where a condition holds, which may fall into factors there."""
     atoms = atoms_on(piece, condition, assumed)
-    return [piece] if atoms is None else [part for atom in atoms for part in meet(piece, atom, assumed)]
+    if atoms is None:
+        return [piece]
+    return [part for atom in atoms for part in meet(piece, atom, assumed)]
 
 
 def _contradict(ring: Ring, f: Polynomial, g: Polynomial, assumed: Assumed) -> bool:
@@ -351,7 +364,10 @@ def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
     lists: list[list[Atom]] = []  # those that may hold
     for there in stratum.combinations:
         here = ring.at(p, there)
-        atoms = _open_atoms(stratum, there, here) if here != 0 else None
+        if here != 0:
+            atoms = _open_atoms(stratum, there, here)
+        else:
+            atoms = None
         if atoms is None:
             return None
         lists.append(atoms)
@@ -436,7 +452,9 @@ def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
     if len(factor.atoms) != 1 or factor.atoms[0].pinned:
         return factor
     other = _unsquared(ring, factor.atoms, pins)
-    return replace(factor, whole=other) if 2 < len(other) < factor.terms else factor
+    if 2 < len(other) < factor.terms:
+        return replace(factor, whole=other)
+    return factor
 
 
 def _without_letters(ring: Ring, p: Polynomial, letters: Iterable[tuple[Polynomial, int]]) -> Polynomial:

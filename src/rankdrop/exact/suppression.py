@@ -177,7 +177,8 @@ def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) 
     for k in range(1, chain.n):
         work.check()
         _, obstacle = independent(chain, k, stratum, joints, work)
-        found += [obstacle] if obstacle is not None else []
+        if obstacle is not None:
+            found += [obstacle]
     return min(found, key=lambda one: one.weight, default=None)
 
 
@@ -193,7 +194,10 @@ def independent(
         return min(proofs, key=lambda one: (len(one.polynomials[0]), one.polynomials[0].total_degree())), None
     if not minors:
         return None, None
-    gram = _gram(stratum, chosen, work) if len(joints) <= GRAM else None
+    if len(joints) <= GRAM:
+        gram = _gram(stratum, chosen, work)
+    else:
+        gram = None
     if gram is not None:
         return Proof("gram", frame, (), (gram,)), None
     minors.sort(key=lambda one: _weight(one[2]))
@@ -212,7 +216,10 @@ def _minors(
     for rows in combinations(range(6), len(chosen)):
         work.check()
         minor = stratum.short(stratum.ring.determinant([[column[r] for column in chosen] for r in rows]))
-        zeros = _zeros(stratum, minor, work) if minor != 0 else None
+        if minor != 0:
+            zeros = _zeros(stratum, minor, work)
+        else:
+            zeros = None
         if zeros is not None:
             yield rows, minor, zeros
 
@@ -240,8 +247,13 @@ def _gram(stratum: Stratum, chosen: Columns, work: Work) -> Polynomial | None:
         for a in chosen
     ]
     found = stratum.short(ring.determinant(products))
-    zeros = _zeros(stratum, found, work) if found != 0 else None
-    return found if zeros is not None and not any(zeros) else None
+    if found != 0:
+        zeros = _zeros(stratum, found, work)
+    else:
+        zeros = None
+    if zeros is not None and not any(zeros):
+        return found
+    return None
 
 
 def _no_common(sets: Sequence[Sequence[Atom]]) -> bool:
@@ -332,7 +344,9 @@ class Suppression:
     @property
     def basic(self) -> tuple[int, ...]:
         """The basic screws of step 1; empty where the time was up before it."""
-        return self.start.basic.joints if self.start.basic is not None else ()
+        if self.start.basic is not None:
+            return self.start.basic.joints
+        return ()
 
     @property
     def determinant(self) -> str:
@@ -392,7 +406,10 @@ class _Derivation:
 
     def __init__(self, chain: Chain, frame: int | None, basic: Sequence[int] | None, work: Work) -> None:
         self.chain, self.ring, self.frame_asked = chain, chain.ring, frame is not None
-        self.frame = chain.frame if frame is None else frame
+        if frame is None:
+            self.frame = chain.frame
+        else:
+            self.frame = frame
         self.columns = chain.screws(self.frame)
         self.asked = tuple(sorted(basic)) if basic is not None else None
         self.work = work
@@ -435,7 +452,9 @@ class _Derivation:
             raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
         if basic is None:
             zero = all(case.stratum.vanishes(p, self.work.rng) for _, p in options)
-            return self.family(case) if zero else self.apart(case)
+            if zero:
+                return self.family(case)
+            return self.apart(case)
         self.assume(basic.product)
         return self.branch(replace(case, basic=basic), basic.product.factors)
 
@@ -465,7 +484,10 @@ class _Derivation:
 
         for six, p in sorted(options, key=place):
             self.work.check()
-            product = factor_on_stratum(stratum, p) if self.nowhere_zero(stratum, p) else None
+            if self.nowhere_zero(stratum, p):
+                product = factor_on_stratum(stratum, p)
+            else:
+                product = None
             if product is not None:
                 return Basic(six, product)
         return None
@@ -515,7 +537,10 @@ class _Derivation:
 
     def at(self, case: Case, obstacle: Obstacle | None) -> Case:
         """Split a case at the zeros of a minor."""
-        product = factor_on_stratum(case.stratum, obstacle.minor) if obstacle is not None else None
+        if obstacle is not None:
+            product = factor_on_stratum(case.stratum, obstacle.minor)
+        else:
+            product = None
         if product is None or not product.factors:
             return self.apart(case)
         self.assume(product)

@@ -153,7 +153,10 @@ class _Known:
         if len(places) == 1:
             place = places[0]
             before = self._single.get(place)
-            common = self._real(f, place) if before is None else before.gcd(f)
+            if before is None:
+                common = self._real(f, place)
+            else:
+                common = before.gcd(f)
             self._single[place] = common
             self.barren = self.barren or common.total_degree() == 0
             return before is None or common.total_degree() < before.total_degree()
@@ -293,7 +296,10 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
                 _explore(columns, order, waiting, found, tree, work)
         except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False
-            what = failure(stop) if isinstance(stop, Exception) else "interrupted"
+            if isinstance(stop, Exception):
+                what = failure(stop)
+            else:
+                what = "interrupted"
             tree.left.append(
                 f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not derived "
                 "to the end"
@@ -419,7 +425,10 @@ def _by_rank(columns: list[list[Polynomial]], piece: ZeroSet, work: Work) -> Ite
     A minor as large as the highest rank met is zero where the rank is lower. Where it is not, the rank is the highest
     one, by construction; what its factors vanish on is looked at again.
     """
-    ranks = _ranks(columns, piece) if piece.several else []
+    if piece.several:
+        ranks = _ranks(columns, piece)
+    else:
+        ranks = []
     if len({*ranks}) < 2:
         yield piece
         return

@@ -148,7 +148,9 @@ def _whole_angles(factors: Iterable[tuple[Factor, int]]) -> list[tuple[Factor, i
 def _halved(factor: Factor) -> tuple[tuple[int, int], ...] | None:
     """Of sin(x/2), cos(x/2) and cos(x/2) ± sin(x/2) the multiples that x/2 is made of; None of anything else."""
     if isinstance(factor, Wave):
-        return factor.turns if all(m % 2 for _, m in factor.turns) else None
+        if all(m % 2 for _, m in factor.turns):
+            return factor.turns
+        return None
     if isinstance(factor, Sum) and len(factor.parts) == 2:
         waves = [f for part in factor.parts for f, _ in part.factors]
         if len(waves) == 2 and all(isinstance(f, Wave) for f in waves):
@@ -217,7 +219,10 @@ class _Search:
         halves = [(_half(joint, "pi"), power) for joint, power in form.at_pi]
         rest: list[tuple[Polynomial, int]] = []
         for factor, power in found:
-            atom = ring.atom(factor) if used(factor)[0] < ring.angles else None
+            if used(factor)[0] < ring.angles:
+                atom = ring.atom(factor)
+            else:
+                atom = None
             if atom is not None and atom.pinned:
                 halves.append((_half(atom.joint, atom.value), power))
             elif not ring.is_unit(factor):
@@ -248,7 +253,9 @@ class _Search:
 
     def bracket(self, g: Polynomial) -> Factor:
         written = self.best(self.ring.form(g))
-        return written.factors[0][0] if len(written.factors) == 1 and written.factors[0][1] == 1 else Sum((written,))
+        if len(written.factors) == 1 and written.factors[0][1] == 1:
+            return written.factors[0][0]
+        return Sum((written,))
 
     def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
         written = product(1, factors)
@@ -264,7 +271,10 @@ class _Search:
             zero, one, two = [*powers, ring.half.constant(0), ring.half.constant(0)][:3]
             # t² stands for (1 − c) / 2, t for s / 2, 1 for (1 + c) / 2
             whole = [((zero - two) / 2, cosine), (one / 2, sine), ((zero + two) / 2, [])]
-            split = whole if left[place] == 2 else [(zero, cosine), (one, sine)]
+            if left[place] == 2:
+                split = whole
+            else:
+                split = [(zero, cosine), (one, sine)]
             left = (*left[:place], 0, *left[place + 1 :])
         else:
             rest = range(ring.angles, len(ring.names))
@@ -275,7 +285,9 @@ class _Search:
 
 def _spread(form: Product, own: list[tuple[Factor, int]]) -> list[Product]:
     """The parts that a coefficient adds to a sum: its own parts where nothing stands before it."""
-    return parts_of(form) if not own else [product(form.number, [*form.factors, *own])]
+    if not own:
+        return parts_of(form)
+    return [product(form.number, [*form.factors, *own])]
 
 
 def parts_of(form: Product) -> list[Product]:
@@ -324,8 +336,13 @@ def gathered(form: Product) -> Product:
     outside = [part for part in parts if common not in dict(part.factors)]
     lowered = gathered(total(product(p.number, [(f, e - (f == common)) for f, e in p.factors]) for p in inside))
     taken = product(lowered.number, [*lowered.factors, (common, 1)])
-    rest = gathered(total(outside)) if outside else Product(Fraction(0))
-    return total([taken, *parts_of(rest)]) if outside else taken
+    if outside:
+        rest = gathered(total(outside))
+    else:
+        rest = Product(Fraction(0))
+    if outside:
+        return total([taken, *parts_of(rest)])
+    return taken
 
 
 def length(form: Product) -> int:
@@ -426,7 +443,10 @@ class AnglePin(NamedTuple):
         for angle in self.angles:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
             turn = np.exp(0.5j * angle)
             coefficients = np.convolve(coefficients, np.array([-turn, 0, 1 / turn]) / 2j)
-        shift = 0.0 if shifts is None else float(shifts[self.joint - 1])
+        if shifts is None:
+            shift = 0.0
+        else:
+            shift = float(shifts[self.joint - 1])
         terms = []
         for power in range(size, -1, -1):
             value = coefficients[power + size] * (2 if power else 1)
@@ -562,7 +582,10 @@ def _equation(
                 value *= letters[factor.name] ** power
         key = (kind, tuple(harmonics), tuple(powers))
         found[key] = found.get(key, 0.0) + value
-    half = np.zeros(n) if shifts is None else np.asarray(shifts, dtype=np.float64) / 2
+    if shifts is None:
+        half = np.zeros(n)
+    else:
+        half = np.asarray(shifts, dtype=np.float64) / 2
     return normalised(
         Term(value, kind, harmonics, powers, 0.0 - float(sum(m * x for m, x in zip(harmonics, half, strict=True))))
         for (kind, harmonics, powers), value in found.items()
@@ -586,7 +609,10 @@ def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text) -
         parts = [(m < 0, ("" if abs(m) == 1 else str(abs(m))) + notation.angle.format(j)) for j, m in turns]
         return f"{notation.signed(parts)} = {notation.angle_value(value)}"
     right, left = (notation.angle.format(j) for j, _ in turns)
-    other = value if abs(value - pi) < _SAME else -value
+    if abs(value - pi) < _SAME:
+        other = value
+    else:
+        other = -value
     if abs(other) < _SAME:
         return f"{left} = {right}"
     return f"{left} = {right} {notation.minus if other < 0 else '+'} {notation.angle_value(abs(other))}"
@@ -612,7 +638,10 @@ def text_of(ring: Ring, p: Polynomial) -> str:
     """
     known, key = _TEXTS.setdefault(ring, {}), str(p)
     if key not in known:
-        known[key] = "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
+        if p == 0:
+            known[key] = "0"
+        else:
+            known[key] = Text().sum(parts_of(form_of(ring, p)))
     return known[key]
 
 
@@ -725,7 +754,9 @@ class Value:
 
 
 def _opened(factor: Factor) -> tuple[Product, ...]:
-    return factor.parts if isinstance(factor, Sum) else (Product(Fraction(1), ((factor, 1),)),)
+    if isinstance(factor, Sum):
+        return factor.parts
+    return (Product(Fraction(1), ((factor, 1),)),)
 
 
 WHOLE = 12
@@ -793,7 +824,9 @@ class Quotient:
     def code(self, notation: Text) -> str:
         """In a notation: with `Python` an expression in q and the lengths."""
         above, below = self.forms
-        return notation.value(above) if below == Product(Fraction(1)) else notation.fraction(above, below)
+        if below == Product(Fraction(1)):
+            return notation.value(above)
+        return notation.fraction(above, below)
 
     def at(self, theta: Array, letters: Mapping[str, float]) -> float:
         """Its value at one configuration θ (n,), with values of the lengths [m]; inf or nan where below is zero."""
@@ -807,7 +840,10 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
     found = float(form.number)
     for factor, power in form.factors:
         if isinstance(factor, Symbol):
-            value = float(theta[factor.slide - 1]) if factor.slide else letters[factor.name]
+            if factor.slide:
+                value = float(theta[factor.slide - 1])
+            else:
+                value = letters[factor.name]
         elif isinstance(factor, Wave):
             angle = sum(m * float(theta[j - 1]) for j, m in factor.turns) / 2
             value = float(np.sin(angle) if factor.kind == "sin" else np.cos(angle))

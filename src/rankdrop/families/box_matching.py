@@ -235,7 +235,10 @@ class FamilyBoxes:
         bound = [column for column in columns if self.place[column] + 1 not in pinned]
         scale[self.place[bound]] = self.unit[bound]
         others = tuple(equation for equation in family.equations if not pinned.issuperset(equation.joints))
-        near = _between(others[0], q, radius, scale) if len(others) == 1 else np.zeros(len(q), dtype=np.bool_)
+        if len(others) == 1:
+            near = _between(others[0], q, radius, scale)
+        else:
+            near = np.zeros(len(q), dtype=np.bool_)
         left = np.flatnonzero(~near)
         near[left] = _walked(others, self.n - family.dimension - len(pinned), q[left], radius[left], scale)
         return np.asarray(near[back.reshape(-1)])
@@ -278,6 +281,9 @@ def keys(cells: Cells, counts: Sequence[int]) -> NDArray[np.int64]:
         >>> keys(np.array([[1, 2], [3, 0]]), [4, 4]).tolist()
         [[6], [12]]
     """
-    count = len(counts) if sum(one.bit_length() for one in counts) < 63 else len(counts) // 2
+    if sum(one.bit_length() for one in counts) < 63:
+        count = len(counts)
+    else:
+        count = len(counts) // 2
     parts = [(cells[:, some], counts[some]) for some in (slice(count), slice(count, None)) if len(counts[some])]
     return np.stack([np.ravel_multi_index(tuple(part.T), tuple(sizes)) for part, sizes in parts], axis=1)

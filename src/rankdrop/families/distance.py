@@ -99,7 +99,10 @@ def _walked(family: Family, problem: Problem, centre: Array, box: Array, seed: i
         for (j, options), choice in zip(pinned, draw[1], strict=True):
             if len(options):
                 starts[:, j] = options[choice % len(options)]
-        starts = np.minimum(np.maximum(starts, box[0]), box[1]) if bounded else starts
+        if bounded:
+            starts = np.minimum(np.maximum(starts, box[0]), box[1])
+        else:
+            starts = starts
         for leading in (few, every) if 0 < few < every else (every,):
             settings = _core.FootSettings(
                 leading=leading, iterations=_ITERATIONS, returns=_RETURNS, still=_STILL, longest=_LONGEST, cut=CUT,
@@ -232,8 +235,14 @@ def feet_on(
         (N, n) the point, nan where none was reached; (N,) its distance, inf there; (N,) largest |f| and (N,) σ at it.
     """
     points, owner = _candidates(family, problem, q, box, seed)
-    sigma = problem.sigma(points)[:, problem.generic_rank - family.corank] if len(points) else np.zeros(0)
-    residual = np.abs(family.system.values(points)).max(axis=1) if len(points) else np.zeros(0)
+    if len(points):
+        sigma = problem.sigma(points)[:, problem.generic_rank - family.corank]
+    else:
+        sigma = np.zeros(0)
+    if len(points):
+        residual = np.abs(family.system.values(points)).max(axis=1)
+    else:
+        residual = np.zeros(0)
     good = (residual <= REACHED) & (sigma <= zero)
     points, owner, sigma, residual = points[good], owner[good], sigma[good], residual[good]
     way = problem.length(points - q[owner])
@@ -370,7 +379,9 @@ class SetDistance:
         there = np.isfinite(distance) & self.problem.singular(q)
         far = np.where(there, self.problem.length(q - centre), np.inf)
         best = int(far.argmin())
-        return (q[best], float(far[best])) if there[best] else nowhere
+        if there[best]:
+            return (q[best], float(far[best]))
+        return nowhere
 
     def brought_near(self, points: Array, centre: Array) -> Array:
         """Points (M, n) with whole turns taken off the way from `centre` (n,) or (M, n), as far as limits let them."""
@@ -517,7 +528,10 @@ class Ruler:
             along: they follow each other on a path: what is near to one is tried for the next, both ways.
             proven: also the bound from below, about 1 ms each; else it is 0.
         """
-        at_least = self.at_least(q) if proven else np.zeros(len(q))
+        if proven:
+            at_least = self.at_least(q)
+        else:
+            at_least = np.zeros(len(q))
         q = into_metres(self.robot, q)
         feet = np.full((len(q), len(self.families), q.shape[1]), np.nan)
         for k in range(len(self.families)):
@@ -592,7 +606,10 @@ class Ruler:
 
     def _feet_on(self, q: Array, which: int) -> Array:
         """(N, n) points of a family by its own conditions; nan where none was reached, and of any (−1)."""
-        family = self.families[which] if which >= 0 else None
+        if which >= 0:
+            family = self.families[which]
+        else:
+            family = None
         if family is None or (self._set is not None and _is_long(family)):
             return np.full(q.shape, np.nan)
         parts = [feet_on(family, self._problem, q[i : i + _BATCH], self._box, zero=_LOST, seed=self._seed)[0]

@@ -367,7 +367,9 @@ def fitted_equations(source: FamilyPoints, work: float) -> tuple[Equation, ...] 
             sound = _without_strangers(source, chosen, [*spare, *(one for one in more if holds(one, source.q))])
         if sound is not None:
             return sound
-    return _from_all_joints(source, fit, moving) if len(moving) > 1 else None
+    if len(moving) > 1:
+        return _from_all_joints(source, fit, moving)
+    return None
 
 
 def _fit_problem(source: FamilyPoints, work: float) -> FitProblem:
@@ -401,7 +403,10 @@ def _from_all_joints(source: FamilyPoints, fit: FitProblem, joints: tuple[int, .
             return None
         chosen, _ = _independent(source, basis)
         spare = [one for one in basis if one not in chosen]
-        sound = _without_strangers(source, chosen, spare) if rank == need else None
+        if rank == need:
+            sound = _without_strangers(source, chosen, spare)
+        else:
+            sound = None
         if sound is not None:
             return sound
     return None

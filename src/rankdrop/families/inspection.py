@@ -119,17 +119,29 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         return Inspection(**arrays, signatures=tuple(one for part in parts for one in part.signatures))
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
-    exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
+    if rank:
+        exact = sigma[:, rank - 1] > HIGHER
+    else:
+        exact = np.ones(count, dtype=np.bool_)
     d = np.asarray(local.d).reshape(count, -1, n)
     s, v = _right(d)
-    s = np.concatenate([s, np.zeros((count, n - s.shape[1]))], axis=1) if s.shape[1] < n else s[:, :n]
+    if s.shape[1] < n:
+        s = np.concatenate([s, np.zeros((count, n - s.shape[1]))], axis=1)
+    else:
+        s = s[:, :n]
     ranks = (s > tolerances.block_rank).sum(axis=1)
     smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
-    clear = sigma[:, rank - 1] > APART if rank else np.ones(count, dtype=np.bool_)
+    if rank:
+        clear = sigma[:, rank - 1] > APART
+    else:
+        clear = np.ones(count, dtype=np.bool_)
     regular = exact & clear & (smallest > WELL)
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
     conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
-    taken = regular if signatures else np.zeros_like(regular)
+    if signatures:
+        taken = regular
+    else:
+        taken = np.zeros_like(regular)
     signed = _signatures(robot, conormal, tangent, ranks, taken, tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signed, tangent)
 
@@ -336,7 +348,9 @@ def _descended(problem: Problem, q: Array, cut: float, flint: Any) -> tuple[Arra
         step = -np.linalg.pinv(np.asarray(local.d).reshape(-1, problem.n), rcond=cut) @ s.reshape(-1)
         length = float(problem.length(step))
         if size <= _ZERO or (length < _RESTING and size > best[1] * (1 - 1e-3)):
-            return (near, size) if size < best[1] else best
+            if size < best[1]:
+                return (near, size)
+            return best
         best = (near, size) if size < best[1] else best
         at = np.array([x.mid() for x in at + _exact(step * min(1.0, _LONGEST / max(length, 1e-300)), flint)])
     return best
@@ -378,7 +392,10 @@ def task_jacobian_exactly(robot: Robot, task: Task, q: Numbers, flint: Any) -> N
     columns: list[tuple[int, float, Numbers, Numbers]] = []
     for joint in robot.joints:
         index = number[joint.mimic.leader if joint.mimic else joint.name]
-        factor, offset = (joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else (1.0, 0.0)
+        if joint.mimic:
+            factor, offset = (joint.mimic.multiplier, joint.mimic.offset)
+        else:
+            factor, offset = (1.0, 0.0)
         linear, axis = (pose[:3, :3] @ _exact(part, flint) for part in (joint.screw[:3], joint.screw[3:]))
         columns.append((index, factor, linear + np.cross(pose[:3, 3], axis), axis))
         pose = pose @ _exponential(joint.screw, q[index] * factor + offset, flint)

@@ -137,7 +137,10 @@ def sparse_basis(null: Array) -> Array:
             leading.append(row)
             direction = rest[row] / size
             rest -= np.outer(rest @ direction, direction)
-    basis = np.linalg.solve(null[leading].T, null.T).T if len(leading) == null.shape[1] else null
+    if len(leading) == null.shape[1]:
+        basis = np.linalg.solve(null[leading].T, null.T).T
+    else:
+        basis = null
     basis = basis / np.abs(basis).max(axis=0)
     filled = np.abs(basis) > 1e-7
     last = len(basis) - np.argmax(filled[::-1], axis=0)  # the least simple function of each
@@ -238,7 +241,9 @@ def hypersurface(fit: FitProblem, joints: tuple[int, ...]) -> Equation | None:
         functions = library(degrees, kinds)
         coefficients = refit(functions(x), sparse_basis(null)[:, 0], tolerances)
         equation = functions.equation(coefficients, joints, fit.n)
-        return equation if holds(equation, held) else None
+        if holds(equation, held):
+            return equation
+        return None
     return None
 
 

@@ -516,7 +516,9 @@ def _one(value: Value) -> str:
     if isinstance(value, str):
         return '"' + "".join(_LETTERS.get(letter, letter) for letter in value) + '"'
     if isinstance(value, float) and isinf(value):
-        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
+        if value > 0:
+            return "HUGE_VAL"
+        return "-HUGE_VAL"
     return repr(value)
 
 

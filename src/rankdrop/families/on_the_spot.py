@@ -171,7 +171,9 @@ def name_on_the_spot(
     groups = groups_through(problem, here, at, spot.around, seed)
     families = [spot.described(signature, members, fit=fit) for signature, members in groups]
     families = families or spot.from_shared_values() or [spot.nameless(at)]
-    return families[0] if len(families) == 1 else _meeting(families)
+    if len(families) == 1:
+        return families[0]
+    return _meeting(families)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +196,10 @@ class _Spot:
         if not signature.residual:
             return self.family(row, points, whole=True)
         few = len(set(signature.coupled) - set(linear.pivots)) <= FIT_JOINTS
-        residual = self.fitted(row, members) if fit and few else None
+        if fit and few:
+            residual = self.fitted(row, members)
+        else:
+            residual = None
         return self.family(replace(row, residual=residual or ()), points, whole=residual is not None)
 
     def fitted(self, row: Row, members: NDArray[np.int64]) -> tuple[Equation, ...] | None:
@@ -233,7 +238,10 @@ class _Spot:
         if signature.coupled and not whole:
             numbers = ", ".join(str(j + 1) for j in signature.coupled)
             words.append(f"coupled: joints {' and '.join(numbers.rsplit(', ', 1))}")
-        equations = tuple(rescaled(one, slides, power) for one in row.system.equations) if whole else ()
+        if whole:
+            equations = tuple(rescaled(one, slides, power) for one in row.system.equations)
+        else:
+            equations = ()
         return self.record(signature, pinned, row.evidence, tuple(words), points, equations)
 
     def nameless(self, at: Inspection) -> Family:

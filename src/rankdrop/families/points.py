@@ -91,7 +91,10 @@ def general_member(
     points = _solved(problem, own, np.round(problem.sample(256, seed), 1), along)
     if not len(points):
         return np.array(family.witness)
-    room = problem.sigma(points)[:, problem.rank - 1] if problem.rank else np.ones(len(points))
+    if problem.rank:
+        room = problem.sigma(points)[:, problem.rank - 1]
+    else:
+        room = np.ones(len(points))
     for other in others:
         if other.id != family.id and other.equations:
             values = family_in_metres(other, robot).system.values(points)
@@ -385,7 +388,10 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
     parts: list[Array] = [np.zeros((0, robot.n))]
     coranks: list[NDArray[np.int64]] = [np.zeros(0, dtype=np.int64)]
     for wanted in range(corank, generic + 1):
-        enough = count if wanted == corank else max(count // 10, 1)
+        if wanted == corank:
+            enough = count
+        else:
+            enough = max(count // 10, 1)
         found, lost = 0, 0
         for part in range(ROUNDS):
             run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)

@@ -247,7 +247,9 @@ class _Chain:
         def pose(link: int) -> Array:
             if link == 0:
                 return np.eye(4)
-            return self.robot.home if link in (-1, joints + 1) else self.robot.joints[link - 1].frame
+            if link in (-1, joints + 1):
+                return self.robot.home
+            return self.robot.joints[link - 1].frame
 
         axes, origin = pose(frame.axes)[:3, :3], pose(frame.origin)
         point = origin[:3, :3] @ np.array(frame.point) + origin[:3, 3]
@@ -270,7 +272,10 @@ class _Chain:
                 known = self._known(first, last, link, self.drawn(8, rng))
                 null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
                 if null and last - first < self.n - 1:
-                    name = f"joints {first + 1}-{last + 1}" if last > first else f"joint {first + 1}"
+                    if last > first:
+                        name = f"joints {first + 1}-{last + 1}"
+                    else:
+                        name = f"joint {first + 1}"
                     found.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
         return found
 
@@ -285,7 +290,9 @@ class _Chain:
         for i in range(link - 1, first - 1, -1):
             seen[:, i - first] = motion @ self.screws[i]
             motion = motion @ self._motion(i, -q[:, i])
-        return seen if self.whole else seen @ self.basis
+        if self.whole:
+            return seen
+        return seen @ self.basis
 
     def _motion(self, i: int, q: Array) -> Array:
         """(B, 6, 6) Ad(exp(S_i q))."""
@@ -351,7 +358,10 @@ class _Chain:
         return [(f"joint {p + 1} alone", self._one_joint(p, rank)) for p in range(self.n) if not self.slides[p]]
 
     def _one_joint(self, p: int, rank: int) -> Draw:
-        mix = np.eye(self.n) if self.n == rank else np.random.default_rng(p + 1).standard_normal((self.n, rank))
+        if self.n == rank:
+            mix = np.eye(self.n)
+        else:
+            mix = np.random.default_rng(p + 1).standard_normal((self.n, rank))
 
         def draw(count: int, rng: np.random.Generator) -> Array:
             count = min(count, _ONE_BATCH)

@@ -194,7 +194,9 @@ def canonical(angle: float) -> float:
     angle = float(wrap(np.array(angle)))
     whole = round(angle / SIMPLE)
     if abs(angle - whole * SIMPLE) < 1e-12:
-        return pi if whole == -12 else whole * SIMPLE
+        if whole == -12:
+            return pi
+        return whole * SIMPLE
     return round(angle, 13)
 
 
@@ -217,7 +219,10 @@ def _snapped(values: Array, weights: Array, tolerance: float, *, periodic: bool)
         if periodic:
             whole = round(value / SIMPLE) * SIMPLE
             value = canonical(whole if abs(value - whole) <= tolerance else value)
-        result[members] = 0.0 if not periodic and abs(value) <= tolerance else value
+        if not periodic and abs(value) <= tolerance:
+            result[members] = 0.0
+        else:
+            result[members] = value
     return result
 
 
@@ -378,7 +383,10 @@ def verified(problem: Problem, row: Row, values: list[Values], rng: np.random.Ge
     A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
     table of a higher corank).
     """
-    each = 24 if row.residual or problem.limits else 8
+    if row.residual or problem.limits:
+        each = 24
+    else:
+        each = 8
     result = _holding(problem, row, values, each, rng)
     unsure = [i for i, one in enumerate(result) if one is None]
     if unsure:  # limits leave little room: look harder
@@ -395,7 +403,10 @@ def _holding(
     q, good = row.solve(problem, values, each, rng)
     sigma = problem.sigma(q)
     singular = sigma[..., problem.rank] <= problem.tolerances.singular
-    exact = sigma[..., problem.rank - 1] > HIGHER if problem.rank else np.ones_like(singular)
+    if problem.rank:
+        exact = sigma[..., problem.rank - 1] > HIGHER
+    else:
+        exact = np.ones_like(singular)
     count = good.sum(axis=1)
     holds = (singular | ~good).all(axis=1) & ((exact & good).sum(axis=1) > 0.5 * count)
     return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
@@ -448,7 +459,10 @@ def soundness(
         return Check(0, 0), q
     sigma = problem.sigma(q)[:, problem.rank]
     singular = sigma <= problem.tolerances.singular
-    regular = (sigma > HIGHER) & system.zero(q) if exact else ~singular
+    if exact:
+        regular = (sigma > HIGHER) & system.zero(q)
+    else:
+        regular = ~singular
     return Check(int((singular | regular).sum()), int(singular.sum())), q[regular]
 
 
@@ -694,5 +708,8 @@ def _moves(linear: Linear) -> Array:
 
 def _near_zero(problem: Problem, q: Array) -> Array:
     """Angles in (−π, π], or between the limits where they are set; rounding around zero taken off."""
-    q = into_limits(problem.robot, q) if problem.limits else wrapped(problem.robot, q)
+    if problem.limits:
+        q = into_limits(problem.robot, q)
+    else:
+        q = wrapped(problem.robot, q)
     return np.where(np.abs(q) < 1e-15, 0.0, q)

@@ -313,7 +313,9 @@ def refine(
     problem = _problem(robot, resolved, corank, how, tolerances)
     rows = rows if here else into_units(robot, rows)
     found = _refined(problem, rows, how, history=history, progress=progress, first=first)
-    return found if here else _out_of_units(found, robot, resolved)
+    if here:
+        return found
+    return _out_of_units(found, robot, resolved)
 
 
 def _problem(robot: Robot, task: Task, corank: int, how: SearchOptions, tolerances: Tolerances) -> Problem:
@@ -337,9 +339,18 @@ def _refined(
     if not 1 <= problem.corank <= full:
         raise OptionError("there is no such corank for this arm and task", got=problem.corank, allowed=f"1 … {full}")
     most, step = _steps(how)
-    box = None if problem.walls is None else np.stack(problem.walls)
-    rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
-    singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
+    if problem.walls is None:
+        box = None
+    else:
+        box = np.stack(problem.walls)
+    if box is None:
+        rows = q0
+    else:
+        rows = np.ascontiguousarray(np.clip(q0, box[0], box[1]))
+    if method == "lm":
+        singular = tolerances.singular
+    else:
+        singular = max(tolerances.singular, AM_THRESHOLD)
 
     def run(begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
         settings = _core.SearchSettings(
@@ -358,11 +369,17 @@ def _refined(
         return _in_parts(one, rows[begin:end], report)
 
     count = len(rows)
-    first_part = min(count, _TRIED) if sparing and method == "lm" else count
+    if sparing and method == "lm":
+        first_part = min(count, _TRIED)
+    else:
+        first_part = count
     parts, whole = run(0, first_part)
     if whole and first_part < count:
         barren = not _any_converged(parts)
-        rest, whole = run(first_part, count, 0, _PASSED) if barren else run(first_part, count)
+        if barren:
+            rest, whole = run(first_part, count, 0, _PASSED)
+        else:
+            rest, whole = run(first_part, count)
         if whole and barren and _any_converged(rest):
             rest, _ = run(first_part, count)
         parts += rest
@@ -480,7 +497,9 @@ def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
 
 def outcome_word(outcome: Outcome) -> str:
     """For people: "near miss", "stuck on a crease"."""
-    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
+    if outcome is Outcome.CREASE:
+        return "stuck on a crease"
+    return outcome.name.lower().replace("_", " ")
 
 
 def search_overview(
@@ -495,7 +514,10 @@ def search_overview(
         smallest: smallest σ of a nonzero local minimum; None where there was none.
         method, seed: how.
     """
-    near = "" if smallest is None else f"smallest near miss σ = {smallest:.4g}, not singular"
+    if smallest is None:
+        near = ""
+    else:
+        near = f"smallest near miss σ = {smallest:.4g}, not singular"
     return Section(
         f"{robot.name}: search for corank {corank}",
         f"method {method}, seed {seed}",
@@ -540,7 +562,10 @@ def binomial_upper(successes: int, trials: int, confidence: float = 0.95) -> flo
     low, high = 0.0, 1.0
     for _ in range(60):  # the chance of so few successes falls with p: bisection to the last bit
         middle = (low + high) / 2
-        low, high = (middle, high) if _at_most(successes, trials, middle) > 1 - confidence else (low, middle)
+        if _at_most(successes, trials, middle) > 1 - confidence:
+            low, high = (middle, high)
+        else:
+            low, high = (low, middle)
     return high
 
 

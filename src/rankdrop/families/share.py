@@ -73,7 +73,10 @@ class NearShare:
         n, p = self.samples, self.share
         middle, half = p + _Z**2 / (2 * n), _Z * sqrt(p * (1 - p) / n + _Z**2 / (4 * n**2))
         whole = 1 + _Z**2 / n
-        low = max(0.0, (middle - half) / whole) if self.near else 0.0
+        if self.near:
+            low = max(0.0, (middle - half) / whole)
+        else:
+            low = 0.0
         return low, min(1.0, (middle + half) / whole) if self.near < n else 1.0
 
 
@@ -102,7 +105,9 @@ class Near:
     @property
     def hits(self) -> Mask:
         """(samples,) which configurations are near any of them; empty where the shares were read from a file."""
-        return np.zeros(0, dtype=np.bool_) if self._hits is None else self._hits
+        if self._hits is None:
+            return np.zeros(0, dtype=np.bool_)
+        return self._hits
 
 
 def near_shares(

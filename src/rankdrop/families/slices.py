@@ -177,10 +177,16 @@ def telling_slices(
 def telling_joints(robot: Robot, family: Family) -> tuple[int, int]:
     """Two joints (from 1) in whose plane a family shows: tied together, else pinned, else pinned and a neighbour."""
     pinned = [one.number for one in family.pinned]
-    order = [*family.coupled, *pinned] if len(family.coupled) > 1 else [*pinned, *family.coupled]
+    if len(family.coupled) > 1:
+        order = [*family.coupled, *pinned]
+    else:
+        order = [*pinned, *family.coupled]
     inner = [number for number in range(2, robot.n) if number not in order]
     outer = [number for number in (1, robot.n) if number not in order]
-    order += sorted(inner, key=lambda number: abs(number - order[0])) + outer if order else [*inner, *outer]
+    if order:
+        order += sorted(inner, key=lambda number: abs(number - order[0])) + outer
+    else:
+        order += [*inner, *outer]
     x, y = sorted(order[:2])
     return x, y
 
@@ -230,7 +236,10 @@ def slice_through(
 def _values(problem: Problem, j: int, at: float, nodes: int) -> Array:
     """A whole turn, or the travel and what q needs beyond it, with some room on either side."""
     low, high = (end[j] for end in problem.box)
-    low, high = (-np.pi, np.pi) if problem.robot.periodic[j] else (min(low, at), max(high, at))
+    if problem.robot.periodic[j]:
+        low, high = (-np.pi, np.pi)
+    else:
+        low, high = (min(low, at), max(high, at))
     room = BEYOND * (high - low)
     return np.linspace(low - room, high + room, nodes)
 
@@ -302,7 +311,9 @@ class _Plane:
                 turn[k] = 2 * np.pi
                 for moved in (points + turn, points - turn):
                     points = np.concatenate([points, moved[(moved[:, k] >= values[0]) & (moved[:, k] <= values[-1])]])
-        return points[np.unique(np.round(points, 5), axis=0, return_index=True)[1]] if len(points) else points
+        if len(points):
+            return points[np.unique(np.round(points, 5), axis=0, return_index=True)[1]]
+        return points
 
     def _basis(self) -> Array:
         return np.eye(self.problem.n)[:, list(self.moving)]
@@ -484,7 +495,10 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
     rank = generic_rank(robot, task)
     found = []
     for j, joint in enumerate(robot.variables):
-        begin, end = (-np.pi, np.pi) if robot.periodic[j] else (min(low[j], centre[j]), max(high[j], centre[j]))
+        if robot.periodic[j]:
+            begin, end = (-np.pi, np.pi)
+        else:
+            begin, end = (min(low[j], centre[j]), max(high[j], centre[j]))
         values = np.union1d(np.linspace(begin, end, count), [centre[j]])
         line = np.repeat(centre[None], len(values), axis=0)
         line[:, j] = values

@@ -180,7 +180,10 @@ def _tested(
     found: dict[Row, Tested] = {}
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, problem.corank, 7, i])
-        stated = row if row.family is None else stated_row(problem, row.family)
+        if row.family is None:
+            stated = row
+        else:
+            stated = stated_row(problem, row.family)
         sound, _ = soundness(problem, stated.system, row.signature.rank, rng, exact=row.family is not None)
         points, room = _generic(problem, row, inspection.q[cover(row)], rng)
         fitted_badly = row.family is None and not sound.holds
@@ -238,7 +241,10 @@ def _fresh(cloud: Search, inspection: Inspection, seed: int, threads: int, wante
         if not part.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
         sigma = part.sigma[part.outcome == Outcome.CONVERGED]
-        found += int((sigma[:, problem.rank - 1] > HIGHER).sum()) if problem.rank else len(sigma)
+        if problem.rank:
+            found += int((sigma[:, problem.rank - 1] > HIGHER).sum())
+        else:
+            found += len(sigma)
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
@@ -258,7 +264,10 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
     )
     coupled = tuple(j + 1 for j in signature.coupled)
     sound, points, _ = tested
-    points = points if len(points) or known is None else np.array([known.witness])
+    if len(points) or known is None:
+        points = points
+    else:
+        points = np.array([known.witness])
     at = points[0] if shown is None else shown
     directions, lost = lost_motions(problem, at, points)
     if known is None:
@@ -289,7 +298,10 @@ def _generic(
     The points are sampled, or of the cloud where that is hard.
     """
     points, good = row.sample(problem, 12, rng)
-    q = np.concatenate([points[good], members[:24]]) if good.sum() < 12 else points[good]
+    if good.sum() < 12:
+        q = np.concatenate([points[good], members[:24]])
+    else:
+        q = points[good]
     inspection = inspect(problem, q, signatures=False)
     exact = inspection.exact & (inspection.sigma[:, problem.rank] <= problem.tolerances.singular)
     chosen = np.flatnonzero(exact)
@@ -397,10 +409,16 @@ def _unnamed(
 ) -> tuple[Family, int]:
     regular, rank, pinned, free, coupled = key
     q, cloud = inspection.q[members], int((members < from_cloud).sum())
-    gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
+    if problem.rank:
+        gap = inspection.sigma[members, problem.rank - 1]
+    else:
+        gap = np.ones(len(members))
     at = q[int(np.argmax(gap))]
     directions, lost = lost_motions(problem, at, q)
-    kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
+    if regular:
+        kind = ""
+    else:
+        kind = "; D has no clear rank there, so that the dimension is an upper bound"
     names = problem.robot.variables
     family = Family(
         id="",
@@ -463,8 +481,14 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
     beside = [family_in_metres(one, robot).system for one in rest]
     least = fault(here, own[None])[0] + _SHARED * _shared(beside, own[None])[0] - _WORTH
-    found = _members(problem, family_in_metres(family, robot)) if least >= 0.0 else np.empty((0, robot.n))
-    gap = problem.sigma(found)[:, problem.rank - 1] if problem.rank and len(found) else np.ones(len(found))
+    if least >= 0.0:
+        found = _members(problem, family_in_metres(family, robot))
+    else:
+        found = np.empty((0, robot.n))
+    if problem.rank and len(found):
+        gap = problem.sigma(found)[:, problem.rank - 1]
+    else:
+        gap = np.ones(len(found))
     found, gap = found[gap > _ROOM], gap[gap > _ROOM]
     if not len(found):
         return family

@@ -64,7 +64,9 @@ class Section:
     @property
     def labels(self) -> tuple[str, str]:
         """What the two coordinates are."""
-        return ("x [m]", "y [m]") if self.planar else ("distance from axis 1 [m]", "height [m]")
+        if self.planar:
+            return ("x [m]", "y [m]")
+        return ("distance from axis 1 [m]", "height [m]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +135,14 @@ def _edges(low: Array, high: Array, planar: bool) -> list[Array]:
 def section_of(robot: Robot, positions: Array) -> Section:
     """About the first turning axis; planar where the positions stay in one plane across it."""
     first = next((joint for joint in robot.joints if joint.kind is not JointKind.PRISMATIC), None)
-    axis = np.array([0.0, 0.0, 1.0]) if first is None else np.array(first.screw[3:])
-    origin = np.zeros(3) if first is None else np.cross(axis, first.screw[:3])
+    if first is None:
+        axis = np.array([0.0, 0.0, 1.0])
+    else:
+        axis = np.array(first.screw[3:])
+    if first is None:
+        origin = np.zeros(3)
+    else:
+        origin = np.cross(axis, first.screw[:3])
     height = (positions - origin) @ axis
     planar = bool(np.ptp(height) <= _THIN * max(float(np.abs(positions - origin).max()), 1e-9))
     return Section(origin, axis, planar)
@@ -164,7 +172,10 @@ def _walls(robot: Robot, section: Section, seed: int) -> tuple[Array, NDArray[np
 
 def _across(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors across an axis; x and y where it is z."""
-    x = np.array([1.0, 0.0, 0.0]) if abs(axis[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    if abs(axis[0]) < 0.9:
+        x = np.array([1.0, 0.0, 0.0])
+    else:
+        x = np.array([0.0, 1.0, 0.0])
     x = x - axis * (axis @ x)
     x /= np.linalg.norm(x)
     return x, np.cross(axis, x)

@@ -111,7 +111,9 @@ class Equation:
     def parity(self) -> tuple[int, ...] | None:
         """(n,) 0 or 1 per joint: what q_j + 2π does to the sign of f; None when the terms disagree."""
         kinds = {tuple(h % 2 for h in term.harmonics) for term in self.terms}
-        return kinds.pop() if len(kinds) == 1 else None
+        if len(kinds) == 1:
+            return kinds.pop()
+        return None
 
     def __call__(self, q: ArrayLike) -> Array:
         """f(q).
@@ -284,7 +286,10 @@ def _written(terms: Iterable[Term], style: _Style, number: Callable[[float], str
     for term in terms:
         factors = _factors(term, style, number)
         size = number(abs(float(term.coefficient)))
-        sign = style["minus"] if term.coefficient < 0 else "+"
+        if term.coefficient < 0:
+            sign = style["minus"]
+        else:
+            sign = "+"
         text += f" {sign} " if text else sign.strip("+")
         text += style["times"].join(factors if factors and size == style["one"] else [size, *factors])
     return text
@@ -292,7 +297,10 @@ def _written(terms: Iterable[Term], style: _Style, number: Callable[[float], str
 
 def _factors(term: Term, style: _Style, number: Callable[[float], str]) -> list[str]:
     """What a coefficient is multiplied by: the wave, and powers of slides."""
-    factors = [_wave(term, style, number)] if any(term.harmonics) or term.shift else []
+    if any(term.harmonics) or term.shift:
+        factors = [_wave(term, style, number)]
+    else:
+        factors = []
     if not factors and term.kind == "sin":
         factors.append("0.0")
     for j, power in enumerate(term.powers, start=1):
@@ -309,7 +317,10 @@ def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     for j, h in enumerate(term.harmonics, start=1):
         multiple = abs(h) if halved else abs(h) // 2
         if h:
-            text += style["minus"] if h < 0 else "+" if text else ""
+            if h < 0:
+                text += style["minus"]
+            elif text:
+                text += "+"
             text += (f"{multiple}{style['multiple']}" if multiple > 1 else "") + style["angle"].format(j)
     alone = sum(map(bool, term.harmonics)) == 1 and not term.shift
     python = style is _PYTHON
@@ -317,11 +328,16 @@ def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     if term.shift:
         shift = term.shift * (2 if halved else 1)
         sign = style["minus"] if shift > 0 else "+"
-        text += f"{sign}{abs(shift)!r}" if python else f" {sign} {_written_angle(abs(shift), number, style)}"
+        if python:
+            text += f"{sign}{abs(shift)!r}"
+        else:
+            text += f" {sign} {_written_angle(abs(shift), number, style)}"
     if halved:
         text = f"{text}/2" if simple else f"({text})/2"
     name = style["function"].format(term.kind)
-    return f"{name}{text}" if simple and not halved and not python else f"{name.strip()}({text})"
+    if simple and not halved and not python:
+        return f"{name}{text}"
+    return f"{name.strip()}({text})"
 
 
 def pretty_angle(value: float, digits: int = 4) -> str:
@@ -424,7 +440,10 @@ class System:
             return q, np.ones(len(q), dtype=np.bool_)
         if along is not None and not along.size:
             return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
-        directions = [] if along is None else along.ravel().tolist()
+        if along is None:
+            directions = []
+        else:
+            directions = along.ravel().tolist()
         settings = _core.ZeroSettings(
             iterations=iterations, step=step, still=still, enough=_NOTHING, cut=cut, along=directions
         )

@@ -71,12 +71,16 @@ class Structure:
         """(N, 3) the wrist centre, or the tip for a task without rotation; None where there is none."""
         if self.tip_is_centre:
             return scene.tip
-        return scene.common_point(self.wrist)[0] if self.wrist else None
+        if self.wrist:
+            return scene.common_point(self.wrist)[0]
+        return None
 
     @property
     def centre_name(self) -> str:
         """What to call it."""
-        return "tip" if self.tip_is_centre else "wrist centre"
+        if self.tip_is_centre:
+            return "tip"
+        return "wrist centre"
 
     def always(self, verdict: Callable[[Scene], Verdicts]) -> bool:
         """Is it true at every configuration?"""
@@ -229,7 +233,9 @@ def _shoulder_plane(structure: Structure) -> str:
         return ""
     if structure.always(lambda s: s.meeting(0, 1)):
         return "plane of axes 1, 2"
-    return "plane of 1 parallel to 2" if any({1, 2} <= set(bundle) for bundle in structure.bundles) else ""
+    if any({1, 2} <= set(bundle) for bundle in structure.bundles):
+        return "plane of 1 parallel to 2"
+    return ""
 
 
 def _reach_stationary(structure: Structure, scene: Scene, at: tuple[int, ...] = ()) -> Verdicts:
@@ -261,7 +267,9 @@ def _fan(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
 def _centre_on(structure: Structure, i: int) -> Callable[[Scene], Verdicts]:
     def holds(scene: Scene) -> Verdicts:
         centre = structure.centre(scene)
-        return np.zeros(len(scene.q), dtype=bool) if centre is None else scene.on_axis(centre, i)
+        if centre is None:
+            return np.zeros(len(scene.q), dtype=bool)
+        return scene.on_axis(centre, i)
 
     return holds
 

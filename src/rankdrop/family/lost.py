@@ -55,7 +55,9 @@ class LostFreedom:
         slide, turn = self._sizes
         if turn <= ENTRY_SHARE * slide:
             return MotionKind.TRANSLATION
-        return MotionKind.ROTATION if slide <= ENTRY_SHARE * turn else MotionKind.TIED
+        if slide <= ENTRY_SHARE * turn:
+            return MotionKind.ROTATION
+        return MotionKind.TIED
 
     @property
     def nearly(self) -> MotionKind:
@@ -63,7 +65,9 @@ class LostFreedom:
         slide, turn = self._sizes
         if min(slide, turn) > NEARLY_SHARE * hypot(slide, turn):
             return MotionKind.TIED
-        return MotionKind.TRANSLATION if slide >= turn else MotionKind.ROTATION
+        if slide >= turn:
+            return MotionKind.TRANSLATION
+        return MotionKind.ROTATION
 
     @property
     def _sizes(self) -> tuple[float, float]:

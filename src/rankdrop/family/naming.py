@@ -94,7 +94,9 @@ def name_family(
     facts, covered = _explain(structure, scene, matter, corank)
     if facts:
         name = _compose(facts, structure.tight, corank)
-        return name if coupled is None else name + _open(robot, q, matter - covered, pinned, coupled)
+        if coupled is None:
+            return name
+        return name + _open(robot, q, matter - covered, pinned, coupled)
     return _systematic(scene, structure, task, corank, generic)
 
 
@@ -117,7 +119,10 @@ def _open(robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], co
     few = {j: one for j, one in values.items() if len(one) <= _FEW}
     varying = [j for j in bound if j not in few]
     needed = uncovered & set(varying)
-    tail = f", with a condition on {_run(varying, robot)}" if needed else ""
+    if needed:
+        tail = f", with a condition on {_run(varying, robot)}"
+    else:
+        tail = ""
     told = [
         f"{_letter(robot, j)} = {' or '.join(_value(robot, j, x) for x in one)}"
         for j, one in few.items() if j in uncovered or not all(map(_simple, one))
@@ -189,8 +194,14 @@ def distinct_names(names: Sequence[str], conditions: Sequence[Callable[[], Seque
         for number, place in enumerate(places):
             others = {text for k, one in enumerate(texts) if k != number for text in one}
             own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
-            mark = own[0] if own else _ORDINALS.get(number, f"{number + 1}th")
-            result[place] = f"{name[:-1]}, {mark})" if name.endswith(")") else f"{name} ({mark})"
+            if own:
+                mark = own[0]
+            else:
+                mark = _ORDINALS.get(number, f"{number + 1}th")
+            if name.endswith(")"):
+                result[place] = f"{name[:-1]}, {mark})"
+            else:
+                result[place] = f"{name} ({mark})"
     return shortened(result)
 
 
@@ -219,7 +230,10 @@ def shortened(names: Sequence[str]) -> list[str]:
             others = {*result[:place], *names[place + 1 :]}
             tried = [one for one in _shorter(name) if one not in others]
             fitting = [one for one in tried if len(one) <= LONGEST]
-            result[place] = fitting[0] if fitting else min(tried, key=len, default=name)
+            if fitting:
+                result[place] = fitting[0]
+            else:
+                result[place] = min(tried, key=len, default=name)
     return result
 
 
@@ -240,13 +254,25 @@ _RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
 
 def _shorter(name: str) -> list[str]:
     """What a name may become, what it loses least by first."""
-    body, mark, inside = name.partition(" (") if name.endswith(")") else (name, "", "")
-    values = re.split(r", (?=[θq]\d)", inside[:-1]) if mark else []
+    if name.endswith(")"):
+        body, mark, inside = name.partition(" (")
+    else:
+        body, mark, inside = (name, "", "")
+    if mark:
+        values = re.split(r", (?=[θq]\d)", inside[:-1])
+    else:
+        values = []
     head = _HEAD.match(body)
-    part, colon = (head[1], head[2]) if head else ("", "")
+    if head:
+        part, colon = (head[1], head[2])
+    else:
+        part, colon = ("", "")
     rest = body[head.end() :] if head else body
     pieces = _DETAIL.split(rest)
-    details = list(zip(["", *pieces[1::2]], pieces[::2], strict=True)) if rest else []
+    if rest:
+        details = list(zip(["", *pieces[1::2]], pieces[::2], strict=True))
+    else:
+        details = []
     found: list[tuple[int, str]] = []
     for kept, told in product(_subsets([text for _, text in details], bool(part)), range(len(values) + 1)):
         lost = [text for place, (_, text) in enumerate(details) if place not in kept]
@@ -272,7 +298,9 @@ def _cost(detail: str) -> int:
     """Of leaving out a detail."""
     if detail.startswith("with a"):
         return _BOUND
-    return _RELATION if detail[0].isdigit() else _FACT
+    if detail[0].isdigit():
+        return _RELATION
+    return _FACT
 
 
 _MANY = 6  # details of which every choice is tried
@@ -304,7 +332,10 @@ def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) 
     """
     true = [f for f in candidate_facts(structure, scene) if f.holds(scene).all() and not structure.always(f.holds)]
     breaking = [{j for j in matter if not f.holds(scene.moved(j, _AWAY)).all()} for f in true]
-    chosen = _losing(true, breaking, corank) if structure.tight else []
+    if structure.tight:
+        chosen = _losing(true, breaking, corank)
+    else:
+        chosen = []
     if structure.tight and sum(true[i].losses for i in chosen) < corank:
         return [], set()
     covered = {j for i in chosen for j in breaking[i]}
@@ -331,7 +362,10 @@ def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
     """ "elbow: …"; the parts alone ("elbow and wrist") where each of several independent facts is one part's own."""
     named = {role for fact in facts for role in fact.roles}
     parts = [part for part in _PARTS if part in named]
-    head = " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else "".join(parts)
+    if len(parts) > 1:
+        head = " and ".join([", ".join(parts[:-1]), parts[-1]])
+    else:
+        head = "".join(parts)
     if tight and corank > 1 and len(parts) == corank:
         body = _details([fact for fact in facts if len(fact.roles) != 1])
         return f"{head}, {body}" if body else head
@@ -357,7 +391,9 @@ def _details(facts: Sequence[Fact]) -> str:
 
 def _aligned(facts: Sequence[Fact]) -> list[str]:
     groups = [fact.joints for fact in facts if fact.kind == "aligned"]
-    return [f"axes {_join_groups(groups)} aligned"] if groups else []
+    if groups:
+        return [f"axes {_join_groups(groups)} aligned"]
+    return []
 
 
 def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
@@ -395,7 +431,9 @@ def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, gen
     if len(blame) == corank and all("dependent" not in text for text in texts):
         return "; ".join(texts)
     if corank == 1 and generic == task.m and line_meets_all(scene, task):
-        return "a line through the tip meets all axes" if structure.tip_is_centre else "all axes meet one line"
+        if structure.tip_is_centre:
+            return "a line through the tip meets all axes"
+        return "all axes meet one line"
     if len(blame) == corank and (structure.tight or min(len(circuit) for circuit in blame) < generic):
         return "; ".join(texts)
     what = "screws" if task.m == 6 else "joints"

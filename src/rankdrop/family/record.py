@@ -267,7 +267,9 @@ def slides_of(robot: Robot) -> tuple[int, ...]:
 
 def rescaled_pin(pin: Pin, slides: Sequence[int], power: int) -> Pin:
     """The pin where the numbers of slides are 10 to a power times as large."""
-    return replace(pin, values=tuple(shifted(x, power) for x in pin.values)) if pin.number - 1 in slides else pin
+    if pin.number - 1 in slides:
+        return replace(pin, values=tuple(shifted(x, power) for x in pin.values))
+    return pin
 
 
 def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:

@@ -77,7 +77,9 @@ class Verdict:
 
     def beside(self, answer: str) -> tuple[str, str]:
         """An answer and how sure it is; the other way round where something speaks against it."""
-        return (answer, self.sentence) if self.holds else (self.sentence, answer)
+        if self.holds:
+            return (answer, self.sentence)
+        return (self.sentence, answer)
 
     def to_dict(self) -> dict[str, object]:
         """The entries of a JSON file."""
@@ -156,7 +158,10 @@ def summarised(
         for one in mine:
             name = short_name(one.name)
             names[name] = names.get(name, 0) + 1
-        combined = 0 if corank == coranks[0] else sum(_is_combination(one, first) for one in mine)
+        if corank == coranks[0]:
+            combined = 0
+        else:
+            combined = sum(_is_combination(one, first) for one in mine)
         ranks.append(RankSummary(generic_rank - corank, corank, len(mine), combined, names))
     return FamilySummary(arm, generic_rank, tuple(ranks), evidence, tests)
 

@@ -80,7 +80,9 @@ def run_limited(
                     mend="read only files that you trust, and simplify this one")  # fmt: skip
     if kind == b"error":
         raise error(**json.loads(content))
-    return content if kind == b"bytes" else json.loads(content)
+    if kind == b"bytes":
+        return content
+    return json.loads(content)
 
 
 def _end_of(code: int, memory: int, cpu: int) -> str:
@@ -99,7 +101,10 @@ def _serve() -> None:
     _limit(*request["limits"])
     try:
         result = getattr(importlib.import_module(module), name)(*request["arguments"])
-        kind, content = ("bytes", result) if isinstance(result, bytes) else ("json", json.dumps(result).encode())
+        if isinstance(result, bytes):
+            kind, content = ("bytes", result)
+        else:
+            kind, content = ("json", json.dumps(result).encode())
     except RankdropError as error:
         kind, content = "error", json.dumps(error_to_dict(error)).encode()
     except MemoryError:

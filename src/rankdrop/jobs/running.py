@@ -251,7 +251,10 @@ class Progress:
         share = f"{self.done} of {self.chunks} chunks of the {self.kind} ({self.items} items in all)"
         if self.done == self.chunks:
             return f"finished: {share}"
-        left = "" if self.left is None else f"; about {self.left:.0f} s left at the pace so far"
+        if self.left is None:
+            left = ""
+        else:
+            left = f"; about {self.left:.0f} s left at the pace so far"
         return f"{share}; last one {self.quiet:.0f} s ago{left}"
 
 
@@ -273,9 +276,15 @@ def progress_of(path: str | Path) -> Progress:
                               mend="name another folder, or remove this one") from error  # fmt: skip
     kind, chunks, items = record.job.kind, record.job.chunks, record.items
     done = len({chunk for chunk, _ in journal_of(folder) if chunk < chunks})
-    last = (folder / JOURNAL).stat().st_mtime if done else begun
+    if done:
+        last = (folder / JOURNAL).stat().st_mtime
+    else:
+        last = begun
     seconds = max(0.0, last - begun)
-    left = seconds / done * (chunks - done) if done else None
+    if done:
+        left = seconds / done * (chunks - done)
+    else:
+        left = None
     return Progress(kind, done, chunks, items, seconds, max(0.0, time.time() - last), left)
 
 
@@ -365,8 +374,14 @@ def finish(
     check_engine(engine)
     tell = report or (lambda done, total: None)
     with contextlib.ExitStack() as held:
-        kept = None if folder is None else Folder.open(folder, job)
-        done = kept.finished() if kept is not None else set()
+        if folder is None:
+            kept = None
+        else:
+            kept = Folder.open(folder, job)
+        if kept is not None:
+            done = kept.finished()
+        else:
+            done = set()
         if kept is not None and len(done) < job.chunks:
             held.enter_context(alone(kept.path, JOB))
             kept = Folder.open(kept.path, job)  # another process may have begun another job, or finished chunks, since

@@ -167,7 +167,10 @@ class Scene:
     def coplanar(self, axes: Sequence[int], point: Array | None = None) -> Verdicts:
         """All axes (and the point) in one plane."""
         first, members = axes[0], np.array(axes)
-        points = self.p[members[1:]] if point is None else np.concatenate([self.p[members[1:]], point[None]])
+        if point is None:
+            points = self.p[members[1:]]
+        else:
+            points = np.concatenate([self.p[members[1:]], point[None]])
         spans = np.concatenate([self.z[members], (points - self.p[first]) / self.length])  # (s, N, 3)
         # remove the freedom along the first axis from the points: only their offset from it counts
         spans = spans - self.z[first] * _dot(spans, self.z[first])[..., None]
@@ -198,7 +201,10 @@ def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
         return f"joint {names} moves nothing"
     axes = [i for i in circuit if i in scene.axes]
     slides = [i for i in circuit if scene.slides[i]]
-    words = _pattern(scene, axes, slides, task) if len(axes) + len(slides) == len(circuit) else None
+    if len(axes) + len(slides) == len(circuit):
+        words = _pattern(scene, axes, slides, task)
+    else:
+        words = None
     return words or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
 
 
@@ -229,19 +235,26 @@ def _pattern(scene: Scene, axes: Sequence[int], slides: Sequence[int], task: Tas
         if not axes:
             how = ("parallel", "parallel to one plane", "are four translations of space")[len(slides) - 2]
             return f"slides {numbers(slides)} {how}"
-        special = _translations_twice(scene, axes, slides) if slides else _three_dimensions(scene, axes)
+        if slides:
+            special = _translations_twice(scene, axes, slides)
+        else:
+            special = _three_dimensions(scene, axes)
         return special or _transversal(scene, axes, slides)
     count, lines = len(axes), f"axes {numbers(axes)}"
     if slides:
         return None
     if max(task.rows) < 3:  # planes through the tip count
         flat = count == 2 and scene.coplanar(axes, scene.tip).all()
-        return f"{lines} and the tip in one plane" if flat else None
+        if flat:
+            return f"{lines} and the tip in one plane"
+        return None
     if min(task.rows) >= 3:  # directions alone count
         if count == 2 and _parallel(scene, axes):
             return f"{lines} parallel"
         flat = count == 3 and (np.abs(_dot(scene.z[axes[0]], np.cross(*scene.z[axes[1:]]))) < ALIGNED).all()
-        return f"{lines} parallel to one plane" if flat else None
+        if flat:
+            return f"{lines} parallel to one plane"
+        return None
     return None
 
 
@@ -251,7 +264,12 @@ def _three_dimensions(scene: Scene, axes: Sequence[int]) -> str | None:
         return f"axes {numbers(axes)} aligned"
     if len(axes) > 4:
         return None
-    word = "parallel" if _parallel(scene, axes) else "concurrent" if scene.common_point(axes)[1].all() else None
+    if _parallel(scene, axes):
+        word = "parallel"
+    elif scene.common_point(axes)[1].all():
+        word = "concurrent"
+    else:
+        word = None
     if len(axes) == 4 and word is None and scene.coplanar(axes).all():
         word = "coplanar"
     return word and f"axes {numbers(axes)} {word}{' and coplanar' * (len(axes) == 3)}"
@@ -262,7 +280,10 @@ def _translations_twice(scene: Scene, axes: Sequence[int], slides: Sequence[int]
     if not _parallel(scene, axes):
         return None
     normal = all(scene.perpendicular[axes[0], i].all() for i in slides)
-    how = "normal to them" if normal else "along what they translate"
+    if normal:
+        how = "normal to them"
+    else:
+        how = "along what they translate"
     if len(axes) == 2 and len(slides) == 1:
         how = "normal to their plane"
     return f"axes {numbers(axes)} parallel, {_slides(slides)} {how}"
@@ -444,7 +465,10 @@ def _every_subgroup(scene: Scene) -> Iterator[tuple[str, int, Verdicts, Verdicts
         along = axis | (slides & parallel[i])
         yield "coaxial", 1, axis & pitch, along
         yield "cylindrical", 2, along, along
-        kind = "planar" if straight[i] else "planar with a screw"
+        if straight[i]:
+            kind = "planar"
+        else:
+            kind = "planar with a screw"
         yield kind, 3, (bundle & pitch) | (slides & square[i]), bundle | slides
         yield "Schönflies", 4, bundle | slides, bundle | slides
     for i, j in combinations(_members(straight), 2):
@@ -591,9 +615,14 @@ def _whole(robot: Robot, q: Array, dimension: int, rank: int) -> str:
     scene = Scene.of_joints(robot, q[None])
     every = tuple(range(len(robot.joints)))
     kinds = [kind for kind, size, joints, _ in subgroups(scene) if joints == every and size == dimension]
-    system = f"a {kinds[0]} system ({_MEANING[kinds[0]]})" if kinds else "a system"
+    if kinds:
+        system = f"a {kinds[0]} system ({_MEANING[kinds[0]]})"
+    else:
+        system = "a system"
     words = f"joints {numbers(range(robot.n))} lie in {system} of dimension {dimension}"
-    return words if dimension == rank else f"{words}, of which this task sees {rank}"
+    if dimension == rank:
+        return words
+    return f"{words}, of which this task sees {rank}"
 
 
 def _losses(robot: Robot, task: Task, q: Array) -> list[tuple[int, frozenset[int], str]]:
@@ -665,7 +694,12 @@ def _system(
     chosen = [i for i, joint in enumerate(robot.variables) if joint.name in inside - outside]
     slides = int(scene.slides[list(joints)].sum())
     permanent = structural and len(chosen) > dimension
-    what = "slides" if slides == len(joints) else "joints" if slides else "axes"
+    if slides == len(joints):
+        what = "slides"
+    elif slides:
+        what = "joints"
+    else:
+        what = "axes"
     shared = _SHARED[f"{kind} {dimension}" if kind == "translational" else kind][bool(slides)]
     return ScrewSystem(
         numbers=tuple(i + 1 for i in chosen), kind=kind, dimension=dimension,
@@ -891,7 +925,10 @@ def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
 def _independent(known: list[Array], vectors: list[Array], count: int) -> list[int]:
     """Indices of the first vectors, at most `count`, that are independent of each other and of the known ones."""
     taken, chosen = list(known), list[int]()
-    rank = int(np.linalg.matrix_rank(np.array(taken), tol=1e-6)) if taken else 0
+    if taken:
+        rank = int(np.linalg.matrix_rank(np.array(taken), tol=1e-6))
+    else:
+        rank = 0
     for i, vector in enumerate(vectors):
         if len(chosen) < count and np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6) > rank:
             chosen.append(i)

@@ -106,7 +106,9 @@ def singular_values(robot: Robot, q: ArrayLike, task: Task | str | None = None, 
     rows, batch = configurations(robot, q)
     into = rows_of(out, rows, batch, (min(view.m, robot.n),))
     sigma = _core.singular_values(chain_of(robot), view, rows, into)
-    return sigma.reshape(*batch, sigma.shape[1]) if out is None else out
+    if out is None:
+        return sigma.reshape(*batch, sigma.shape[1])
+    return out
 
 
 def decompose(robot: Robot, q: ArrayLike, task: Task | str | None = None) -> Decomposition:
@@ -176,16 +178,25 @@ def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Arra
     for i, joint in enumerate(robot.variables):
         slides = joint.kind is JointKind.PRISMATIC
         room = reach(robot) if slides else np.pi
-        lower, upper = (joint.lower, joint.upper) if limits or slides else (-np.inf, np.inf)
+        if limits or slides:
+            lower, upper = (joint.lower, joint.upper)
+        else:
+            lower, upper = (-np.inf, np.inf)
         if slides:
             lower, upper = travel_limits(robot, joint)
         if not np.isfinite(lower):
-            lower = -room if not np.isfinite(upper) else min(-room, upper - 2 * room)
+            if not np.isfinite(upper):
+                lower = -room
+            else:
+                lower = min(-room, upper - 2 * room)
         if not np.isfinite(upper):
             upper = max(room, lower + 2 * room)
         if slides:  # limits that are far from zero, too
             lower = max(min(lower, joint.upper - (upper - lower)), joint.lower)
-            upper = min(max(upper, lower + 2 * room), joint.upper) if upper <= lower else min(upper, joint.upper)
+            if upper <= lower:
+                upper = min(max(upper, lower + 2 * room), joint.upper)
+            else:
+                upper = min(upper, joint.upper)
         low[i], high[i] = lower, upper
     return low, high
 

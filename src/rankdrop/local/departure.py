@@ -363,7 +363,10 @@ def _on_circle(place: Configuration, pairs: _Indices, angles: Array, step: float
 def _leading(place: Configuration) -> Array:
     """± the right singular vectors of D as a matrix: for corank 1 the first is the best there is to first order."""
     n = len(place.q)
-    rank = place.rank if place.corank else place.generic - 1
+    if place.corank:
+        rank = place.rank
+    else:
+        rank = place.generic - 1
     series = taylor(place.robot, place.q, place.task, np.diag(place.scale), 1)
     d = np.einsum("mp,jmn,ns->psj", place.u[:, rank:], series[1], place.v[:, rank:])
     if not place.corank:  # the gradient of σ_r itself

@@ -135,7 +135,10 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
     text = ""
     for i in np.flatnonzero(np.abs(values) > _AXIS).tolist():
         value = float(values[i]) * (1.0 if i < 3 else per)
-        number = "" if i < 3 and _number(abs(value)) == "1" else f"{_number(abs(value))} "
+        if i < 3 and _number(abs(value)) == "1":
+            number = ""
+        else:
+            number = f"{_number(abs(value))} "
         if text:
             text += f" {'−' if value < 0 else '+'} {number}{labels[i]}"
         else:
@@ -164,8 +167,13 @@ def in_short(direction: ArrayLike) -> str:
     v, w, slide, turn = _parts(direction)
     if min(slide, turn) > NEARLY_SHARE * np.hypot(slide, turn):
         return ""
-    text = f"no motion along {axis_text(v)}" if slide >= turn else f"no turning about {axis_text(w)}"
-    return f"nearly {text}" if is_nearly_pure(direction) else text
+    if slide >= turn:
+        text = f"no motion along {axis_text(v)}"
+    else:
+        text = f"no turning about {axis_text(w)}"
+    if is_nearly_pure(direction):
+        return f"nearly {text}"
+    return text
 
 
 def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
@@ -217,7 +225,10 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
     line = screw_of(np.concatenate([m, f]))
     point = np.array(line.point)
     near = float(np.linalg.norm(point)) <= ENTRY_SHARE
-    where = "the reference point" if near else f"the point {_triple(point, length)} m from the reference point"
+    if near:
+        where = "the reference point"
+    else:
+        where = f"the point {_triple(point, length)} m from the reference point"
     along = axis_text(f)
     if abs(line.pitch) <= ENTRY_SHARE:
         return f"{where} cannot move along {along} of {frame_name}"
@@ -309,7 +320,9 @@ def axis_text(vector: ArrayLike) -> str:
     """
     largest, along = main_axis(vector)
     unit = np.asarray(vector, dtype=np.float64) / np.linalg.norm(vector)
-    return "XYZ"[largest] if along else _triple(unit * np.sign(unit[largest]))
+    if along:
+        return "XYZ"[largest]
+    return _triple(unit * np.sign(unit[largest]))
 
 
 def _triple(vector: Array, length: float = 1.0) -> str:
@@ -505,7 +518,10 @@ def lost_over_family(
         ConfigurationError: a point is not a configuration of this arm.
         OptionError: k is not in 1 … generic rank.
     """
-    frames = every_frame(task.frame, len(robot.joints)) if frames is None else frames
+    if frames is None:
+        frames = every_frame(task.frame, len(robot.joints))
+    else:
+        frames = frames
     bases = []
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
@@ -558,7 +574,10 @@ def frame_name(frame: Frame, power: int = 0) -> str:
         return f"{axes} at its origin"
     carrier = {BASE: "the base", TIP: "the tool"}.get(frame.origin, f"link {frame.origin}")
     given = [shifted(x, power) for x in frame.point]
-    where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in given)}) m"
+    if not any(frame.point):
+        where = "the origin"
+    else:
+        where = f"({', '.join(f'{x:g}' for x in given)}) m"
     return f"{axes} at {where} of {carrier}"
 
 
@@ -573,7 +592,10 @@ def _blocked(
     u = decompose(robot, q, task).u
     if without is not None:
         others = np.delete(task_jacobian(robot, q, task), without, axis=1)
-        u = svd(others)[0] if others.size else np.eye(task.m)
+        if others.size:
+            u = svd(others)[0]
+        else:
+            u = np.eye(task.m)
     blocked = _wrenches(u[:, generic - corank :], robot, task)
     if generic == task.m:
         return blocked, np.zeros((0, 6))

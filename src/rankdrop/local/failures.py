@@ -117,7 +117,10 @@ def failures_at(
     sigma = sigma_of(whole)
     regular = float(sigma[full - 1]) > zero
     shares = np.linalg.norm(np.linalg.svd(whole)[2][full:], axis=0) * regular
-    remaining = sigma_of(_without_each(whole[None])[0]) if robot.n > 1 else np.zeros((robot.n, 0))
+    if robot.n > 1:
+        remaining = sigma_of(_without_each(whole[None])[0])
+    else:
+        remaining = np.zeros((robot.n, 0))
     single = []
     for j, joint in enumerate(robot.variables):
         left, rows, lost_words = remaining[j], np.zeros((0, 6)), tuple[str, ...]()
@@ -125,9 +128,15 @@ def failures_at(
         if rank < full:
             framed = lost_in_sparsest_frame(robot, here.q, here.task, full - rank, without=j)
             rows, lost_words = framed.directions, tuple(words(row, framed.name) for row in framed.directions)
-        least = float(left[full - 1]) if rank == full else 0.0
+        if rank == full:
+            least = float(left[full - 1])
+        else:
+            least = 0.0
         single.append(Failure(j + 1, joint.name, left, least, rank, float(shares[j]), rows, lost_words))
-    bound = float(np.sqrt((robot.n - full) / robot.n) * sigma[0]) if regular else None
+    if regular:
+        bound = float(np.sqrt((robot.n - full) / robot.n) * sigma[0])
+    else:
+        bound = None
     return Failures(tuple(single), full, float(sigma[full - 1]) if regular else 0.0, bound)
 
 

@@ -116,7 +116,10 @@ def descend(
         model = (values[rows], tensor[rows], tau[rows], mixed[rows])
         step, fall, most, mixed[rows] = _inside(q[rows], *model, box, effort)
         slope[rows] = np.linalg.norm(step, axis=1) / tau[rows]
-        ahead = q[rows] + step if box is None else np.clip(q[rows] + step, *box)
+        if box is None:
+            ahead = q[rows] + step
+        else:
+            ahead = np.clip(q[rows] + step, *box)
         there, turned = evaluate(ahead)
         before = largest(values[rows])
         better = before - largest(there) > np.maximum(_ENOUGH * fall, 0.0)

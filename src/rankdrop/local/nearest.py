@@ -177,13 +177,19 @@ def nearest_singularity(
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     corank, starts = asked.corank, asked.starts
     problem = Problem(robot, resolved, corank, tolerances, asked.limits)
-    walks = STARTS[0 if corank == 1 else 1] if starts is None else starts
+    if starts is None:
+        walks = STARTS[0 if corank == 1 else 1]
+    else:
+        walks = starts
     whole_number("corank", corank, 1, problem.generic_rank)
     check_joints(problem)
     first = np.array(extra).reshape(-1, robot.n)
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     steps = starts is None and walk.smooth
-    ends, distances, lost = walk.newton(first, asked.seed) if steps else (np.empty((0, robot.n)), np.empty(0), 0)
+    if steps:
+        ends, distances, lost = walk.newton(first, asked.seed)
+    else:
+        ends, distances, lost = (np.empty((0, robot.n)), np.empty(0), 0)
     nearest, begun = distances.min(initial=np.inf), len(first) + sum(NEWTON) if steps else 0
     if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
         walked, far = walk.walked(first, walks, asked.seed)
@@ -269,14 +275,20 @@ def other_sheets(
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
     given = np.array([into_metres(here.robot, np.array(one)) + step for one in seeds]).reshape(-1, robot.n)
     starts = walk.all_around(given, OTHERS, seed)
-    known_here = None if known is None else into_metres(here.robot, np.array(known))
+    if known is None:
+        known_here = None
+    else:
+        known_here = into_metres(here.robot, np.array(known))
     return len(starts), _sheets(walk, here, starts, known_here, seed)
 
 
 def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None, seed: int) -> Iterator[Elsewhere]:
     """The sheets that starts (N, n) lead to, but for that of the known place and those through a singular q."""
     problem, told = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
-    least = _THROUGH * _GENERIC if here.measured.corank else 0.0
+    if here.measured.corank:
+        least = _THROUGH * _GENERIC
+    else:
+        least = 0.0
     ends = walk.distinct(walk.minima(starts))
     far = problem.length(ends - walk.centre)
     for end in ends[far > least][:_LOOKED_AT]:
@@ -348,7 +360,10 @@ class _Walk:
         around[0] = self.centre
         early = run(np.concatenate([given, around]), np.inf)
         nearest = early[1].min(initial=np.inf)
-        radius = _WIDER * nearest if np.isfinite(nearest) else max(_RADII)
+        if np.isfinite(nearest):
+            radius = _WIDER * nearest
+        else:
+            radius = max(_RADII)
         late = run(self._ball(rest if nearest > 0.0 else rest[:0], radius), nearest)
         return tuple(np.concatenate(both) for both in zip(early, late, strict=True))
 
@@ -420,7 +435,9 @@ class _Walk:
 
     def minima(self, starts: Array) -> Array:
         """(C, n) where starts (N, n) end that take Newton's steps, or walk where these cannot be taken."""
-        return self._feet(starts, np.inf)[0] if self.smooth else self.run(starts)[0]
+        if self.smooth:
+            return self._feet(starts, np.inf)[0]
+        return self.run(starts)[0]
 
     def distinct(self, ends: Array) -> Array:
         """(C, n) ends without those that repeat another, nearest first."""
@@ -467,7 +484,9 @@ class _Walk:
         sound = self.problem.singular(q) & np.isfinite(distance)
         distance = np.where(sound, self.problem.length(q - self.centre), np.inf)
         number = int(distance.argmin())
-        return (q[number], float(stationarity[number])) if sound[number] else None
+        if sound[number]:
+            return (q[number], float(stationarity[number]))
+        return None
 
     def _walk_along(self, starts: Array, still: float, *, polish: bool) -> tuple[Array, Array, Array]:
         """Along the singular set to the nearest points (C, n); their distances and stationarities (C,)."""
@@ -497,7 +516,9 @@ class _Walk:
             plain = np.clip(plain, *self.box)
         sigma, rank = self.problem.sigma(np.stack([q, plain])), self.problem.rank
         good = sigma[1, rank] <= max(sigma[0, rank], self.problem.tolerances.target)
-        return (plain, sigma[1]) if good else (q, sigma[0])
+        if good:
+            return (plain, sigma[1])
+        return (q, sigma[0])
 
 
 def _best(ends: Array, distances: Array) -> Array:

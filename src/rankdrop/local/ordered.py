@@ -204,7 +204,10 @@ class OrderedScrewSet:
     def msos(self, first: int, last: int) -> OrderedSubset:
         """GR's test of a run: its dimension and loss. `minimal` is about runs inside, `generic` is not known here."""
         loss = last - first + 1 - self.dimension(first, last)
-        inside = [(first, last - 1), (first + 1, last)] if last > first else []
+        if last > first:
+            inside = [(first, last - 1), (first + 1, last)]
+        else:
+            inside = []
         minimal = loss > 0 and all(self.dimension(i, j) == j - i + 1 for i, j in inside)
         return OrderedSubset(first, last, last - first + 1 - loss, loss, loss == 1, minimal)
 
@@ -254,7 +257,9 @@ class OrderedScrewSet:
         """Zero where a Lie product is rounding, next to the largest direction and the largest moment of the set."""
         direction, moment = (np.linalg.norm(part, axis=1).max() for part in (self.screws[:, :3], self.screws))
         rounding = np.linalg.norm(screw[:3]) <= self.tolerance * direction
-        return np.zeros(6) if rounding and np.linalg.norm(screw[3:]) <= self.tolerance * moment else screw
+        if rounding and np.linalg.norm(screw[3:]) <= self.tolerance * moment:
+            return np.zeros(6)
+        return screw
 
     def _rows(self, screws: Array) -> Array:
         """(..., 6) screws brought to unit length about a point amid the axes of the set."""
@@ -301,7 +306,9 @@ def _elsewhere(robot: Robot, task: Task) -> tuple[OrderedScrewSet, ...]:
 
 def _ranks(rows: Array, tolerance: float) -> Array:
     """(B,) ranks of (B, k, 6) unit rows."""
-    return np.asarray((sigma_of(rows) > tolerance).sum(axis=-1)) if len(rows) else np.zeros(0, dtype=int)
+    if len(rows):
+        return np.asarray((sigma_of(rows) > tolerance).sum(axis=-1))
+    return np.zeros(0, dtype=int)
 
 
 def _middle(screws: Array) -> tuple[Array, float]:
@@ -374,7 +381,10 @@ def _products_lines(found: Products) -> tuple[str, ...]:
 def _msos_lines(subset: OrderedSubset) -> tuple[str, ...]:
     if subset.last - subset.first > GREATEST_RUN:  # the guard as printed: 6 < j − i
         return ("more than seven screws: take a shorter run",)
-    end = "a minimal singular ordered subset" if subset.msos else "not a minimal singular ordered subset"
+    if subset.msos:
+        end = "a minimal singular ordered subset"
+    else:
+        end = "not a minimal singular ordered subset"
     return (f"dimension = {subset.dimension}", f"lost freedoms = {subset.loss}", end)
 
 
@@ -491,7 +501,10 @@ def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport
     n = len(screws)
     dimension, generic = screws.dimension(1, n), _generic(screws, seed)
     subsets = screws.subsets()
-    special = _special(screws, subsets, seed) if dimension < generic else ()
+    if dimension < generic:
+        special = _special(screws, subsets, seed)
+    else:
+        special = ()
     watched = tuple((s.first, s.last) for s in special if s.last - s.first < GREATEST_RUN)
     trials: list[Trial] = []
     instructions: list[Instruction] = [("readoss", 1, n)]
@@ -568,9 +581,15 @@ def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: 
     for i in range(number, len(screws)):
         products[:, i] = lie_product(screws.screws[number - 1], screws.screws[i])
     sums = products @ vt[dimension:].T
-    weighted = float(np.linalg.norm(sums, 2)) if sums.size else 0.0
+    if sums.size:
+        weighted = float(np.linalg.norm(sums, 2))
+    else:
+        weighted = 0.0
     lost = generic - dimension
-    rate = float(np.linalg.svd(u[:, dimension:].T @ sums, compute_uv=False)[lost - 1]) if lost else 0.0
+    if lost:
+        rate = float(np.linalg.svd(u[:, dimension:].T @ sums, compute_uv=False)[lost - 1])
+    else:
+        rate = 0.0
     return (0.0 if weighted < 1e-9 else weighted), (0.0 if rate < 1e-9 else rate)
 
 
@@ -592,7 +611,10 @@ def _remark(
         return "named by the printed procedure, but a finite motion does not restore the rank"
     if outside and gain == 0:
         later = ", ".join(f"[{number}, {k}]" for k in outside)
-        how = "vanishes" if weighted == 0.0 else "stays in the span"
+        if weighted == 0.0:
+            how = "vanishes"
+        else:
+            how = "stays in the span"
         verb = "lies" if len(outside) == 1 else "lie"
         return f"does not escape although {later} {verb} outside the span: Σ λ_i [S_{number}, S_i] {how}"
     return ""

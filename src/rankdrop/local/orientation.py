@@ -84,7 +84,9 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
     _check_known(representation)
     if representation in _ORDERS:
         angles = euler_angles(r, (_ORDERS[representation],))[..., 0, :]
-        return angles[..., ::-1] if representation == "rpy" else angles
+        if representation == "rpy":
+            return angles[..., ::-1]
+        return angles
     quaternion = _quaternion(r)
     vector = quaternion[..., 1:]
     if representation == "quaternion":
@@ -260,7 +262,10 @@ class Displacement:
             )  # fmt: skip
         self.robot, self.start, self.joints = robot, start, joint_scale(robot, task)
         self._rows, self._row_scale = list(task.rows), row_scale(robot, task)
-        point = (0.0, 0.0, 0.0) if anywhere else task.frame.point
+        if anywhere:
+            point = (0.0, 0.0, 0.0)
+        else:
+            point = task.frame.point
         self._frame, self._point = Frame(BASE, TIP, point), np.array([*point, 1.0])
         self._home = pose(robot, start)
         self._axes = link_poses(robot, start)[link_index(task.frame.axes, len(robot.joints), "axes"), :3, :3]
@@ -498,10 +503,16 @@ def _describe(
     name: str, coordinates: Array, sigma: float, determinant: float | None, turned: float, tolerances: Tolerances
 ) -> Representation:
     """One set of coordinates, with the smallest singular value and determinant of E and the angle of the whole turn."""
-    jump = max(0.0, pi - turned) if name in JUMPING else inf
+    if name in JUMPING:
+        jump = max(0.0, pi - turned)
+    else:
+        jump = inf
     if name in _ORDERS:
         back = _ORDERS[name][0] == _ORDERS[name][2]  # the first axis comes back
-        angle = min(abs(coordinates[1]), pi - abs(coordinates[1])) if back else pi / 2 - abs(coordinates[1])
+        if back:
+            angle = min(abs(coordinates[1]), pi - abs(coordinates[1]))
+        else:
+            angle = pi / 2 - abs(coordinates[1])
     else:
         angle = max({"rotvec": 2 * pi, "mrp": 2 * pi, "rodrigues": pi, "quaternion": inf}[name] - turned, 0.0)
     singular = sigma <= tolerances.singular

@@ -40,7 +40,9 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
         return None
     frame = replace(BODY, point=task.frame.point)
     found = replace(resolve_task(POINTING, robot, frame=frame), length_scale=task.length_scale)
-    return found if generic_rank(robot, task) == _ROWS == generic_rank(robot, found) else None
+    if generic_rank(robot, task) == _ROWS == generic_rank(robot, found):
+        return found
+    return None
 
 
 def asked_task(robot: Robot, task: Task) -> Task:

@@ -150,7 +150,10 @@ def by_habit(robot: Robot, task: Task, q: Array) -> NDArray[np.int64]:
         q: (N, n) configurations with the same tip [rad, m].
     """
     rank = generic_rank(robot, task)
-    sigma = singular_values(robot, q, task)[:, rank - 1] if rank else np.ones(len(q))
+    if rank:
+        sigma = singular_values(robot, q, task)[:, rank - 1]
+    else:
+        sigma = np.ones(len(q))
     height = spine(robot, q)[:, :, 2].mean(axis=1) / max(reach(robot), 1e-9)
     turned = np.where(robot.periodic, np.abs(q) / np.pi, 0.0).mean(axis=1)
     clear = sigma / max(float(sigma.max(initial=0.0)), 1e-12)
@@ -210,7 +213,10 @@ def start_posture(robot: Robot, task: Task, seed: int = 0) -> Array:
     """
     q = candidates(robot, task, _CANDIDATES, seed)
     rank = generic_rank(robot, task)
-    sigma = singular_values(robot, q, task)[:, rank - 1] if rank else np.ones(len(q))
+    if rank:
+        sigma = singular_values(robot, q, task)[:, rank - 1]
+    else:
+        sigma = np.ones(len(q))
     turned = np.where(robot.periodic, np.abs(q) / np.pi, 0.0).mean(axis=1)
     turned = turned + 0.5 * np.abs(q[:, 0]) / np.pi * bool(robot.periodic[0])  # joint 1 looks towards the reader
     worth = 2.0 * fault(robot, q) - sigma / max(float(sigma.max()), 1e-12) + 0.8 * turned

@@ -232,7 +232,10 @@ def selective_inverse(
         OptionError: damping negative, or threshold not positive.
     """
     check_value("threshold", _POSITIVE, threshold)
-    base = threshold / 2 if damping is None else damping
+    if damping is None:
+        base = threshold / 2
+    else:
+        base = damping
     check_value("damping", _NOT_NEGATIVE, base)
     parts = factor(robot, q, resolve_task(task, robot), tolerances)
     if drop:
@@ -460,7 +463,10 @@ def _along(
     for row, (name, twist) in enumerate(motions):
         unit = "rad/s"
         if twist[:3].any():  # of the weakest ℓ m/s is the unit
-            unit = "1" if twist[3:].any() or name == WEAKEST else "m/s"
+            if twist[3:].any() or name == WEAKEST:
+                unit = "1"
+            else:
+                unit = "m/s"
         costs: tuple[Any, ...] = (False, (), inf, None, None, 0.0, 0.0, True)
         if possible[row]:
             most, number, norm = float(largest[row]), worst[row], sqrt(float(sizes[row] @ sizes[row]))
@@ -524,7 +530,10 @@ def rate_growth(
     generic = generic_rank(robot, resolved)
     with np.errstate(divide="ignore"):
         rates = 1.0 / sigma[:, generic - 1]
-    near = slice(len(steps) // 2, None) if len(steps) > 3 else slice(None)
+    if len(steps) > 3:
+        near = slice(len(steps) // 2, None)
+    else:
+        near = slice(None)
     power = -float(np.polyfit(np.log(steps[near]), np.log(rates[near]), 1)[0])
     return RateGrowth(read_only(steps), read_only(rates), power)
 

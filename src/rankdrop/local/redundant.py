@@ -299,7 +299,10 @@ def readable_parts(columns: Array) -> Array:
         if dimension == 0:
             continue
         basis = np.linalg.eigh(inner)[1][:, -dimension:]
-        local = readable_basis(basis) if dimension <= _READABLE or dimension == len(members) else _pivoted(inner)
+        if dimension <= _READABLE or dimension == len(members):
+            local = readable_basis(basis)
+        else:
+            local = _pivoted(inner)
         placed = np.zeros((size, dimension))
         placed[members] = local[:, :dimension]
         found.append(placed)
@@ -436,8 +439,14 @@ def self_motion(
     here = at(robot, q, task)
     robot, start, verdict = here.robot, here.q, here.measured
     where = Displacement(robot, start, here.task)
-    low, high = (robot.lower, robot.upper) if limits else (np.full(robot.n, -np.inf), np.full(robot.n, np.inf))
-    wanted = None if direction is None else joint_direction(robot, direction) / where.joints
+    if limits:
+        low, high = (robot.lower, robot.upper)
+    else:
+        low, high = (np.full(robot.n, -np.inf), np.full(robot.n, np.inf))
+    if direction is None:
+        wanted = None
+    else:
+        wanted = joint_direction(robot, direction) / where.joints
     points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
     if verdict.nullity:
         units, refusal = _units(here, wanted)

@@ -124,11 +124,17 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     )  # fmt: skip
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
     elbow = arm.elbow
-    turn = arm.elbow_turn(_vector(scene.tip[0].tolist())) if moves else None
+    if moves:
+        turn = arm.elbow_turn(_vector(scene.tip[0].tolist()))
+    else:
+        turn = None
     if turns and arm.aligned(elbow - 1, elbow + 1):
         yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrapped(values[elbow]), 0.0, exact=True)
     elif turn is not None:
-        shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
+        if abs(turn) <= pi / 2:
+            shape = Shape.STRETCHED
+        else:
+            shape = Shape.FOLDED
         yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
     ends = [(Part.WRIST, len(axes) - 2)] * (turns and len(axes) >= 5)
     ends += [(Part.SHOULDER, 1)] * (len(axes) >= 7)
@@ -182,7 +188,10 @@ class _Axes:
         elbow = self.elbow
         axis, at = self.z[elbow], self.p[elbow]
         parallel = _parallel(self.z[elbow - 1], axis)
-        start = self.p[elbow - 1] if parallel else self.between(max(elbow - 2, 0), elbow - 1)
+        if parallel:
+            start = self.p[elbow - 1]
+        else:
+            start = self.between(max(elbow - 2, 0), elbow - 1)
         upper, lower = _across(_less(at, start), axis), _across(_less(self.wrist_point(tip), at), axis)
         if min(_length(upper), _length(lower)) <= _FLAT * self.reach:
             return None
@@ -192,12 +201,17 @@ class _Axes:
         """Angle between two axes about the one between them [rad]; None where one is parallel to that."""
         axis = self.z[middle]
         first, last = _across(self.z[middle - 1], axis), _across(self.z[middle + 1], axis)
-        return None if min(_length(first), _length(last)) < EXACT else _angle(first, last, axis)
+        if min(_length(first), _length(last)) < EXACT:
+            return None
+        return _angle(first, last, axis)
 
     def from_shoulder_plane(self, tip: Vector) -> tuple[float, float]:
         """Distances of the wrist from the plane through axis 1 along axis 2, and from axis 2 [m]."""
         bundle = len(self.z) == 6 and _parallel(self.z[self.elbow], self.z[self.elbow + 1])
-        point = self.between(4, 5) if bundle and self.tip is None else self.wrist_point(tip)
+        if bundle and self.tip is None:
+            point = self.between(4, 5)
+        else:
+            point = self.wrist_point(tip)
         normal = _cross(self.z[0], self.z[1])
         gap = abs(_dot(_less(point, self.p[0]), normal)) / _length(normal)
         return gap, _length(_across(_less(point, self.p[1]), self.z[1]))

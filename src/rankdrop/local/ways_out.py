@@ -285,7 +285,9 @@ def escape(
         nearby=nearby,
         floor=place.floor,
     )
-    return found if place is here else _out_of_metres(found, here.robot)
+    if place is here:
+        return found
+    return _out_of_metres(found, here.robot)
 
 
 _STEP = Annotated[float, option("Length of motions", unit="rad", ge=1e-3, le=1.0)]
@@ -343,7 +345,10 @@ def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
 def _standing(joint: JointEscape, place: Configuration) -> tuple[float, ...]:
     """Sorts: joints that restore by σ_r reached, then the others by what they gain; rounding decides nothing."""
     restores = joint.gain == place.corank
-    reached = float(f"{joint.sigma_after:.9e}") if joint.sigma_after > place.floor else 0.0
+    if joint.sigma_after > place.floor:
+        reached = float(f"{joint.sigma_after:.9e}")
+    else:
+        reached = 0.0
     return (not restores, 0 if restores else -joint.gain, -reached, joint.number)
 
 
@@ -355,8 +360,14 @@ def _several(
     for row, joint in enumerate(single):
         moves[row, joint.number - 1] = joint.step / place.scale[joint.number - 1]
     moves = moves[np.abs(moves).max(axis=1) > 0]
-    pair = best_pair(place, step) if len(place.q) > 1 else None
-    known = moves if pair is None else np.concatenate([pair[None], moves])
+    if len(place.q) > 1:
+        pair = best_pair(place, step)
+    else:
+        pair = None
+    if pair is None:
+        known = moves
+    else:
+        known = np.concatenate([pair[None], moves])
     whole = best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
     described = _described(place, motions)
@@ -460,7 +471,10 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     """
     size = each.shape[-1]
     starts = np.random.default_rng(seed).normal(size=(_STARTS, size))
-    starts = np.concatenate([np.eye(size), starts]) if size > 1 else np.eye(1)
+    if size > 1:
+        starts = np.concatenate([np.eye(size), starts])
+    else:
+        starts = np.eye(1)
     x = unit(starts)
     if not each.size or float(np.abs(each).max()) <= FLAT:
         return x, True
@@ -494,7 +508,9 @@ def boundary(place: Configuration, each: Array) -> tuple[bool | None, EdgeReason
     """
     if not place.corank:
         full = place.generic == place.task.m
-        return (False, "open") if full else (None, "never whole")
+        if full:
+            return (False, "open")
+        return (None, "never whole")
     if place.corank > 1 or place.generic < place.task.m:
         return None, "several"
     eigenvalues = np.linalg.eigvalsh(each[0])

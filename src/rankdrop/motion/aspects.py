@@ -148,7 +148,9 @@ class Postures(Result):
             return NOT_ASKED
         if self.change is not None or self.shared is not None:
             return CUSPIDAL
-        return NOT_CUSPIDAL if self.decision.impossible else NOT_FOUND
+        if self.decision.impossible:
+            return NOT_CUSPIDAL
+        return NOT_FOUND
 
     @property
     def shared(self) -> Solved | None:
@@ -174,7 +176,9 @@ class Postures(Result):
         Empty where there is no path.
         """
         names = [joint.name for joint in self.robot.variables]
-        return "" if self.change is None else csv_text(names, self.change.q)
+        if self.change is None:
+            return ""
+        return csv_text(names, self.change.q)
 
 
 @takes(AspectsOptions)
@@ -223,14 +227,23 @@ def aspects_of(
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
         raise TaskError("the arm is singular at every configuration", got=f"{robot.name}, {resolved.name}")
-    start = None if q is None else into_metres(robot, one_configuration(robot, q))
+    if q is None:
+        start = None
+    else:
+        start = into_metres(robot, one_configuration(robot, q))
     if start is not None and not regular(there, there_task, start):
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = _decided(robot, resolved)
     count, numeric = _counted(robot, resolved)
-    how = replace(how, most=max(how.poses, how.most)) if start is None else replace(how, poses=1, most=1)
-    random = sample(there, there_task, how.most, how.seed, limits=how.limits) if start is None else start[None]
+    if start is None:
+        how = replace(how, most=max(how.poses, how.most))
+    else:
+        how = replace(how, poses=1, most=1)
+    if start is None:
+        random = sample(there, there_task, how.most, how.seed, limits=how.limits)
+    else:
+        random = start[None]
     places = [(place, False) for place in random if regular(there, there_task, place)]
     if decision.kind == CUSPS:  # two solutions of one aspect are likely near a cusp
         near = _near_cusps(there, there_task, decision, how.seed)
@@ -291,7 +304,10 @@ def _solve(
     q = near_and_within(robot, q, q, limits=options.limits)
     other = np.abs(apart(robot, place, q)).max(axis=1, initial=0.0) > 1e-6
     q = np.concatenate([place[None], q[other]])
-    ways = roadmap.ways(q) if ways_wanted and len(q) > 1 else {}
+    if ways_wanted and len(q) > 1:
+        ways = roadmap.ways(q)
+    else:
+        ways = {}
     numbers = list(dict.fromkeys(groups := _grouped(len(q), ways)))
     aspect = tuple(numbers.index(group) + 1 for group in groups)
     sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
@@ -413,7 +429,10 @@ class Roadmap:
     def graph(self) -> tuple[Array, float, Index, Array]:
         """Configurations (N, n) in scaled joints, the median of |det J|; edges (E, 2), the least |det J| on each."""
         robot, task = self.robot, self.task
-        low, high = limit_box(robot, task) if self.limits else sampling_box(robot, task, limits=False)
+        if self.limits:
+            low, high = limit_box(robot, task)
+        else:
+            low, high = sampling_box(robot, task, limits=False)
         count = _NODES.get(int(self.matters.sum()), _MOST_NODES)
         drawn = sample(robot, task, count, self.seed, limits=self.limits) / self.scale
         middle = np.where(np.isfinite(low + high), 0.5 * (low + high) / self.scale, 0.0)
@@ -471,7 +490,10 @@ class Roadmap:
     def _proven(self, corners: Array, start: Array, end: Array) -> Change | None:
         """The way through corners, the joints that do not matter going evenly from start to end; None if not proven."""
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-        share = length / length[-1] if length[-1] > 0 else np.linspace(0.0, 1.0, len(corners))
+        if length[-1] > 0:
+            share = length / length[-1]
+        else:
+            share = np.linspace(0.0, 1.0, len(corners))
         free = start + share[:, None] * self._difference(start, end)
         q = np.where(self.matters, corners, free) * self.scale
         found = prove(self.robot, settings_for(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
@@ -489,7 +511,10 @@ class Roadmap:
         while at < len(corners) - 1:
             ahead = np.arange(at + 1, len(corners))
             clear = self._least(np.repeat(corners[[at]], len(ahead), axis=0), corners[ahead], usual) >= least
-            at = int(ahead[clear].max()) if clear.any() else at + 1
+            if clear.any():
+                at = int(ahead[clear].max())
+            else:
+                at = at + 1
             kept.append(at)
         return corners[kept]
 
@@ -534,7 +559,9 @@ class Roadmap:
         return determinants(self.robot, self.task, nodes * self.scale)
 
     def _difference(self, one: Array, other: Array) -> Array:
-        return other - one if self.limits else apart(self.robot, one, other)
+        if self.limits:
+            return other - one
+        return apart(self.robot, one, other)
 
 
 def _widest(count: int, edges: Index, weights: Array, start: int, end: int) -> list[int]:

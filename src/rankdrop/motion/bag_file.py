@@ -62,10 +62,16 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
     except ImportError as error:
         raise MissingExtraError("rosbags", "bags", "a ROS bag") from error
     del rosbags
-    files = list(path.iterdir()) if path.is_dir() else [path]
+    if path.is_dir():
+        files = list(path.iterdir())
+    else:
+        files = [path]
     size = sum(one.stat().st_size for one in files)
     packed = sum(one.suffix.lower() == ".zstd" for one in files)
-    scratch = (_SCRATCH + _RATIO * size) // packed if packed else 0
+    if packed:
+        scratch = (_SCRATCH + _RATIO * size) // packed
+    else:
+        scratch = 0
     names = [joint.name for joint in robot.variables]
     content = run_limited(bag_rows, name, names, topic, file=path, parser="the reader of ROS bags",
                           memory=MEMORY, cpu=CPU + int(_SECONDS * size / 1e6), scratch=scratch,
@@ -128,7 +134,9 @@ class _MeasuredPath(type(Path())):  # type: ignore[misc]  # the class of paths o
     """A path that opens files which refuse to read far beyond their end."""
 
     def open(self, mode: str = "r", *_: Any, **__: Any) -> Any:
-        return _Measured(io.FileIO(self, "rb")) if mode == "rb" else super().open(mode)
+        if mode == "rb":
+            return _Measured(io.FileIO(self, "rb"))
+        return super().open(mode)
 
 
 class _Measured(io.BufferedReader):
@@ -237,7 +245,10 @@ class _Rows:
     def take(self, message: Any, recorded: int, at: str) -> None:
         """The rows of a message."""
         points = getattr(message, "points", None)
-        names = message.name if points is None else message.joint_names
+        if points is None:
+            names = message.name
+        else:
+            names = message.joint_names
         self.others.update(set(names) - set(self.wanted))
         missing = [one for one in self.wanted if one not in names]
         if len(missing) == len(self.wanted):

@@ -274,7 +274,9 @@ def inverse(
 def _most(robot: Robot, task: Task) -> int | None:
     """16 for six turning joints and a full pose: Lee and Liang 1988, attained by Manseur and Doty 1989."""
     turning = all(joint.kind is not JointKind.PRISMATIC for joint in robot.joints)
-    return 16 if robot.n == len(robot.joints) == task.m == 6 and turning else None
+    if robot.n == len(robot.joints) == task.m == 6 and turning:
+        return 16
+    return None
 
 
 @dataclass(eq=False)
@@ -305,7 +307,10 @@ class _Search:
         quiet = 0
         while self.tried < how.starts or (quiet < _QUIET and self.tried < _LIMIT * how.starts and not self.redundant):
             low, high = boxes[(self.tried // _BATCH) % 2]
-            size = min(_BATCH, how.starts) if self.tried == 0 else _BATCH
+            if self.tried == 0:
+                size = min(_BATCH, how.starts)
+            else:
+                size = _BATCH
             if self.redundant and self.tried >= how.starts // 4:  # every start finds a new point of the same curves
                 break
             news = self._take(rng.uniform(low, high, (size, self.robot.n)))
@@ -339,8 +344,14 @@ class _Search:
 
     def parted(self) -> tuple[Array, tuple[Continuum, ...], bool]:
         """Isolated solutions (k, n), self-motions, and whether some were not followed."""
-        isolated = [] if self.redundant else [self.regular]
-        pieces = [(q, self.robot.n - self.aim.rank, False) for q in self.regular] if self.redundant else []
+        if self.redundant:
+            isolated = []
+        else:
+            isolated = [self.regular]
+        if self.redundant:
+            pieces = [(q, self.robot.n - self.aim.rank, False) for q in self.regular]
+        else:
+            pieces = []
         for row, q in enumerate(self.singular):
             if row >= _ENOUGH and any(dimension > 1 for _, dimension, _ in pieces):
                 break  # a surface is not taken apart
@@ -366,7 +377,10 @@ class _Search:
             traced.append(points)
             found.append(self._continuum(q, 1, points, closed, complete, singular))
         found.sort(key=lambda one: (bool(one.beyond), not one.closed))
-        joined = np.concatenate(isolated) if isolated else np.empty((0, self.robot.n))
+        if isolated:
+            joined = np.concatenate(isolated)
+        else:
+            joined = np.empty((0, self.robot.n))
         return joined, tuple(found), more
 
     def _on(self, q: Array, points: Array) -> bool:
@@ -384,7 +398,9 @@ class _Search:
         off = float(np.linalg.norm((found[0] - guess) / self.scale))
         gone = float(np.linalg.norm((found[0] - q) / self.scale))
         good = arrived[0] and off <= off_at_most * step and gone >= step / 4
-        return np.asarray(found[0]) if good else None
+        if good:
+            return np.asarray(found[0])
+        return None
 
     def _freedom(self, q: Array) -> int:
         """Dimension of the self-motion through q."""
@@ -392,7 +408,10 @@ class _Search:
         if not len(null):
             return 0
         rng = np.random.default_rng(0)
-        mixed = rng.normal(size=(4 * len(null), len(null))) if len(null) > 1 else np.ones((1, 1))
+        if len(null) > 1:
+            mixed = rng.normal(size=(4 * len(null), len(null)))
+        else:
+            mixed = np.ones((1, 1))
         ways = np.concatenate([np.eye(len(null)), mixed]) @ null
         ways /= np.linalg.norm(ways, axis=1)[:, None]
         moved = []
@@ -416,7 +435,10 @@ class _Search:
                 null = self._null(now)
                 along = null.T @ (null @ heading)
                 size = float(np.linalg.norm(along))
-                end = None if size < 0.5 else self._next(now, now + _STEP * along / size * self.scale, _STEP, 1 / 3)
+                if size < 0.5:
+                    end = None
+                else:
+                    end = self._next(now, now + _STEP * along / size * self.scale, _STEP, 1 / 3)
                 if end is None:
                     break
                 heading = (end - now) / self.scale
@@ -469,13 +491,19 @@ def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
     q = into_limits(robot, q)
     sigma = search.sigma(q)
     postures = posture_names(robot, task, q)
-    families, source = known_families(robot, task, None, DEFAULT) if len(q) else ((), "")
+    if len(q):
+        families, source = known_families(robot, task, None, DEFAULT)
+    else:
+        families, source = ((), "")
     made: list[Branch] = []
     for row in range(len(q)):
         verdict = "singular"
         if sigma[row] > _SINGULAR:
             how = ExplainOptions(evaluations=0)
-            verdict = "regular" if sigma[row] > how.small else "near"
+            if sigma[row] > how.small:
+                verdict = "regular"
+            else:
+                verdict = "near"
             if row < _JUDGED:
                 verdict = str(Explanation(at(robot, q[row], task), families, source, how).verdict)
         made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], _beyond(robot, q[row]),
@@ -502,7 +530,10 @@ def _unreached(search: _Search, how: InverseOptions) -> Unreached:
         error = aim.error(goal, q[None])[0]
         return float(np.linalg.norm(error[moves])), float(np.linalg.norm(error[~moves])), q
 
-    position, _, near = least(1.0, 0.0) if moves.any() else (0.0, 0.0, starts[0])
+    if moves.any():
+        position, _, near = least(1.0, 0.0)
+    else:
+        position, _, near = (0.0, 0.0, starts[0])
     shift = turn = None
     tip, turned = pose_of(robot, near), None
     if moves.any() and not moves.all():
@@ -517,7 +548,12 @@ def _unreached(search: _Search, how: InverseOptions) -> Unreached:
     else:
         _, turn, q = least(0.0, 1.0)
         turned = pose_of(robot, q)
-    kind = POSITION if position > _UNREACHED else JOINTS if aim.rank < search.task.m else ORIENTATION
+    if position > _UNREACHED:
+        kind = POSITION
+    elif aim.rank < search.task.m:
+        kind = JOINTS
+    else:
+        kind = ORIENTATION
     return Unreached(kind, position * aim.length, shift, turn, tip, turned)
 
 

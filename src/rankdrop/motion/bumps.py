@@ -186,13 +186,17 @@ class Bumper:
     @cached_property
     def clock(self) -> Array:
         """(T,) what ramps are measured by: times, or lengths where there are none."""
-        return self.lengths if self.path.times is None else self.path.times
+        if self.path.times is None:
+            return self.lengths
+        return self.path.times
 
     @cached_property
     def sides(self) -> list[Signs]:
         """Signs of the determinant of a square arm; else of the conditions of families of one condition."""
         found = signs(self.robot, self.check.task, self.families)
-        return [found[""]] if "" in found else list(found.values())
+        if "" in found:
+            return [found[""]]
+        return list(found.values())
 
     def at(self, place: Array) -> Array:
         """(N, n) configurations of the path."""
@@ -319,7 +323,8 @@ class Bumper:
             if self.tool.redundant and self.path.degree == 1:
                 null = np.linalg.svd(self.aim.jacobian(home[:1])[0])[2][self.tool.rank :]
                 along = null.T @ (null @ normal)
-                kinds += [(along, True)] if np.linalg.norm(along) > 1e-3 else []
+                if np.linalg.norm(along) > 1e-3:
+                    kinds += [(along, True)]
         for way, null_motion in kinds:
             one = self.scale * way / np.abs(way).max()
             yield one, null_motion
@@ -352,7 +357,10 @@ class Bumper:
                 too_low, enough = (0.0 if k == 0 else float(heights[k - 1])), float(height)
                 for _ in range(_BISECTIONS):
                     middle = (too_low + enough) / 2
-                    too_low, enough = (too_low, middle) if clear(middle) else (middle, enough)
+                    if clear(middle):
+                        too_low, enough = (too_low, middle)
+                    else:
+                        too_low, enough = (middle, enough)
                 return enough
         return None
 
@@ -362,7 +370,10 @@ class Bumper:
 
     def _ramped(self, bump: Bump) -> Bump | NoBump:
         """With the shortest ramps that keep limits."""
-        first = _RAMP if self.path.times is not None else _SLOPE * bump.height
+        if self.path.times is not None:
+            first = _RAMP
+        else:
+            first = _SLOPE * bump.height
         low, high = (float(x) for x in self.time(np.array([bump.core.low, bump.core.high])))
         before, after = low - float(self.clock[0]), float(self.clock[-1]) - high
         for k in range(_RAMPS):
@@ -482,7 +493,10 @@ class Bumper:
         q[whole & still] = rows[place[whole & still].astype(np.int64)]
         times = self.path.times
         timed = times is not None
-        at = self.time(place) if timed else regular_times(len(place))
+        if timed:
+            at = self.time(place)
+        else:
+            at = regular_times(len(place))
         velocities, accelerations = self._derivatives(bumps, place)
         return Trajectory("", at, q, timed, (), velocities, accelerations)
 

@@ -168,7 +168,9 @@ class ToolPath:
 
     def inside(self, q: Array) -> Mask:
         """(N,) within the joint limits, where they count."""
-        return within(self.robot, q) if self.limits else np.ones(len(q), dtype=np.bool_)
+        if self.limits:
+            return within(self.robot, q)
+        return np.ones(len(q), dtype=np.bool_)
 
     def refined(self, run: Run) -> tuple[Self, Followed]:
         """A joint path at more places where it moves far between two, or far for how near it is to a
@@ -177,7 +179,10 @@ class ToolPath:
         tool = self
         for _ in range(_REFINED):
             found = run(tool)
-            far = self.room(found.q) if found.complete else np.zeros(1)
+            if found.complete:
+                far = self.room(found.q)
+            else:
+                far = np.zeros(1)
             if far.min() < _TOO_NEAR:
                 break
             wanted = np.minimum(_FINE, _RESOLVED * np.minimum(far[1:], far[:-1]))
@@ -195,9 +200,18 @@ class ToolPath:
         """A joint path (K, n) at the places, with the times of the old one, and rates where cubics need them."""
         timed = self.path.times is not None
         times = self.path.time(*self.path.split(self.place))
-        times = regular_times(len(q)) if times is None else times
-        velocities = None if interpolate == "linear" else _slope(q, times)
-        accelerations = _slope(velocities, times) if interpolate == "quintic" and velocities is not None else None
+        if times is None:
+            times = regular_times(len(q))
+        else:
+            times = times
+        if interpolate == "linear":
+            velocities = None
+        else:
+            velocities = _slope(q, times)
+        if interpolate == "quintic" and velocities is not None:
+            accelerations = _slope(velocities, times)
+        else:
+            accelerations = None
         return Trajectory("", times, q, timed, (), velocities, accelerations)
 
     def deviation(self, made: Trajectory, interpolate: str) -> tuple[float, float]:
@@ -255,7 +269,9 @@ def start_moved(tool: ToolPath) -> Array | None:
         return np.asarray(lead.q[-1])
     found, arrived = tool.aim.solve(tool.poses[:1], tool.q[:1])
     near = float(np.linalg.norm((found[0] - tool.q[0]) / tool.aim.joints)) < _REACHED
-    return np.asarray(found[0]) if arrived[0] and near and tool.inside(found)[0] else None
+    if arrived[0] and near and tool.inside(found)[0]:
+        return np.asarray(found[0])
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -328,7 +344,10 @@ def _turned(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) ->
 def branches(tool: ToolPath, report: Progress) -> Ranking:
     """Other branches of the inverse kinematics at the first pose."""
     starts = _branches(tool)
-    pull = _pull(tool, 1.0) if tool.robot.n > tool.task.m else None
+    if tool.robot.n > tool.task.m:
+        pull = _pull(tool, 1.0)
+    else:
+        pull = None
     ranking = ranked(((tool, start, pull, "branch", (_entry("start", start),)) for start in starts), len(starts),
                      report)  # fmt: skip
     if starts and not ranking[0] and tool.redundant:
@@ -346,11 +365,17 @@ def _branches(tool: ToolPath) -> list[Array]:
     low, high = sampling_box(robot, task, limits=tool.limits)
     starts = np.random.default_rng(_SEED).uniform(low, high, (_STARTS, robot.n))
     found = near_and_within(robot, tool.aim.reached(tool.poses[0], starts), tool.q[0], limits=tool.limits)
-    known = _self_motion(tool) if tool.redundant else tool.q[:1]
+    if tool.redundant:
+        known = _self_motion(tool)
+    else:
+        known = tool.q[:1]
     if known is None:
         return []
     sigma = singular_values(robot, found, task)[:, tool.rank - 1]
-    near, most = (_APART, _BRANCHES) if tool.redundant else (_SAME, None)
+    if tool.redundant:
+        near, most = (_APART, _BRANCHES)
+    else:
+        near, most = (_SAME, None)
     return list(distinct(robot, task, found[sigma > _SAME], near, known, most))
 
 
@@ -442,7 +467,10 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Pro
     if not len(plan):
         ended["plan"] += 1
         return False
-    how = "planned elsewhere" if around else "planned"
+    if around:
+        how = "planned elsewhere"
+    else:
+        how = "planned"
     found.append(Candidate(tool, along(place, plan), how, (_entry("start", plan[0]),), free, not around))
     return True
 
@@ -534,7 +562,10 @@ def _around(tool: ToolPath, now: Layer) -> Layer:
         guess, _ = _moved(tool.aim, fresh)
         moved, arrived = tool.aim.solve(np.broadcast_to(tool.poses[0], (len(guess), 4, 4)), guess)
         moved = moved[arrived & tool.inside(moved)]
-        moved = moved[_room(tool, moved) > _NEAR] if len(moved) else moved
+        if len(moved):
+            moved = moved[_room(tool, moved) > _NEAR]
+        else:
+            moved = moved
         both = np.concatenate([q, moved])
         both, _, _ = _cheapest(tool, both, np.arange(len(both), dtype=np.float64), np.zeros(len(both), dtype=np.int64))
         fresh, q = both[len(q) :], both
@@ -579,7 +610,9 @@ def _smooth(tool: ToolPath, q: Array, *, fixed: bool) -> Array:
 
 def _sizes(aim: Aim) -> tuple[float, float]:
     """Of a null motion between layers, and between the configurations of one [rad]."""
-    return (_STEP, _SPACING) if aim.robot.n - aim.rank == 1 else (5 * _STEP, 5 * _SPACING)
+    if aim.robot.n - aim.rank == 1:
+        return (_STEP, _SPACING)
+    return (5 * _STEP, 5 * _SPACING)
 
 
 def _moved(aim: Aim, q: Array) -> tuple[Array, Index]:

@@ -148,7 +148,10 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
 
     def decided(control: Array) -> tuple[Mask, Mask]:
         low, high = boxes(control)
-        done = kept(low, high) if spent < evaluations else np.zeros(len(low), dtype=np.bool_)
+        if spent < evaluations:
+            done = kept(low, high)
+        else:
+            done = np.zeros(len(low), dtype=np.bool_)
         narrow = (high - low < _SHORTEST * setting.scale).all(axis=1)
         return done, ~done & (narrow | (spent >= evaluations))
 

@@ -156,7 +156,9 @@ def check_path(
 def asked_for(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
     """The task that a path is checked for; the one that families are given for where none is named."""
     resolved = resolve_task(task, robot)
-    return asked_task(robot, resolved) if task is None and analysis is None else resolved
+    if task is None and analysis is None:
+        return asked_task(robot, resolved)
+    return resolved
 
 
 def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
@@ -202,15 +204,21 @@ def check_curve(
     spent, kept, remarks = proof.evaluations, None, survey.remarks
     if options.min_distance > 0.0:
         nearest = min((one.closest.distance for one in stretches), default=np.inf)
-        kept = "violated" if nearest < options.min_distance else "not proven"
+        if nearest < options.min_distance:
+            kept = "violated"
+        else:
+            kept = "not proven"
         if kept == "not proven" and proof.complete and not proof.slivers:
             row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
             spent, kept = spent + more, "kept" if row < 0 else kept
-            remarks += (("distance open", row + 1),) if row >= 0 else ()
+            if row >= 0:
+                remarks += (("distance open", row + 1),)
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
     if arm is not robot:
         def own(values: Array) -> Array:
-            return out_of_metres(robot, values) if len(values) else values
+            if len(values):
+                return out_of_metres(robot, values)
+            return values
 
         stretches = tuple(
             replace(one, closest=replace(one.closest, q=own(one.closest.q), foot=own(one.closest.foot)),
@@ -252,7 +260,10 @@ def _shares(path: Curve, scale: Array, parts: tuple[Stretch, ...]) -> tuple[floa
 
     length, total = sum_of(until, UNDECIDED), float(until[-1])
     singular = sum_of(until, CROSSING, TOUCHING)
-    time = None if path.times is None else sum_of(path.times, UNDECIDED)
+    if path.times is None:
+        time = None
+    else:
+        time = sum_of(path.times, UNDECIDED)
     return length, length / total, time, max(0.0, 1.0 - length / total - singular / total)  # rounding
 
 
@@ -321,7 +332,12 @@ def check_poses(
     path = timed_branch(robot, resolved, wanted, times, branch)
     asked = asked_for(robot, task, analysis)
     check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
-    ended = FREE if branch.complete else UNDECIDED if branch.reason in ("stuck", "budget") else NOT_FOLLOWED
+    if branch.complete:
+        ended = FREE
+    elif branch.reason in ("stuck", "budget"):
+        ended = UNDECIDED
+    else:
+        ended = NOT_FOLLOWED
     # a start on a singularity is found to half the digits only: its joints are free, and the tool path is not
     passed = TOUCHING if branch.passed else FREE
     worst = min(check.verdict, ended, passed, key=VERDICTS.index)
@@ -341,7 +357,10 @@ def _branches(
         first = taken.q[0]
     away = np.linalg.norm(apart(robot, first, solutions) / joint_scale(robot, task), axis=1)
     same = away <= _SAME
-    starts = solutions if same.any() else np.concatenate([first[None], solutions])
+    if same.any():
+        starts = solutions
+    else:
+        starts = np.concatenate([first[None], solutions])
     chosen = int(away.argmin()) if same.any() else 0
     starts[chosen] = first
     if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
@@ -445,7 +464,9 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     q = near_and_within(robot, Aim(robot, task).reached(goal, starts), home, limits=True)
     far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
     found = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
-    return found[by_habit(robot, task, found)] if len(found) and robot.n <= task.m else found
+    if len(found) and robot.n <= task.m:
+        return found[by_habit(robot, task, found)]
+    return found
 
 
 def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
@@ -486,7 +507,10 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
 
 def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
     """The joint path with its times, and with the joint rates J⁺ẋ that the curve needs at both ends of each piece."""
-    when = None if times is None else np.interp(branch.place, np.arange(1, len(poses) + 1), times)
+    if times is None:
+        when = None
+    else:
+        when = np.interp(branch.place, np.arange(1, len(poses) + 1), times)
     path = curve(branch.q, when)
     if times is None or len(branch.q) < 2:
         return path
@@ -553,7 +577,10 @@ def check_file(
         if not deg:
             refuse_degrees(read, robot, file)
         hint = unit_hint(read.q, robot, deg=deg)
-        hint = hint if hint is None or deg else degrees_advice(hint)
+        if hint is None or deg:
+            hint = hint
+        else:
+            hint = degrees_advice(hint)
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):
             say(line)

@@ -88,7 +88,9 @@ class Curve:
         lasts = np.diff(self.times)[:, None]
         steps = np.abs(np.diff(self.control, axis=1)).max(axis=1) * self.degree
         rates = np.where(steps > 0.0, steps / np.where(lasts > 0.0, lasts, np.inf), 0.0)
-        return rates if self.speeds is None else np.maximum(rates, self.speeds)
+        if self.speeds is None:
+            return rates
+        return np.maximum(rates, self.speeds)
 
     def time(self, stretch: Index, share: Array) -> Array | None:
         """(N,) times [s]."""
@@ -101,7 +103,10 @@ class Curve:
         """A point with its row and time."""
         stretch, share = spot
         time = self.time(np.array([stretch]), np.array([share]))
-        stretch, share = (stretch + 1, 0.0) if share == 1.0 else spot
+        if share == 1.0:
+            stretch, share = (stretch + 1, 0.0)
+        else:
+            stretch, share = spot
         return Place(stretch + 1, share, None if time is None else float(time[0]))
 
     def here(self, place: Place) -> tuple[Array, Array]:
@@ -112,7 +117,9 @@ class Curve:
     def spot(self, place: Place) -> Spot:
         """Stretch and share of a place."""
         last = len(self.control)
-        return (last - 1, 1.0) if place.row > last else (place.row - 1, place.share)
+        if place.row > last:
+            return (last - 1, 1.0)
+        return (place.row - 1, place.share)
 
 
 def curve(
@@ -142,7 +149,10 @@ def curve(
     """
     if len(q) == 1:
         q = np.repeat(q, 2, axis=0)
-        times = None if times is None else np.repeat(times, 2)
+        if times is None:
+            times = None
+        else:
+            times = np.repeat(times, 2)
         velocities, accelerations, interpolate = None, None, "linear"
     start, end = q[:-1], q[1:]
     if interpolate == "linear":

@@ -114,7 +114,10 @@ def moved_along(aim: Aim, poses: Array, twist: Array) -> Array:
     if aim.with_tip:
         shift = (here @ shift[:, :, None])[:, :, 0]
     out = poses.copy()
-    out[:, :3, :3] = here @ turn if aim.with_tip else turn @ here
+    if aim.with_tip:
+        out[:, :3, :3] = here @ turn
+    else:
+        out[:, :3, :3] = turn @ here
     out[:, :3, 3] += shift + (here - out[:, :3, :3]) @ aim.point
     return out
 
@@ -137,7 +140,10 @@ class Detourer:
         final, out = float(len(self.bumper.path.control)), list[Detour | NoDetour]()
         last = 0.0
         for k, core in enumerate(crossings):
-            until = crossings[k + 1].low if k + 1 < len(crossings) else final
+            if k + 1 < len(crossings):
+                until = crossings[k + 1].low
+            else:
+                until = final
             ends = self._ends(core, last, until)
             if ends is None:
                 return [*out, NoDetour(core, Hindrance.END)]
@@ -157,7 +163,10 @@ class Detourer:
         if start is not None:
             rest, before = self._rest(last, final, start), out[-1]
             assert isinstance(before, Detour)
-            out[-1] = NoDetour(crossings[-1], Hindrance.REST) if rest is None else replace(before, rest=rest)
+            if rest is None:
+                out[-1] = NoDetour(crossings[-1], Hindrance.REST)
+            else:
+                out[-1] = replace(before, rest=rest)
         return out
 
     def _back(self, made: Detour) -> bool:
@@ -178,7 +187,10 @@ class Detourer:
         """
         bumper = self.bumper
         lost = self._lost(core)
-        begin = bumper.at(np.array([low]))[0] if start is None else start
+        if start is None:
+            begin = bumper.at(np.array([low]))[0]
+        else:
+            begin = start
         limited = False
         ways = [lost, -lost]
         for size in self._sizes(clearance):
@@ -219,7 +231,10 @@ class Detourer:
         """Where the ramps of a window begin and end by the clock; None where there is no room for them."""
         bumper = self.bumper
         first, full, back, final = (float(x) for x in bumper.time(np.array([last, core.low, core.high, until])))
-        shortest = _RAMP if bumper.path.times is not None else _SLOPE
+        if bumper.path.times is not None:
+            shortest = _RAMP
+        else:
+            shortest = _SLOPE
         ramp = max(shortest, back - full)
         ahead, behind = min(ramp, 0.9 * (full - first)), min(ramp, 0.9 * (final - back))
         if min(ahead, behind) <= 0.0:
@@ -260,7 +275,10 @@ class Detourer:
         for one in detours:
             start, end = (bumper.path.place(bumper.point(place)) for place in (one.low, one.high))
             moves = one.q - bumper.at(one.place)
-            after = np.zeros_like(moves[-1]) if self._back(one) else moves[-1]
+            if self._back(one):
+                after = np.zeros_like(moves[-1])
+            else:
+                after = moves[-1]
             out.append(Change(start, end, largest_move(moves), one.off, after))
         return out
 
@@ -279,7 +297,10 @@ class Detourer:
                 places.append(one.rest[0])
                 values.append(one.rest[1])
                 continue
-            until = int(np.ceil(detours[k + 1].low)) if k + 1 < len(detours) else count + 1
+            if k + 1 < len(detours):
+                until = int(np.ceil(detours[k + 1].low))
+            else:
+                until = count + 1
             after = np.arange(int(np.floor(one.high)) + 1, until)
             places.append(after.astype(np.float64))
             values.append(rows[after])
@@ -298,4 +319,6 @@ class Detourer:
             return path.followed(start)
 
         fine, found = tool.at_places(place).refined(run)
-        return (fine.place[1:], found.q[1:]) if found.complete else None
+        if found.complete:
+            return (fine.place[1:], found.q[1:])
+        return None

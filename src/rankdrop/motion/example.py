@@ -31,7 +31,10 @@ def example_path(robot: Robot, task: Task) -> Trajectory:
     """
     start = start_posture(robot, task)
     near = nearest_singularity(robot, start, task, limits=True)
-    way = near.q - start if near is not None else 0.2 * np.eye(robot.n)[0]
+    if near is not None:
+        way = near.q - start
+    else:
+        way = 0.2 * np.eye(robot.n)[0]
     rows = [start, start + 0.5 * way, start + (1.0 + _BEYOND) * way]
     q = np.clip(np.round(rows, _DIGITS), robot.lower, robot.upper)
     return Trajectory(f"{robot.name} example", _TIMES, q, True, ())

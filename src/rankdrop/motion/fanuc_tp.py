@@ -98,10 +98,14 @@ def _target(values: dict[str, float | None], where: str) -> Target | Reason:
     joints = [values[key] for key in _JOINTS if key in values]
     known = [one for one in joints if one is not None]
     if joints:
-        return joint_target(known, where) if len(known) == len(joints) else Reason.INCOMPLETE
+        if len(known) == len(joints):
+            return joint_target(known, where)
+        return Reason.INCOMPLETE
     place = [values.get(key) for key in _PLACE]
     found = [one for one in place if one is not None]
-    return angle_target(found, where) if len(found) == len(_PLACE) else Reason.INCOMPLETE
+    if len(found) == len(_PLACE):
+        return angle_target(found, where)
+    return Reason.INCOMPLETE
 
 
 def _instruction(
@@ -147,7 +151,10 @@ def _instruction(
 def _speed(rest: str) -> Speed:
     """100%, 250mm/sec, 4000cm/min, 2.5sec, 90deg/sec."""
     found = _SPEED.match(rest)
-    value = None if found is None else number(found[1])
+    if found is None:
+        value = None
+    else:
+        value = number(found[1])
     if found is None or value is None:
         return Speed()
     unit = found[2]
@@ -156,4 +163,6 @@ def _speed(rest: str) -> Speed:
     if unit == "deg/sec":
         return Speed(angular=positive(value, radians(1.0)))
     made = positive(value, _UNITS[unit])
-    return Speed(time=made) if unit in ("sec", "msec") else Speed(linear=made)
+    if unit in ("sec", "msec"):
+        return Speed(time=made)
+    return Speed(linear=made)

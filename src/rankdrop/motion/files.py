@@ -335,7 +335,10 @@ def _judge(begin: bytes, key: str, where: str) -> int:
         ValueError: it is no header.
     """
     stream = io.BytesIO(begin)
-    read_header = read_array_header_1_0 if read_magic(stream) == (1, 0) else read_array_header_2_0
+    if read_magic(stream) == (1, 0):
+        read_header = read_array_header_1_0
+    else:
+        read_header = read_array_header_2_0
     shape, _, dtype = read_header(stream)
     texts = key == "joint_names"
     if dtype.kind not in ("US" if texts else "fiu"):
@@ -411,7 +414,9 @@ def documents(text: str, name: str, *, yaml: bool) -> list[Any]:
         TrajectoryError: it is neither, or beyond what is accepted (docs/limits.md).
         MissingExtraError: YAML is asked for and PyYAML is not installed.
     """
-    return _yaml(text, name) if yaml else [_json(text, name)]
+    if yaml:
+        return _yaml(text, name)
+    return [_json(text, name)]
 
 
 def _json(text: str, name: str) -> Any:
@@ -440,11 +445,17 @@ def _yaml(text: str, name: str) -> list[Any]:
         _check_depth(yaml, text, loader, name)
         return list(yaml.load_all(text, loader))
     except (RecursionError, ValueError, TypeError) as error:  # too deep; a date that is none; a key that is a list
-        what = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        if isinstance(error, RecursionError):
+            what = "nested too deeply"
+        else:
+            what = str(error)
         raise TrajectoryError(f"this is not YAML that can be read: {what[:80]}", where=name) from None
     except yaml.YAMLError as error:
         mark, problem = getattr(error, "problem_mark", None), str(getattr(error, "problem", error))
-        where = name if mark is None else f"{name}, line {mark.line + 1}"
+        if mark is None:
+            where = name
+        else:
+            where = f"{name}, line {mark.line + 1}"
         if "nesting" in problem:  # from 6.0.4 on PyYAML has a limit of its own, and may meet it first
             raise _too_deep(where) from None
         raise TrajectoryError(f"this is not YAML: {problem}", where=where) from None
@@ -479,7 +490,10 @@ def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array |
         return None
     for row, values in enumerate(rows, start=1):
         if not isinstance(values, list) or len(values) != len(names):
-            got = f"{len(values)} numbers" if isinstance(values, list) else reprlib.repr(values)
+            if isinstance(values, list):
+                got = f"{len(values)} numbers"
+            else:
+                got = reprlib.repr(values)
             raise TrajectoryError(f"{key} has another length than joint_names", where=f"{name}, row {row}", got=got,
                                   allowed=f"{len(names)} numbers")  # fmt: skip
         if not all(map(is_double, values)):
@@ -494,7 +508,10 @@ def is_double(value: Any) -> bool:
 
 
 def _time(point: Any, where: str) -> float | None:
-    value = point.get("time_from_start") if isinstance(point, dict) else None
+    if isinstance(point, dict):
+        value = point.get("time_from_start")
+    else:
+        value = None
     if value is None:
         return None
     if isinstance(value, dict):
@@ -588,7 +605,9 @@ def _measure(name: str) -> tuple[str, str] | None:
     key = _column_name(name)
     kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(_ANGLES, "angle"),
              **dict.fromkeys(_QUATERNION, "number")}  # fmt: skip
-    return (key, kinds[key]) if key in kinds else None
+    if key in kinds:
+        return (key, kinds[key])
+    return None
 
 
 def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
@@ -636,14 +655,24 @@ def _loaded(text: str, name: str, *, yaml: bool) -> Any:
 
 def _list_in(found: Any) -> list[Any] | None:
     """The list of poses of an object, or the list itself; None where there is none."""
-    rows = found.get("poses") if isinstance(found, dict) else found
-    return rows if isinstance(rows, list) and rows and _pose(rows[0]) is not None else None
+    if isinstance(found, dict):
+        rows = found.get("poses")
+    else:
+        rows = found
+    if isinstance(rows, list) and rows and _pose(rows[0]) is not None:
+        return rows
+    return None
 
 
 def _pose(row: Any) -> dict[str, Any] | None:
     """The object with the position: the entry itself, or its `pose` (PoseStamped); None where it is no pose."""
-    inner = row.get("pose", row) if isinstance(row, dict) and "position" not in row else row
-    return inner if isinstance(inner, dict) and "position" in inner else None
+    if isinstance(row, dict) and "position" not in row:
+        inner = row.get("pose", row)
+    else:
+        inner = row
+    if isinstance(inner, dict) and "position" in inner:
+        return inner
+    return None
 
 
 def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
@@ -667,7 +696,10 @@ def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
     listed = [_numbers([entry["time"]], "t", place(row), "time")[0] if "time" in entry else None
               for row, entry in enumerate(rows)]  # fmt: skip
     times = _all_or_none(listed, "pose", "time", place)
-    when = None if times is None else checked_times(times, place)
+    if times is None:
+        when = None
+    else:
+        when = checked_times(times, place)
     keys = _TURNS.get(turn, ())
     return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), ())
 
@@ -694,7 +726,10 @@ def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, 
 
 def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
     """Numbers from a list, or from an object by name."""
-    listed = [value.get(key) for key in keys] if isinstance(value, dict) else value
+    if isinstance(value, dict):
+        listed = [value.get(key) for key in keys]
+    else:
+        listed = value
     if not isinstance(listed, list) or len(listed) != len(keys):
         raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=reprlib.repr(value),
                               allowed=", ".join(keys))  # fmt: skip

@@ -231,19 +231,28 @@ class _Walk:
                 if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
                     ahead = float(int(ahead + 1e-9))
                 step = self._try(now, place, ahead, side)
-                joint = -1 if step is None else self._beyond(step[1])
+                if step is None:
+                    joint = -1
+                else:
+                    joint = self._beyond(step[1])
                 if (step is None or joint >= 0) and h >= _SHORTEST:
                     h = (ahead - place) / 2
                     continue
             if at_one or step is None:
                 step, fold, turn = self._onward(now, place)
-                joint = -1 if step is None else self._beyond(step[1])
+                if step is None:
+                    joint = -1
+                else:
+                    joint = self._beyond(step[1])
             if step is None or joint >= 0:
                 break
             if self.passed and self.passed[-1].place == place + 1.0 and not self.passed[-1].rest:
                 rows, places, step = self._spanned(rows, places, step)
             at, q = step
-            kept = slice(None) if self.tolerance is not None else at == np.floor(at)
+            if self.tolerance is not None:
+                kept = slice(None)
+            else:
+                kept = at == np.floor(at)
             rows.append(q[kept])
             places.append(at[kept])
             size += len(rows[-1])
@@ -255,8 +264,18 @@ class _Walk:
         if place < last:
             sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
             singular = fold or sigma <= (_SINGULAR if self.decides else _SMALL)
-            cause = "singular" if singular else "budget" if spent else "stuck"
-            ended = "turn" if turn is not None else "limit" if joint >= 0 else cause
+            if singular:
+                cause = "singular"
+            elif spent:
+                cause = "budget"
+            else:
+                cause = "stuck"
+            if turn is not None:
+                ended = "turn"
+            elif joint >= 0:
+                ended = "limit"
+            else:
+                ended = cause
         q, at = np.concatenate(rows), np.concatenate(places) + 1.0
         found_here = Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma)
         return self._confirmed(replace(found_here, passed=tuple(self.passed), folds=fold, turn=turn))
@@ -272,7 +291,9 @@ class _Walk:
 
     def _side(self, q: Array) -> float:
         """Sign of the determinant; 0 for arms that have none, and at a singularity that may be left."""
-        return 0.0 if self._singular(q) else self.aim.side(q)
+        if self._singular(q):
+            return 0.0
+        return self.aim.side(q)
 
     def _snapped(self, q: Array) -> Array:
         """A start at a singularity, brought to the nearest configuration of its self-motion from which the path goes on
@@ -282,7 +303,9 @@ class _Walk:
             return q
         end = internal_turn(self.aim, self.poses, 0.0, q, limits=self.limits)
         near = end is not None and np.linalg.norm((end - q) / self.aim.joints) <= _SNAPPED
-        return end if end is not None and near else q
+        if end is not None and near:
+            return end
+        return q
 
     def _onward(self, now: Array, place: float) -> tuple[tuple[Array, Array] | None, bool, Turn | None]:
         """From a configuration at or next to a singularity: a step ahead; else whether the branch folds back there, and
@@ -311,7 +334,10 @@ class _Walk:
         """
         q, at, (ahead, ends) = np.concatenate(rows), np.concatenate(places), step
         away = np.linalg.norm((q - q[-1]) / self.aim.joints, axis=1)
-        base = int(np.flatnonzero(away >= _CLEAR)[-1]) if (away >= _CLEAR).any() else 0
+        if (away >= _CLEAR).any():
+            base = int(np.flatnonzero(away >= _CLEAR)[-1])
+        else:
+            base = 0
         if base == len(q) - 1 or int(at[base]) != int(at[-1]):
             return rows, places, step
         over = self._filled(np.array([at[base], ahead[-1]]), np.stack([q[base], ends[-1]]), _LONGEST)

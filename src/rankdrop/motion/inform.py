@@ -61,7 +61,10 @@ def read(text: str, name: str) -> Program:
             continue
         if section == "//POS" and (found := _POSITION.match(line)):
             target = _target(found[2], kind, f"{name}, line {count}", rectangular=rectangular)
-            positions[found[1]] = in_base(target, None) if kind == "USER" else target
+            if kind == "USER":
+                positions[found[1]] = in_base(target, None)
+            else:
+                positions[found[1]] = target
             if tool not in ("", "0"):
                 tools.add(found[1])
         elif section == "//INST" and plain:
@@ -76,7 +79,9 @@ def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | 
         return Reason.EXPRESSION
     values = [number(part) for part in text.split(",")]
     known = [one for one in values[:6] if one is not None]
-    return angle_target(known, where) if len(known) == 6 else Reason.INCOMPLETE
+    if len(known) == 6:
+        return angle_target(known, where)
+    return Reason.INCOMPLETE
 
 
 def _instruction(
@@ -92,7 +97,10 @@ def _instruction(
             listing.skip(count, text, Reason.TOOL)
         settings = {key: number(value) for key, mark, value in (tag.partition("=") for tag in tags) if mark}
         kind = _MOVES[word]
-        speed = Speed(share=positive(settings.get("VJ"), 0.01)) if kind == "joint" else Speed(
+        if kind == "joint":
+            speed = Speed(share=positive(settings.get("VJ"), 0.01))
+        else:
+            speed = Speed(
             linear=positive(settings.get("V"), MILLIMETRE), angular=positive(settings.get("VR"), radians(1.0)))
         listing.move(count, text, kind, target, speed, blend=settings.get("PL") != 0.0)
     elif word in _OTHER_MOVES:

@@ -70,7 +70,10 @@ class Aim:
                 "the pose of the tip does not determine what this task wants", got=task.frame,
                 allowed="axes of the base or the tip, origin at the tip",
             )  # fmt: skip
-        point = (0.0, 0.0, 0.0) if whole or min(task.rows) >= 3 else task.frame.point
+        if whole or min(task.rows) >= 3:
+            point = (0.0, 0.0, 0.0)
+        else:
+            point = task.frame.point
         self.with_tip = axes == last and not whole
         turns = [row for row in task.rows if row >= 3]
         self.free = next(row - 3 for row in (3, 4, 5) if row not in turns) if len(turns) == 2 else None
@@ -92,7 +95,10 @@ class Aim:
         here, goal = now[:, :3, :3], poses[:, :3, :3]
         back = here.swapaxes(1, 2)
         shift = poses[:, :3, 3] - now[:, :3, 3] + (goal - here) @ self.point
-        turn = back @ goal if self.with_tip else goal @ back
+        if self.with_tip:
+            turn = back @ goal
+        else:
+            turn = goal @ back
         if self.with_tip:
             shift = (back @ shift[:, :, None])[:, :, 0]
         if self.free is not None:
@@ -215,7 +221,9 @@ class Aim:
 
     def side(self, q: Array) -> float:
         """Sign of the determinant; 0 for arms that have none."""
-        return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0]) if self.square else 0.0
+        if self.square:
+            return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0])
+        return 0.0
 
     @cached_property
     def _tip(self) -> tuple[Array, Array, Array, Array, Array]:

@@ -142,7 +142,10 @@ class _State:
 
     def of(self, kind: str, after: str, names: Names) -> Speed:
         """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2."""
-        speed = self.joint if kind == "joint" else self.line
+        if kind == "joint":
+            speed = self.joint
+        else:
+            speed = self.line
         _, found, settings = after.upper().partition("WITH ")
         for one in parts_of(settings) if found else []:
             key, _, value = ("".join(part.split()) for part in one.partition("="))
@@ -157,7 +160,9 @@ def _frame(rest: str, names: Names, where: str) -> Array | None:
     if plain == rest or plain.upper() == "$NULLFRAME":
         return np.eye(4) if plain != rest else None
     target, after = _target(plain, names, where)
-    return target.pose if isinstance(target, Target) and not after else None
+    if isinstance(target, Target) and not after:
+        return target.pose
+    return None
 
 
 def _declare(names: Names, line: str, where: str) -> None:
@@ -214,9 +219,14 @@ def _literal(text: str, where: str) -> Target | Reason:
     axes = [values[key] for key in _AXES if key in values]
     if axes:
         extra = [values[f"A{k}"] for k in range(7, 10) if f"A{k}" in values]
-        return joint_target(axes + extra, where) if len(axes) == len(_AXES) else Reason.INCOMPLETE
+        if len(axes) == len(_AXES):
+            return joint_target(axes + extra, where)
+        return Reason.INCOMPLETE
     if not all(key in values for key in _PLACE + _TURN):
         return Reason.INCOMPLETE
     turn = values.get("T")
-    posture = Posture(signs=int(turn)) if turn is not None and 0 <= turn < 64 else Posture()
+    if turn is not None and 0 <= turn < 64:
+        posture = Posture(signs=int(turn))
+    else:
+        posture = Posture()
     return angle_target([values[key] for key in _PLACE + _TURN], where, posture)

@@ -96,7 +96,9 @@ class _Move:
     def solved(self, w: float, guess: Array) -> Array | None:
         """(n,) the solution next to a guess, a way w on."""
         found, arrived = self.aim.solve(self.target(w), guess[None])
-        return np.asarray(found[0]) if arrived[0] else None
+        if arrived[0]:
+            return np.asarray(found[0])
+        return None
 
 
 def _local(aim: Aim, q: Array) -> tuple[Array, Array, Array]:
@@ -228,7 +230,9 @@ def _along(move: _Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, 
 
 
 def _place(move: _Move, w: float, room: float) -> float:
-    return float(move.k + 1) if w >= room else move.place + w / move.size
+    if w >= room:
+        return float(move.k + 1)
+    return move.place + w / move.size
 
 
 def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: bool) -> Array | None:

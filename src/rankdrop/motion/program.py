@@ -177,15 +177,26 @@ class Part:
             low = int(np.searchsorted(profile.position, first + 1, "left"))
             high = int(np.searchsorted(profile.position, last + 1, "right"))
             at = low + np.flatnonzero(np.isfinite(profile.distance[low:high]))
-            near = int(at[profile.distance[at].argmin()]) if len(at) else -1
-            family = profile.ids[profile.family[near]] if near >= 0 and profile.family[near] >= 0 else ""
-            distance = float(profile.distance[near]) if near >= 0 else np.inf
+            if len(at):
+                near = int(at[profile.distance[at].argmin()])
+            else:
+                near = -1
+            if near >= 0 and profile.family[near] >= 0:
+                family = profile.ids[profile.family[near]]
+            else:
+                family = ""
+            if near >= 0:
+                distance = float(profile.distance[near])
+            else:
+                distance = np.inf
             for stretch in met.get(index, ()):
                 if stretch.closest.distance < distance:
                     distance, family = stretch.closest.distance, stretch.family
             kinds = [FREE, *(one.verdict for one in met.get(index, ())), *map(_broken, broken.get(index, ()))]
-            kinds += [TOUCHING] if index in self.passed else []
-            kinds += [NOT_FOLLOWED] if self.ended is not None and self.ended.move is move else []
+            if index in self.passed:
+                kinds += [TOUCHING]
+            if self.ended is not None and self.ended.move is move:
+                kinds += [NOT_FOLLOWED]
             turns = np.where(turning, np.ptp(rows[first : last + 1], axis=0), 0.0)
             joint = int(turns.argmax())
             when = check.curve.times
@@ -199,7 +210,9 @@ class Part:
 def _broken(one: Violation) -> Verdict:
     if not one.proven:
         return UNDECIDED
-    return TOO_FAST if one.what == "rate" else OUTSIDE
+    if one.what == "rate":
+        return TOO_FAST
+    return OUTSIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +261,8 @@ class ProgramCheck(Result):
         kinds = [one.verdict for one in self.checks] + [FREE]
         kinds += [NOT_FOLLOWED for part in self.parts if part.ended is not None]
         kinds += [TOUCHING for part in self.parts if part.passed]
-        kinds += [UNDECIDED] if self.unread or not self.complete else []
+        if self.unread or not self.complete:
+            kinds += [UNDECIDED]
         return min(kinds, key=VERDICTS.index)
 
     @property
@@ -346,8 +360,14 @@ def check_program(
         OptionError, TaskError: as `check_path`.
     """
     task = resolve_task(question.task, robot)
-    raised = _raised(robot) if program.raised else 0.0
-    start = None if question.start is None else np.array(question.start)
+    if program.raised:
+        raised = _raised(robot)
+    else:
+        raised = 0.0
+    if question.start is None:
+        start = None
+    else:
+        start = np.array(question.start)
     walker = _Walker(robot, task, program, question, raised)
     parts: list[Part] = []
     runs = _runs(program)
@@ -366,7 +386,10 @@ def check_program(
         walked = walker.walk(moves, before, given=not parts and start is not None)
         part = walker.checked(walked, progress)
         parts.append(part)
-        before = walked.rows[-1] if walked.rows else before
+        if walked.rows:
+            before = walked.rows[-1]
+        else:
+            before = before
         if part.ended is not None and (rest := moves[moves.index(part.ended.move) + 1 :]):
             left.append(rest)
         if part.check is not None and not part.check.complete:
@@ -392,7 +415,9 @@ def _raised(robot: Robot) -> float:
         return 0.0
     first, second = robot.joints[:2]
     upright = abs(first.axis[2]) > 1.0 - _ON_AXIS and float(np.hypot(*first.foot[:2])) <= _ON_AXIS
-    return float(second.foot[2]) if upright and abs(second.axis[2]) <= _ON_AXIS else 0.0
+    if upright and abs(second.axis[2]) <= _ON_AXIS:
+        return float(second.foot[2])
+    return 0.0
 
 
 @dataclass(eq=False)
@@ -465,7 +490,12 @@ class _Walker:
                 walked.ended = Ended(move, Cause.POSTURE if len(found) else Cause.UNREACHED)
                 return
             walked.rows.append(chosen)
-            walked.begins = "posture" if before is None else "start" if given else "before"
+            if before is None:
+                walked.begins = "posture"
+            elif given:
+                walked.begins = "start"
+            else:
+                walked.begins = "before"
             return
         try:
             first, _, _ = configuration_at(self.robot, goal, self.task, before)
@@ -484,7 +514,10 @@ class _Walker:
             goal = self._pose(move)
             if self.robot.n > self.task.m:
                 reached = follow(self.robot, goal[None], now, self.task)
-                solutions = reached.q if reached.complete else self._solutions(goal)
+                if reached.complete:
+                    solutions = reached.q
+                else:
+                    solutions = self._solutions(goal)
             else:
                 solutions = self._solutions(goal)
             chosen = self._in_posture(solutions, now, move.target.posture)
@@ -509,7 +542,10 @@ class _Walker:
         if speed.joint is not None:
             return float(step.max()) / speed.joint
         limited = np.isfinite(self.rates) & (self.rates > 0.0)
-        rates = np.where(limited, self.rates, np.inf) if limited.any() else np.ones(len(step))
+        if limited.any():
+            rates = np.where(limited, self.rates, np.inf)
+        else:
+            rates = np.ones(len(step))
         share = min(1.0, speed.share or 1.0)
         least = float((step / rates).max()) * _SLOWER / share
         return least if least > 0.0 else 1.0
@@ -518,7 +554,10 @@ class _Walker:
         """Straight with the tip, followed on the branch of the last row."""
         now = walked.rows[-1]
         begin = pose(self.robot, now)
-        end = self._pose(move) if move.target.joints is None else pose(self.robot, self._joints(move))
+        if move.target.joints is None:
+            end = self._pose(move)
+        else:
+            end = pose(self.robot, self._joints(move))
         way = np.stack([begin, end])
         length = float(np.linalg.norm(end[:3, 3] - begin[:3, 3]))
         turn = float(np.linalg.norm(rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]))
@@ -531,7 +570,10 @@ class _Walker:
             off, turned = tip_apart(Aim(self.robot, self.task), branch.q, poses_at(way, branch.place - 1.0))
             walked.off, walked.turned = max(walked.off, off), max(walked.turned, turned)
             jump = np.abs(branch.q[0] - now).max(initial=0.0) > _STILL
-            lasts = None if made.times is None else np.diff(made.times)
+            if made.times is None:
+                lasts = None
+            else:
+                lasts = np.diff(made.times)
             rows = branch.q[1:]
             speeds = made.speeds
             if jump:  # the tool is held still there: the start lies on a singularity, and is left by a small turn
@@ -553,8 +595,14 @@ class _Walker:
         speed = move.speed
         if speed.time is not None:
             return speed.time
-        by_length = None if speed.linear is None or length <= _STILL else length / speed.linear
-        by_turn = None if speed.angular is None or turn <= _STILL else turn / speed.angular
+        if speed.linear is None or length <= _STILL:
+            by_length = None
+        else:
+            by_length = length / speed.linear
+        if speed.angular is None or turn <= _STILL:
+            by_turn = None
+        else:
+            by_turn = turn / speed.angular
         stated = [one for one in (by_length, by_turn) if one is not None]
         return max(stated) if stated else None
 

@@ -243,14 +243,21 @@ class Names:
 
     def number(self, text: str) -> float | None:
         """A number, or that of a name; None for everything else."""
-        found = None if text in self.changed else self.literals.get(text)
-        return found if isinstance(found, float) else number(text)
+        if text in self.changed:
+            found = None
+        else:
+            found = self.literals.get(text)
+        if isinstance(found, float):
+            return found
+        return number(text)
 
 
 def shown(text: str) -> str:
     """The beginning of a line, for people."""
     plain = visible(" ".join(text.split()))
-    return plain if len(plain) <= _SHOWN else f"{plain[: _SHOWN - 2]} …"
+    if len(plain) <= _SHOWN:
+        return plain
+    return f"{plain[: _SHOWN - 2]} …"
 
 
 def lines_of(text: str, where: str) -> Iterator[tuple[int, str]]:
@@ -278,7 +285,10 @@ def number(text: str) -> float | None:
         (-150.0, None, None)
     """
     plain = text.strip()
-    value = float(plain) if len(plain) <= _DIGITS and _NUMBER.fullmatch(plain) else float("nan")
+    if len(plain) <= _DIGITS and _NUMBER.fullmatch(plain):
+        value = float(plain)
+    else:
+        value = float("nan")
     return value if isfinite(value) else None
 
 
@@ -369,7 +379,9 @@ def flat(values: object, count: int) -> list[float] | None:
     if not isinstance(values, list) or len(values) != count:
         return None
     found = [one for one in values if isinstance(one, float)]
-    return found if len(found) == count else None
+    if len(found) == count:
+        return found
+    return None
 
 
 def joint_target(values: list[float], where: str, posture: Posture | None = None) -> Target:
@@ -411,7 +423,9 @@ def in_base(target: Target | Reason, base: Array | None) -> Target | Reason:
     """A target whose pose is in a frame (4, 4), in the base frame of the arm; without a frame its pose is not known."""
     if isinstance(target, Reason) or target.pose is None:
         return target
-    return Reason.BASE if base is None else replace(target, pose=base @ target.pose)
+    if base is None:
+        return Reason.BASE
+    return replace(target, pose=base @ target.pose)
 
 
 def in_range(values: list[float], most: float, where: str, measure: str) -> None:

@@ -135,7 +135,10 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
 def _declare(names: Names, text: str, where: str) -> None:
     """Take in a declaration or an assignment; one to a component of a name changes it."""
     found = _DECLARED.fullmatch(text)
-    left, mark, right = (found[1], ":=", found[2]) if found else text.partition(":=")
+    if found:
+        left, mark, right = (found[1], ":=", found[2])
+    else:
+        left, mark, right = text.partition(":=")
     if not mark:
         return
     name = left.strip().lower()
@@ -176,7 +179,10 @@ def _target(values: list[object], where: str) -> Target | Reason:
                               allowed="q1, q2, q3, q4 of length 1, the real part first")  # fmt: skip
     rotation = turned_by(np.array([[x, y, z, w]]), lambda row: where)[0]
     known = all(abs(one) < 100 and one == int(one) for one in posture[:3])
-    quarters = (int(posture[0]), int(posture[1]), int(posture[2])) if known else None
+    if known:
+        quarters = (int(posture[0]), int(posture[1]), int(posture[2]))
+    else:
+        quarters = None
     return turned_target([MILLIMETRE * one for one in place], rotation, where, Posture(quarters=quarters))
 
 
@@ -207,10 +213,14 @@ def _goal(text: str, names: Names, where: str) -> Target | Reason:
     """The target of a move: a literal, or the name of one."""
     if text.startswith("["):
         values = numbers_of(text)
-        return Reason.EXPRESSION if values is None else _target(values, where)
+        if values is None:
+            return Reason.EXPRESSION
+        return _target(values, where)
     if text == "*":
         return Reason.VARIABLE
-    return names.target(text.lower()) if _WORD.fullmatch(text) else Reason.EXPRESSION
+    if _WORD.fullmatch(text):
+        return names.target(text.lower())
+    return Reason.EXPRESSION
 
 
 def _switched(part: str) -> tuple[str, dict[str, str]]:
@@ -231,10 +241,16 @@ def _speed(text: str, keys: dict[str, str], names: Names, kind: str, where: str)
         return Speed()
     name = text.lower()
     named = _SPEED.fullmatch(name)
-    found = _literal(text, where) if text.startswith("[") else names.literals.get(name)
+    if text.startswith("["):
+        found = _literal(text, where)
+    else:
+        found = names.literals.get(name)
     if found is None and named is not None:
         found = Speed(linear=positive(float(named[1]), MILLIMETRE), angular=radians(_REORIENTATION))
-    made = found if isinstance(found, Speed) and name not in names.changed else Speed()
+    if isinstance(found, Speed) and name not in names.changed:
+        made = found
+    else:
+        made = Speed()
     if "v" in keys:
         return Speed(linear=positive(names.number(keys["v"].lower()), MILLIMETRE), angular=made.angular)
     return made

@@ -257,7 +257,9 @@ class PathCheck(Result):
     @property
     def why_ended(self) -> str:
         """Why the tool path could not be followed to its end; "" where it was, or joints were given."""
-        return "" if self.tool is None else text.why_ended(self.tool, self.robot)
+        if self.tool is None:
+            return ""
+        return text.why_ended(self.tool, self.robot)
 
     def sections(self, *, deg: bool = True, full: bool = False, mending: Any = None) -> tuple[Section, ...]:
         """As sections of text; `full`: every crossing and every free stretch; `mending`: local remedies of it."""

@@ -345,7 +345,9 @@ class _Mender:
             yield self._in_new_time()
 
     def _usage(self, path: Curve) -> Usage | None:
-        return usage(path, *self.limits) if path.times is not None and self.limited else None
+        if path.times is not None and self.limited:
+            return usage(path, *self.limits)
+        return None
 
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
@@ -387,7 +389,10 @@ class _Mender:
             if isinstance(result, Remedy):
                 return
         if DETOUR in self.kinds and most.detour > 0.0:
-            bumps, failed = self._bumps(bumper, clearance) if most.bump > 0.0 else ([], [])
+            if most.bump > 0.0:
+                bumps, failed = self._bumps(bumper, clearance)
+            else:
+                bumps, failed = ([], [])
             yield self._detour(bumper, bumps if failed else [], most.detour, clearance)
 
     def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
@@ -461,7 +466,10 @@ class _Mender:
         """The first proposal that is proven free; one in time that breaks a limit gets another time law."""
         for proposal in proposals:
             made = proposal.made
-            took = self._usage(made.curve(self.interpolate)) if made.timed else None
+            if made.timed:
+                took = self._usage(made.curve(self.interpolate))
+            else:
+                took = None
             again = took is not None and took.slower > _SLOWER
             if again:
                 made = retimed(made.curve(self.interpolate), *self.limits, self.scale)
@@ -530,4 +538,6 @@ def _distance(check: PathCheck) -> float:
 
 def _duration(check: PathCheck) -> float:
     times = check.curve.times
-    return np.nan if times is None else float(times[-1] - times[0])
+    if times is None:
+        return np.nan
+    return float(times[-1] - times[0])

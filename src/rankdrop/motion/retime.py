@@ -107,7 +107,10 @@ def _straight(path: Curve, rates: Array, accelerations: Array, scale: Array) -> 
     stretch, part = numbered(parts)
     q = np.concatenate([path.at(stretch, part / parts[stretch]), path.control[-1:, -1]])
     move = steps[stretch] / parts[stretch, None]
-    was = np.zeros(len(stretch)) if path.times is None else np.diff(path.times)[stretch] / parts[stretch]
+    if path.times is None:
+        was = np.zeros(len(stretch))
+    else:
+        was = np.diff(path.times)[stretch] / parts[stretch]
     least = np.maximum(was, (np.abs(move) / rates).max(axis=1))
     least = np.where(least > 0.0, least, np.where(move.any(axis=1), _LEAST, _STILL))
     h = np.linalg.norm(move / scale, axis=1)
@@ -139,7 +142,10 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     gain = np.concatenate([gain[:1], (gain[:-1] + gain[1:]) / 2, gain[-1:]])
     bends = np.concatenate([low[2][:1], (high[2][:-1] + low[2][1:]) / 2, high[2][-1:]])
     q = np.concatenate([low[0], path.control[-1:, -1]])
-    added = slope * gain[:, None] + bends * x[:, None] if path.degree == 5 else None
+    if path.degree == 5:
+        added = slope * gain[:, None] + bends * x[:, None]
+    else:
+        added = None
     made = _in_time(q, 2 * step / (speed[:-1] + speed[1:]), path.times, slope * speed[:, None], added)
     return _slowed(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
 

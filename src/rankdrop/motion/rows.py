@@ -68,14 +68,20 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     robot, task, curve = check.robot, check.task, check.curve
     count = check.rows
     q = np.concatenate([curve.control[:, 0], curve.control[-1:, -1]])[:count]
-    times = None if curve.times is None else curve.times[:count]
+    if curve.times is None:
+        times = None
+    else:
+        times = curve.times[:count]
     families, _ = known_families(robot, task, analysis, check.tolerances)
     there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     _, near, ruler = measures(robot, there_task, families, check.options, check.tolerances)
     measured = ruler.measure(moved, along=True)
     which, far = measured.nearest()
     rank = generic_rank(there, there_task)
-    sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
+    if rank:
+        sigma = singular_values(there, moved, there_task)[:, rank - 1]
+    else:
+        sigma = np.zeros(count)
     verdict, factor = _of_stretches(check, count)
     joints = {f"q_{joint.name}_{joint.unit}": q[:, j] for j, joint in enumerate(robot.variables)}
     ids, names = zip(*((near[k].id, near[k].name) if k >= 0 else (None, None) for k in which.tolist()), strict=True)
@@ -99,7 +105,10 @@ def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:
     factor = np.full(count, np.nan)
     for one in check.stretches:
         first = one.start.row - 1
-        last = one.end.row - 1 if one.end.share > 0.0 or one.end.row == one.start.row else one.end.row - 2
+        if one.end.share > 0.0 or one.end.row == one.start.row:
+            last = one.end.row - 1
+        else:
+            last = one.end.row - 2
         if one.end.row >= count:
             last = count - 1  # the last row has no way on: it is the end of this stretch
         rows = slice(min(first, count - 1), last + 1)

@@ -148,7 +148,9 @@ def _condition(family: Family) -> Signs:
 def _sigma(robot: Robot, task: Task, q: Array) -> Array:
     """(...) σ_r at q (..., n); 0 of a task in which nothing moves."""
     rank = generic_rank(robot, task)
-    return np.asarray(singular_values(robot, q, task)[..., rank - 1]) if rank else np.zeros(q.shape[:-1])
+    if rank:
+        return np.asarray(singular_values(robot, q, task)[..., rank - 1])
+    return np.zeros(q.shape[:-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +183,9 @@ class _Judge:
         ])  # fmt: skip
         if not finished:
             return self._between(parts, places)
-        return self._spread(parts) if parts else [self._still(places)]
+        if parts:
+            return self._spread(parts)
+        return [self._still(places)]
 
     def _spread(self, parts: list[Stretch]) -> list[Stretch]:
         """Crossings that share the sliver: none of it is proven free."""
@@ -200,7 +204,10 @@ class _Judge:
         for low, high in zip(cuts[::2], cuts[1::2], strict=True):
             inside = places[(places >= low) & (places <= high)]
             if high > low:
-                at = self._least(inside)[0] if len(inside) else (low + high) / 2
+                if len(inside):
+                    at = self._least(inside)[0]
+                else:
+                    at = (low + high) / 2
                 out.append(self._part(UNDECIDED, low, high, at, "unfinished"))
         return sorted(out, key=lambda one: (one.start, one.end))
 
@@ -244,7 +251,10 @@ class _Judge:
         q = self._at(np.array([at]))[0]
         sigma = singular_values(self.robot, q, self.task)
         rank = generic_rank(self.robot, self.task)
-        corank = 0 if verdict == UNDECIDED else rank - int((sigma[:rank] > self.tolerances.singular).sum())
+        if verdict == UNDECIDED:
+            corank = 0
+        else:
+            corank = rank - int((sigma[:rank] > self.tolerances.singular).sum())
         q.flags.writeable = False
         ends = self._place(low), self._place(high)
         closest = Closest(self._place(at), q, 0.0, q, float(sigma[rank - 1]) if rank else 0.0, np.nan)
@@ -393,7 +403,10 @@ class Survey:
     def violations(self) -> tuple[Violation, ...]:
         """Joint limits that the path breaks, or may break: the worst rate, and every joint outside its range."""
         robot, control = self.robot, self.path.control
-        over = [] if (fast := self._too_fast()) is None else [fast]
+        if (fast := self._too_fast()) is None:
+            over = []
+        else:
+            over = [fast]
         reached, bound = largest(control, lambda q: np.maximum(q - robot.upper, robot.lower - q), _BEYOND)
         samples = np.concatenate([control[:, 0], control[-1:, -1]])
         outside = (samples < robot.lower - _BEYOND) | (samples > robot.upper + _BEYOND)
@@ -421,7 +434,10 @@ class Survey:
         if amount <= _KEPT:
             return None
         family, distance, _ = self._nearest(self.path.at(np.array([stretch]), middle))
-        name, far = (self._near[family[0]].name, float(distance[0])) if family[0] >= 0 else ("", np.inf)
+        if family[0] >= 0:
+            name, far = (self._near[family[0]].name, float(distance[0]))
+        else:
+            name, far = ("", np.inf)
         return Violation("rate", joint + 1, self.path.place((stretch, 0.5)), amount, 0, proven, name, far)
 
     def _split_up(self, start: Place, stop: Place) -> Iterator[tuple[Place, Place, int, int]]:
@@ -434,9 +450,15 @@ class Survey:
         cuts = [0, *(np.flatnonzero(np.diff(family)) + 1).tolist(), len(inside)]
         for first, after in pairwise(cuts):
             mine = inside[first:after]
-            end = stop if after == len(inside) else self._place((at[inside[after - 1]] + at[inside[after]]) / 2 - 1.0)
+            if after == len(inside):
+                end = stop
+            else:
+                end = self._place((at[inside[after - 1]] + at[inside[after]]) / 2 - 1.0)
             far = self.profile.distance[mine]
-            values = np.where(np.isnan(far), np.inf, far) if np.isfinite(far).any() else self.profile.sigma[mine]
+            if np.isfinite(far).any():
+                values = np.where(np.isnan(far), np.inf, far)
+            else:
+                values = self.profile.sigma[mine]
             yield start, end, int(family[first]), int(mine[int(np.argmin(values))])
             start = end
 

@@ -120,7 +120,9 @@ class Through(Result):
     def path_csv(self) -> str:
         """The motion with its times as a file that `rankdrop path` reads [s; rad, m]; empty where there is none."""
         names = [joint.name for joint in self.robot.variables]
-        return csv_text(names, self.joints, self.times - self.times[0]) if len(self.s) else ""
+        if len(self.s):
+            return csv_text(names, self.joints, self.times - self.times[0])
+        return ""
 
 
 def through(
@@ -166,7 +168,10 @@ def through(
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
     found = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classified()
-    joints = out_of_metres(robot, found.joints) if len(found.joints) else found.joints
+    if len(found.joints):
+        joints = out_of_metres(robot, found.joints)
+    else:
+        joints = found.joints
     return replace(found, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
 
 
@@ -188,8 +193,14 @@ class _Path:
             raise ConfigurationError("the configuration is of corank 2 or more, or the arm is singular everywhere",
                                      got=f"rank {self.rank} of {task.m}", allowed="corank 1 at most")  # fmt: skip
         self.u, self.kernel = u[:, self.rank:][:, :1], vt[self.rank:].T
-        lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / self.size)
-        self.outside = lost if abs(lost) > _NOTHING else 0.0
+        if self.rank == self.full:
+            lost = 0.0
+        else:
+            lost = float(self.u[:, 0] @ self.xi / self.size)
+        if abs(lost) > _NOTHING:
+            self.outside = lost
+        else:
+            self.outside = 0.0
 
     def _through(self, kind: str, *rest: Any) -> Through:
         return Through(self.robot, self.task, self.q, self.along, self.bend, kind, self.outside, *rest)
@@ -198,7 +209,9 @@ class _Path:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
             return self._through(REGULAR, 1)
-        return self._leaving() if self.outside else self._tangent()
+        if self.outside:
+            return self._leaving()
+        return self._tangent()
 
     def _leaving(self) -> Through:
         """u·ξ ≠ 0: along the kernel."""
@@ -213,7 +226,10 @@ class _Path:
         if order % 2 == 0 and not alone:
             return self._through(UNDECIDED)
         rate = float(np.abs(np.gradient(joints, sigma, axis=0)).max())
-        kind, side = (PASSES, 0) if order % 2 else (TURNS, int(np.sign(s[-1])))
+        if order % 2:
+            kind, side = (PASSES, 0)
+        else:
+            kind, side = (TURNS, int(np.sign(s[-1])))
         return self._through(kind, order, side, sigma, s, joints * self.scale, off, rate, _exponent(s, joints))
 
     def _still(self, s: Array) -> bool:
@@ -296,7 +312,10 @@ class _Path:
                 missed = partial(self._missed, rows, rows @ start + sign * step * way)
                 made = newton(missed, (y + (step - last) * before)[None], iterations=_MOST, step=np.inf, cut=1e-13)[0]
                 solved = solved and not missed(made[None])[0][0]
-                before = (made - y) / (step - last) if slope.any() else before
+                if slope.any():
+                    before = (made - y) / (step - last)
+                else:
+                    before = before
                 y, last = made, step
                 side.append(y)
             sides.append(side)

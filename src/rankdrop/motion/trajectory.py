@@ -81,8 +81,14 @@ class Trajectory:
 
 def csv_text(names: Sequence[str], q: Array, times: Array | None = None) -> str:
     """Rows of joint values as CSV, to the last bit, with a column of times in front where there are any."""
-    rows = q if times is None else np.column_stack([times, q])
-    head = names if times is None else ("time", *names)
+    if times is None:
+        rows = q
+    else:
+        rows = np.column_stack([times, q])
+    if times is None:
+        head = names
+    else:
+        head = ("time", *names)
     return "\n".join([",".join(head), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
 
 
@@ -117,11 +123,17 @@ def checked(
     Raises:
         TrajectoryError: one is not.
     """
-    made = values if factors is None else values * factors
+    if factors is None:
+        made = values
+    else:
+        made = values * factors
     most = np.where(turning(robot), LARGEST_ANGLE, LARGEST_LENGTH)
     for problem, good in (("not finite", np.isfinite(values)), ("too large", np.abs(made) <= most)):
         for row, joint in np.argwhere(~good)[:1].tolist():
-            measure = "angle" if robot.variables[joint].unit == "rad" else "length"
+            if robot.variables[joint].unit == "rad":
+                measure = "angle"
+            else:
+                measure = "length"
             raise TrajectoryError(f"{what} is {problem}", where=place(row, joint), got=f"{values[row, joint]:g}",
                                   allowed=allowed_range(measure) if problem == "too large" else None)  # fmt: skip
     return made
@@ -181,7 +193,10 @@ def arranged(
                               allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
     if len(q) > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
-    order = list(range(robot.n)) if names is None else _order_of_joints(where, robot, names)
+    if names is None:
+        order = list(range(robot.n))
+    else:
+        order = _order_of_joints(where, robot, names)
     factors = np.where(turning(robot), np.pi / 180 if deg else 1.0, 1.0)
     parts: dict[str, Array] = {}
     for key, what in _PARTS.items():
@@ -231,7 +246,9 @@ def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
         >>> unit_hint(np.array([[0.0, 90.0]]), open_robot("planar2r"))
         'angles up to 90 look like degrees and are read as radians'
     """
-    return radians_hint(q[:, turning(robot)]) if deg else degrees_hint(q, robot)
+    if deg:
+        return radians_hint(q[:, turning(robot)])
+    return degrees_hint(q, robot)
 
 
 def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
@@ -317,7 +334,10 @@ class Table:
             raise TrajectoryError("the row is too short", where=where, got=f"{len(row)} columns",
                                   allowed=len(self.head))  # fmt: skip
         try:
-            value = float(row[column]) if is_number(row[column]) else quantity(row[column], "number", where=where)
+            if is_number(row[column]):
+                value = float(row[column])
+            else:
+                value = quantity(row[column], "number", where=where)
         except RankdropError:
             raise TrajectoryError("this is no number", where=where, got=repr(row[column])) from None
         if not isfinite(value):
@@ -384,7 +404,10 @@ def _word_table(text: str, name: str) -> Table:
                 rows.append([word.strip() for word in words])
     except csv.Error as error:
         raise TrajectoryError(f"this is not CSV: {error}", where=f"{name}, line {reader.line_num}") from None
-    head, line = (rows[0], lines[0]) if rows else ([], 1)
+    if rows:
+        head, line = (rows[0], lines[0])
+    else:
+        head, line = ([], 1)
     named = not all(map(is_number, head))
     return Table(name, head, line, lines[named:], rows[named:], None)
 
@@ -403,7 +426,9 @@ def _first_line(text: str) -> str:
 
 def with_line_feeds(text: str) -> str:
     """A text whose lines end as they do here: a carriage return ends a line too, as old spreadsheets write it."""
-    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+    if "\r" in text:
+        return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text
 
 
 def names_of(text: str) -> list[str]:
@@ -449,7 +474,9 @@ def is_number(word: str) -> bool:
 def name_and_unit(word: str) -> tuple[str, str | None]:
     """The name of a column, and the unit behind it: "q2 [deg]"."""
     match = _WITH_UNIT.fullmatch(word)
-    return (match["name"].strip(), match["unit"].lower()) if match else (word, None)
+    if match:
+        return (match["name"].strip(), match["unit"].lower())
+    return (word, None)
 
 
 def find_columns(
@@ -482,7 +509,10 @@ def find_columns(
         if unit is not None and unit not in fits:
             raise TrajectoryError("the unit does not fit the column", where=here, got=word,
                                   allowed=", ".join(fits) or "none")  # fmt: skip
-        plain = radians(1.0) if deg and measure == "angle" else 1.0
+        if deg and measure == "angle":
+            plain = radians(1.0)
+        else:
+            plain = 1.0
         found[key] = place, plain if unit is None else fits[unit]
     return found, time, tuple(unused)
 
@@ -515,7 +545,9 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
             place = [name_and_unit(one)[0] for one in table.head].index(word)
             raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
                                   allowed=joint_names(robot))  # fmt: skip
-        return None if index is None else (index, "angle" if robot.variables[index].unit == "rad" else "length")
+        if index is None:
+            return None
+        return (index, "angle" if robot.variables[index].unit == "rad" else "length")
 
     columns, time, unused = find_columns(table.head, table.where, known, deg=deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]

@@ -40,7 +40,10 @@ def far_turns(robot: Robot, path: Curve) -> tuple[FarTurn, ...]:
         path: by time, or by the length of its joint motion where it has no times.
     """
     steps = path.control[:, -1] - path.control[:, 0]
-    lasts = np.linalg.norm(steps, axis=1) + 1e-12 if path.times is None else np.diff(path.times)
+    if path.times is None:
+        lasts = np.linalg.norm(steps, axis=1) + 1e-12
+    else:
+        lasts = np.diff(path.times)
     clock = np.concatenate([[0.0], np.cumsum(lasts)])
     found: list[FarTurn] = []
     for joint in np.flatnonzero([one.unit == "rad" for one in robot.variables]).tolist():

@@ -102,7 +102,10 @@ def _declare(names: Names, line: str, where: str) -> None:
     literal: object | None = number(right)
     if right.startswith(("[", "p[")):
         found = _target(right, names, where)
-        literal = found if isinstance(found, Target) else None
+        if isinstance(found, Target):
+            literal = found
+        else:
+            literal = None
     names.put(name, right, literal)
 
 
@@ -116,7 +119,9 @@ def _target(text: str, names: Names, where: str) -> Target | Reason:
         return Reason.EXPRESSION
     if not posed:
         joints = flat(values, len(values))
-        return Reason.EXPRESSION if joints is None else joint_target(joints, where)
+        if joints is None:
+            return Reason.EXPRESSION
+        return joint_target(joints, where)
     found = flat(values, 6)
     if found is None:
         return Reason.EXPRESSION
@@ -134,10 +139,16 @@ def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest
     settings: dict[str, str] = {}
     for place, one in enumerate(arguments):
         key, mark, value = one.partition("=")
-        name = key.strip() if mark else (*_ORDER[word], "", "", "", "")[min(place, 3)]
+        if mark:
+            name = key.strip()
+        else:
+            name = (*_ORDER[word], "", "", "", "")[min(place, 3)]
         settings[name] = value.strip() if mark else one
     keys = {key: names.number(value) for key, value in settings.items()}
-    goal = goal.partition("=")[2].strip() if goal.startswith(("q=", "pose=", "q =", "pose =")) else goal
+    if goal.startswith(("q=", "pose=", "q =", "pose =")):
+        goal = goal.partition("=")[2].strip()
+    else:
+        goal = goal
     time, rate = positive(keys.get("t")), positive(keys.get("v"))
     speed = Speed(time=time, joint=rate if word == "movej" else None, linear=None if word == "movej" else rate)
     rounded = "r" in settings and keys["r"] != 0.0

@@ -174,11 +174,17 @@ class Arm:
             motion = None
             for place, i in enumerate(side):
                 column = self._matrix(6, 1, self._screws[i])
-                found[i] = column if motion is None else motion * column
+                if motion is None:
+                    found[i] = column
+                else:
+                    found[i] = motion * column
                 motions[i] = motion
                 if place + 1 < len(side):
                     step = motion_of(i, sign)
-                    motion = step if motion is None else motion * step
+                    if motion is None:
+                        motion = step
+                    else:
+                        motion = motion * step
         return found, motions
 
     def jacobian(self, columns: list[Matrix]) -> Array:
@@ -217,7 +223,10 @@ class Arm:
         weights = [
             f.arb_mat(1, rank, [f.arb(one.multiplier) * float(x) for x in vt[:rank, one.driver]]) for one in self.links
         ]
-        along = region.along if region.along is not None else zeros
+        if region.along is not None:
+            along = region.along
+        else:
+            along = zeros
         wide = [h + abs(d) for h, d in zip(region.half, along, strict=True)]
         seen = self.seen(region.centre, wide)
         over = seen[0]
@@ -241,7 +250,11 @@ class Arm:
         Times a constant sign that does not depend on the configuration.
         """
         value = self.determinant(q, rows)
-        return 1 if value > 0 else -1 if value < 0 else 0
+        if value > 0:
+            return 1
+        if value < 0:
+            return -1
+        return 0
 
     def determinant(self, q: list[Interval], rows: list[int]) -> Interval:
         """The determinant of the rows at a configuration; as many rows as variables.
@@ -266,7 +279,10 @@ class Arm:
                     both = taken | 1 << j
                     if (taken >> j).bit_count() & 1:  # columns behind it: as many exchanges
                         term = -term
-                    wider[both] = wider[both] + term if both in wider else term
+                    if both in wider:
+                        wider[both] = wider[both] + term
+                    else:
+                        wider[both] = term
             minors = wider
         return minors[(1 << n) - 1]
 
@@ -297,7 +313,10 @@ class Arm:
         for place, i in enumerate(side[:-1]):
             one = self.links[i]
             part = self._ad(columns[i].entries()) * beyond[place] * self._number(one.multiplier)
-            moved[one.driver] = moved[one.driver] + part if one.driver in moved else part
+            if one.driver in moved:
+                moved[one.driver] = moved[one.driver] + part
+            else:
+                moved[one.driver] = part
         return [(part, half[driver]) for driver, part in moved.items() if half[driver] > 0]
 
     def _second(
@@ -415,7 +434,9 @@ class Arm:
         """How far a joint carries along its axis, in lengths."""
         one = self.links[i]
         value = one.multiplier * _ball(self._f.arb, region.centre[one.driver], region.half[one.driver]) + one.offset
-        return value.abs_upper() / self._length if one.kind == SLIDE else value.abs_upper() * self._pitch(i)
+        if one.kind == SLIDE:
+            return value.abs_upper() / self._length
+        return value.abs_upper() * self._pitch(i)
 
     def _pitch(self, i: int) -> Interval:
         """Of a joint that screws, in lengths for a radian; else 0."""
@@ -442,7 +463,10 @@ class Arm:
             return self._f.arb(0)
         screw = self._screws[i]
         moment = cross(point, screw[3:])
-        along = dot(screw[3:], screw[:3]) if self.links[i].kind == SCREW else self._f.arb(0)
+        if self.links[i].kind == SCREW:
+            along = dot(screw[3:], screw[:3])
+        else:
+            along = self._f.arb(0)
         return _norm([x - y - along * z for x, y, z in zip(screw[:3], moment, screw[3:], strict=True)])
 
 

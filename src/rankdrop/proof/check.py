@@ -107,7 +107,8 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
             compare(claim, asked)
             sentence, statement, assumed, how = _prove(claim, work)
             try:
-                statement += _of_file(claim, asked.path) if claim.kind == PATH else ()
+                if claim.kind == PATH:
+                    statement += _of_file(claim, asked.path)
             except Unproven as error:
                 reason = f"{error}. Proven: {sentence}"
                 return Verdict(False, claim.kind, claim.name, "", reason, assumed, work.done, True, statement, how)
@@ -115,8 +116,14 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
         return Verdict(False, claim.kind, claim.name, reason=str(error), enclosures=work.done)
     except KeyboardInterrupt:
         done, count = work.place
-        far = f": {done:,} of {count:,} were checked" if count else ": not all of it was checked"
-        kept = f", which {work.journal} keeps: the same command continues" if work.journal is not None else ""
+        if count:
+            far = f": {done:,} of {count:,} were checked"
+        else:
+            far = ": not all of it was checked"
+        if work.journal is not None:
+            kept = f", which {work.journal} keeps: the same command continues"
+        else:
+            kept = ""
         reason = f"interrupted{far}{kept}"
         return Verdict(False, claim.kind, claim.name, reason=reason, enclosures=work.done, complete=False)
     return Verdict(True, claim.kind, claim.name, sentence, "", assumed, work.done, True, statement, how)
@@ -190,7 +197,10 @@ def _of_file(claim: Claim, path: AskedPath | None) -> tuple[str, ...]:
     if path is None or (path.rows is None and path.poses is None):
         raise Unproven("this is proven of the control points of the certificate alone, which were compared with no "
                        "file: name it with --path")  # fmt: skip
-    name = f"{path.file!r} (SHA-256 {path.sha256})" if path.file else "the given rows"
+    if path.file:
+        name = f"{path.file!r} (SHA-256 {path.sha256})"
+    else:
+        name = "the given rows"
     if path.rows is not None:
         return (f"compared: {len(claim.entries['points']):,} control points with {name}",)
     assert path.poses is not None
@@ -206,8 +216,13 @@ def _other_limits(claim: Claim, asked: Asked) -> str:
     stated = claim.entries.get("limits")
     if stated is None:
         return f"a {claim.kind}: joint limits play no part"
-    within = "the joint limits" if stated else "the whole joint space"
-    return "" if stated == asked.limits else f"{within} of the arm"
+    if stated:
+        within = "the joint limits"
+    else:
+        within = "the whole joint space"
+    if stated == asked.limits:
+        return ""
+    return f"{within} of the arm"
 
 
 def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
@@ -236,14 +251,21 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         verify_ball(check)
         sentence = f"no configuration within {claim.entries['radius']!r} rad of q has a rank below {claim.rank}" + near
         fixed = [str(j + 1) for j in range(claim.variables) if j not in check.arm.moving]
-        many = f"s {', '.join(fixed[:-1])} and {fixed[-1]}" if len(fixed) > 1 else f" {''.join(fixed)}"
-        sentence += f"; joint{many} may stand anywhere" if fixed else ""
+        if len(fixed) > 1:
+            many = f"s {', '.join(fixed[:-1])} and {fixed[-1]}"
+        else:
+            many = f" {''.join(fixed)}"
+        if fixed:
+            sentence += f"; joint{many} may stand anywhere"
         lines += [f"q = {_values(claim.entries['q'])}", *_state_scale(claim)]
     elif claim.kind == COVERING:
         tree, how = verify_covering(check)
         if not tree.free_boxes:
             raise Unproven("the covering leaves out no box: nothing is claimed")
-        where = "joint limits" if claim.entries["limits"] else "joint space"
+        if claim.entries["limits"]:
+            where = "joint limits"
+        else:
+            where = "joint space"
         sentence = (f"every configuration of the {where} with a rank below {claim.rank} is in one of the "
                     f"{tree.leaves:,} boxes of {claim.entries['file']!r}")  # fmt: skip
         lines += _state_ranges(claim)
@@ -289,9 +311,18 @@ def _state_arm(claim: Claim) -> list[str]:
     arm, (axes, origin, point) = claim.record["arm"], claim.frame
     lines = [f"arm {claim.name!r}, {len(claim.links)} joints; SHA-256 of its numbers, names and limits: {seal(arm)}"]
     for place, (joint, link) in enumerate(zip(arm["joints"], claim.links, strict=True), start=1):
-        axis = link.screw[:3] if link.kind == SLIDE else link.screw[3:]
-        foot = "" if link.kind == SLIDE else f" through {_short(np.cross(axis, link.screw[:3]))} m"
-        follows = f", follows {joint['follows']!r}" if joint["follows"] else ""
+        if link.kind == SLIDE:
+            axis = link.screw[:3]
+        else:
+            axis = link.screw[3:]
+        if link.kind == SLIDE:
+            foot = ""
+        else:
+            foot = f" through {_short(np.cross(axis, link.screw[:3]))} m"
+        if joint["follows"]:
+            follows = f", follows {joint['follows']!r}"
+        else:
+            follows = ""
         limits = "" if follows else _state_limits(joint)
         lines.append(f"joint {place} {joint['name']!r}: {link.kind}, axis {_short(axis)}{foot}{follows}{limits}")
     name = claim.record["task"]["name"]
@@ -324,7 +355,8 @@ def _state_ranges(claim: Claim) -> list[str]:
         for j, low, high, turns in zip(*(entries[key] for key in ("variables", "lower", "upper", "turns")), strict=True)
     ]
     free = [str(j + 1) for j in range(claim.variables) if j + 1 not in entries["variables"]]
-    lines += [f"joints that stand anywhere: {', '.join(free)}"] if free else []
+    if free:
+        lines += [f"joints that stand anywhere: {', '.join(free)}"]
     return [*lines, f"corank {corank_of(claim)} or more; boxes of {entries['file']!r}, SHA-256 {entries['sha256']}"]
 
 
@@ -362,7 +394,11 @@ def _rows(rows: Iterable[int]) -> str:
 
 def _link(claim: Claim, number: int) -> str:
     count = len(claim.links)
-    return "the base" if number == 0 else "the tip" if number in (-1, count + 1) else f"link {number}"
+    if number == 0:
+        return "the base"
+    if number in (-1, count + 1):
+        return "the tip"
+    return f"link {number}"
 
 
 def arm_of(claim: Claim) -> Arm:
@@ -387,7 +423,10 @@ def arm_of(claim: Claim) -> Arm:
         if list(claim.rows) != claim.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _check_points_on_axes(claim)
-    axes = claim.home[:3, :3] if claim.in_tool_axes else None
+    if claim.in_tool_axes:
+        axes = claim.home[:3, :3]
+    else:
+        axes = None
     return Arm(claim.links, claim.variables, claim.link, point, f.arb(claim.length), axes)
 
 
@@ -397,7 +436,10 @@ def _check_points_on_axes(claim: Claim) -> None:
         if one.kind == SLIDE:
             continue
         v, w = np.array(one.screw[:3]), np.array(one.screw[3:])
-        along = w * (v @ w) / (w @ w) if one.kind == SCREW else np.zeros(3)
+        if one.kind == SCREW:
+            along = w * (v @ w) / (w @ w)
+        else:
+            along = np.zeros(3)
         off = float(np.linalg.norm(v - along - np.cross(point, w)))
         if not off < 1e-9 * (1.0 + float(np.linalg.norm(point))):
             raise Unproven(f"the point of joint {number} is not on its axis")
@@ -449,4 +491,6 @@ def _rank_is_generic(check: Check) -> list[str]:
         raise Unproven(f"the rank is above {rank} almost everywhere")
     if corank_of(claim) > 1 and not any(arm.keeps_rank(place, claim.whole_rows, rank) for place in places):
         raise Unproven(f"the rank is below {rank} at {_TRIED} configurations: the corank is not {corank_of(claim)}")
-    return [f"{rank} is the rank almost everywhere (no higher one at {_TRIED} configurations)"] if rank < most else []
+    if rank < most:
+        return [f"{rank} is the rank almost everywhere (no higher one at {_TRIED} configurations)"]
+    return []

@@ -89,9 +89,15 @@ def check_ranges(claim: Claim, moving: list[int]) -> None:
             continue
         if not entries["limits"] and periodic(claim, j):
             raise Unproven(f"the covering is not within limits, and the range of joint {j + 1} is less than a turn")
-        least, most = (-inf, inf) if claim.limits is None else claim.limits[j]
+        if claim.limits is None:
+            least, most = (-inf, inf)
+        else:
+            least, most = claim.limits[j]
         if not low <= least <= most <= high:
-            stated = "states no limits" if claim.limits is None else f"has limits from {least!r} to {most!r}"
+            if claim.limits is None:
+                stated = "states no limits"
+            else:
+                stated = f"has limits from {least!r} to {most!r}"
             raise Unproven(f"the range of joint {j + 1} is less than its limits: the arm of the certificate {stated}")
 
 
@@ -188,16 +194,25 @@ def _verify_all(check: Check, plan: Plan, tree: BitTree) -> str:
         )
     if work.every:
         work.most = max(work.most, 1 << 62)
-    journal = None if work.journal is None else _Journal(work.journal, claim.record["sha256"], count)
+    if work.journal is None:
+        journal = None
+    else:
+        journal = _Journal(work.journal, claim.record["sha256"], count)
     try:
         earlier, remaining = _prove_boxes(check, plan, tree, split, journal)
     finally:
         if journal is not None:
             journal.file.close()
-    ways = [f"{earlier:,} of them in an earlier run, as the journal says"] if earlier else []
+    if earlier:
+        ways = [f"{earlier:,} of them in an earlier run, as the journal says"]
+    else:
+        ways = []
     across = ""
     if split is not None:
-        rest = f" and {remaining:,} by enclosures" if remaining else ""
+        if remaining:
+            rest = f" and {remaining:,} by enclosures"
+        else:
+            rest = ""
         ways += [f"{count - earlier - remaining:,} by the determinant in Bernstein form{rest}"]
         across = f"; {_check_across(check, plan, tree)}"
     return f"{count:,} free boxes proven again{': ' * bool(ways)}{', '.join(ways)}{across}"

@@ -101,7 +101,9 @@ def control_points(path: AskedPath, degree: int) -> Array | None:
     rows, times, rates, bends = path.rows, path.times, path.velocities, path.accelerations
     assert rows is not None
     if len(rows) == 1:
-        return np.repeat(rows, 2, axis=0) if degree == 1 else None
+        if degree == 1:
+            return np.repeat(rows, 2, axis=0)
+        return None
     start, end = rows[:-1], rows[1:]
     if degree == 1:
         return rows
@@ -146,10 +148,16 @@ class ToolPath:
         if turns and not path.turned:
             raise Unproven("the file has positions alone, and the task wants orientations")
         self._point = np.array(point if moves and not whole else (0.0, 0.0, 0.0))
-        self._moves = moves if axes == 0 or not moves else [0, 1, 2]
+        if axes == 0 or not moves:
+            self._moves = moves
+        else:
+            self._moves = [0, 1, 2]
         self._turns = bool(turns)
         # two turns leave one axis free: that of the base, a row of the rotation, or of the tip, a column of it
-        left = next(k for k in range(3) if k not in turns) if len(turns) == 2 else None
+        if len(turns) == 2:
+            left = next(k for k in range(3) if k not in turns)
+        else:
+            left = None
         self._entries = [(r, c) for r in range(3) for c in range(3)
                          if left is None or (r if axes == 0 and not whole else c) == left]  # fmt: skip
         self._axes = [_between(a, b) for a, b in pairwise(self._poses)]
@@ -235,7 +243,10 @@ class ToolPath:
         if not self._turns:
             return size, 0.0
         # of two rotations the spectral norm is that of Frobenius, divided by √2; of one axis the length
-        share = 2.0**-0.5 if len(self._entries) == 9 else 1.0
+        if len(self._entries) == 9:
+            share = 2.0**-0.5
+        else:
+            share = 1.0
         return size, share * _size([apart[r, c] for r, c in self._entries])
 
     def _bends(self, rows: tuple[int, int], start: float, end: float) -> tuple[float, float]:
@@ -267,7 +278,10 @@ class ToolPath:
             low, high, parts, near, far = stack.pop()
             place = max(near[0], far[0]) + bend[0] / (8 * parts**2) + self._slack
             chord = max(near[1], far[1]) + bend[1] / (8 * parts**2) + _ROUNDED
-            turn = 2 * float(np.arcsin(min(1.0, chord / 2))) * (1 + 1e-12) if self._turns else 0.0
+            if self._turns:
+                turn = 2 * float(np.arcsin(min(1.0, chord / 2))) * (1 + 1e-12)
+            else:
+                turn = 0.0
             if (place <= self._path.tip or not self._moves) and turn <= self._path.turn:
                 worst_place, worst_turn = max(worst_place, place), max(worst_turn, turn)
                 continue
@@ -334,7 +348,9 @@ def _size(numbers: list[Interval]) -> float:
     """Length of a vector of intervals, at most; inf where it is not known."""
     largest = [float(x.abs_upper()) for x in numbers]
     size = float(np.linalg.norm(largest)) * (1 + 1e-14)
-    return size if np.isfinite(size) else float("inf")
+    if np.isfinite(size):
+        return size
+    return float("inf")
 
 
 def _turn(axis: list[Interval], angle: Interval) -> Matrix:
@@ -351,7 +367,9 @@ def _log(turn: Array) -> Array:
     twist = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2
     sine, cosine = float(np.linalg.norm(twist)), (float(np.trace(turn)) - 1.0) / 2
     if sine < 1e-300:
-        return np.array([np.pi, 0.0, 0.0]) if cosine < 0.0 else twist
+        if cosine < 0.0:
+            return np.array([np.pi, 0.0, 0.0])
+        return twist
     return np.asarray(twist * (np.arctan2(sine, cosine) / sine))
 
 
@@ -377,7 +395,9 @@ def _along(link: Link) -> float:
     v, w = np.array(link.screw[:3]), np.array(link.screw[3:])
     if link.kind == SLIDE:
         return 1.0
-    return abs(float(v @ w) / float(w @ w)) if link.kind == SCREW else 0.0
+    if link.kind == SCREW:
+        return abs(float(v @ w) / float(w @ w))
+    return 0.0
 
 
 def _doubles(matrix: Matrix) -> list[list[float]]:

@@ -265,7 +265,10 @@ def _numbers(cells: NDArray[np.int64], levels: list[int]) -> NDArray[np.int64]:
 def _products(sides: list[tuple[Array, float]], numbers: NDArray[np.int64], levels: list[int]) -> Array:
     """(U, a, a) Kronecker products of the matrices of boxes, by their numbers."""
     found = np.ones((len(numbers), 1, 1))
-    cells = np.unravel_index(numbers, [1 << level for level in levels]) if levels else ()
+    if levels:
+        cells = np.unravel_index(numbers, [1 << level for level in levels])
+    else:
+        cells = ()
     for (made, _), cell in zip(sides, cells, strict=True):
         one = made[cell]
         size = found.shape[1] * one.shape[1]

@@ -131,7 +131,10 @@ class _Zero:
             if not self._motion and one.driver not in self._equation:
                 continue
             for place, row in enumerate(self._rows):
-                equation, unknown = (place, one.driver) if self._motion else (self._equation[one.driver], place)
+                if self._motion:
+                    equation, unknown = (place, one.driver)
+                else:
+                    equation, unknown = (self._equation[one.driver], place)
                 value[equation] += one.multiplier * u[unknown] * entries[row]
                 slope[equation][self._d + unknown] += one.multiplier * entries[row]
         for i, by, part in moved:
@@ -139,7 +142,10 @@ class _Zero:
             if not self._motion and one.driver not in self._equation:
                 continue
             for place, row in enumerate(self._rows):
-                equation, unknown = (place, one.driver) if self._motion else (self._equation[one.driver], place)
+                if self._motion:
+                    equation, unknown = (place, one.driver)
+                else:
+                    equation, unknown = (self._equation[one.driver], place)
                 slope[equation][by] += one.multiplier * u[unknown] * part[row]
         value[-1] = sum((one * one for one in u), f.arb(-1)) / 2
         for place, one in enumerate(u):

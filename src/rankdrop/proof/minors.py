@@ -70,7 +70,12 @@ class _Exact(Arm):
                 raise Unproven("in rational numbers joints turn or slide, each for itself")
         self._partial = claim.blocks != list(claim.rows)
         axes, origin, local = claim.frame
-        decides = [axes, origin] if self._partial else [origin] if claim.blocks == [0, 1, 2] else []
+        if self._partial:
+            decides = [axes, origin]
+        elif claim.blocks == [0, 1, 2]:
+            decides = [origin]
+        else:
+            decides = []
         if any(one not in claim.poses for one in decides):
             raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
         pose = [[self._number(x) for x in row] for row in claim.poses.get(origin, np.eye(4))[:3].tolist()]
@@ -98,7 +103,10 @@ class _Exact(Arm):
 
     def _square(self, k: int) -> Rational:
         """Square of the length of an axis."""
-        axis = self._screws[k][:3] if self.links[k].kind == SLIDE else self._screws[k][3:]
+        if self.links[k].kind == SLIDE:
+            axis = self._screws[k][:3]
+        else:
+            axis = self._screws[k][3:]
         return dot(axis, axis)
 
     def rational(self, k: int, value: float, *, snap: bool) -> Value:

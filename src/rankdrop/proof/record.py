@@ -147,7 +147,9 @@ class Claim:
     @property
     def whole_rows(self) -> list[int]:
         """Rows whose rank is proven: those of the task in tool axes, else whole blocks."""
-        return list(self.rows) if self.in_tool_axes else self.blocks
+        if self.in_tool_axes:
+            return list(self.rows)
+        return self.blocks
 
     @property
     def slides(self) -> list[int]:
@@ -192,7 +194,10 @@ def one_of(*words: str) -> Reader:
 
 def number(low: float = -_BIGGEST, high: float = _BIGGEST, above: float | None = None) -> Reader:
     """A finite number from `low` to `high`, or above a bound."""
-    begin, least = (f"from {low:g}", low) if above is None else (f"above {above:g}", np.nextafter(above, high))
+    if above is None:
+        begin, least = (f"from {low:g}", low)
+    else:
+        begin, least = (f"above {above:g}", np.nextafter(above, high))
     return require(f"a number {begin} to {high:g}",
                 lambda value: type(value) in (int, float) and least <= value <= high, float)  # fmt: skip
 
@@ -238,7 +243,10 @@ def entries(readers: dict[str, Reader], **optional: Reader) -> Reader:
 
 def numbers(value: Any, where: str) -> Array:
     """(M, n) table of finite numbers."""
-    width = len(value[0]) if isinstance(value, list) and value and isinstance(value[0], list) else 0
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        width = len(value[0])
+    else:
+        width = 0
     good = width and len(value) * width <= _MOST_NUMBERS
     if not good or any(not isinstance(row, list) or len(row) != width for row in value):
         raise ValueError(f"{where}: rows of as many numbers")
@@ -323,13 +331,19 @@ def read_certificate(path: Path) -> Claim:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
+        if isinstance(error, OSError):
+            reason = error.strerror
+        else:
+            reason = str(error)
         raise Refused(f"cannot read: {reason}", where=where) from error
     if len(content) > LARGEST:
         raise Refused("too large for a certificate", where=where, allowed=f"at most {LARGEST} bytes")
     record = _parsed(content, where)
     if not isinstance(record, dict) or record.get("schema") != SCHEMA:
-        got = record.get("schema") if isinstance(record, dict) else type(record).__name__
+        if isinstance(record, dict):
+            got = record.get("schema")
+        else:
+            got = type(record).__name__
         raise Refused("this is no certificate", where=where, got=repr(got)[:200], allowed=f"schema {SCHEMA!r}")
     try:
         intact = record.get("sha256") == seal(record)

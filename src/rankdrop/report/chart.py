@@ -85,7 +85,10 @@ class Chart:
         """
         (width, height), (left, bottom, top, right) = self.size, self.margins
         box = f'x="{left}" y="{top}" width="{width:g}" height="{height:g}"'
-        parts = [] if self.image is None else [_image(self.image, box)]
+        if self.image is None:
+            parts = []
+        else:
+            parts = [_image(self.image, box)]
         parts += [f'<rect class="frame" {box}/>', *self._ticks()]
         middles = (f'x="{left + width / 2:g}" y="{top + height + 34:g}"',
                    f'transform="translate(12 {top + height / 2:g}) rotate(-90)"')  # fmt: skip
@@ -114,14 +117,21 @@ class Chart:
                    f'<text x="{left - 7}" y="{_n(y + 4)}" text-anchor="end">{escape(word)}</text>')  # fmt: skip
 
     def _mark(self, lines: Sequence[Array], look: str, radius: float) -> str:
-        style = f' style="stroke:var(--{look})"' if look.startswith("f") else ""
+        if look.startswith("f"):
+            style = f' style="stroke:var(--{look})"'
+        else:
+            style = ""
         css = "" if style else look
         places = [self.place(line) for line in lines if len(line)]
         if radius:
             text = "".join(f"M{_n(x)} {_n(y)}h0" for points in places for x, y in points)
-            return f'<path class="dots {css}" stroke-width="{2 * radius:g}"{style} d="{text}"/>' if text else ""
+            if text:
+                return f'<path class="dots {css}" stroke-width="{2 * radius:g}"{style} d="{text}"/>'
+            return ""
         text = "".join(_moves(_thinned(points)) for points in places)
-        return f'<path class="{css or "curve"}"{style} d="{text}"/>' if text else ""
+        if text:
+            return f'<path class="{css or "curve"}"{style} d="{text}"/>'
+        return ""
 
     def draw(self, axes: Any) -> None:
         """Draw the chart on axes of matplotlib, its legend above them."""
@@ -142,7 +152,10 @@ class Chart:
 
 def _draw_mark(axes: Any, lines: Sequence[Array], look: str, radius: float, label: str) -> None:
     colour, width = LOOKS[look]
-    style = {"ls": "", "marker": "o", "mew": 0, "ms": 1.6 * radius} if radius else {"lw": width}
+    if radius:
+        style = {"ls": "", "marker": "o", "mew": 0, "ms": 1.6 * radius}
+    else:
+        style = {"lw": width}
     for line in lines:
         axes.plot(*line.T, color=colour, rasterized=len(line) > _MANY, **style)
     if label and lines:
@@ -232,7 +245,9 @@ def angle_ticks(low: float, high: float) -> list[tuple[float, str]]:
 
 def axis_name(symbol: str, unit: str) -> str:
     """What stands at an axis: angles have their unit at the ticks."""
-    return symbol if unit == "rad" else f"{symbol} [{unit}]"
+    if unit == "rad":
+        return symbol
+    return f"{symbol} [{unit}]"
 
 
 def plain_ticks(low: float, high: float, about: int = 5) -> list[tuple[float, str]]:
@@ -245,7 +260,9 @@ def plain_ticks(low: float, high: float, about: int = 5) -> list[tuple[float, st
 
 
 def _moves(points: Array) -> str:
-    return "M" + "L".join(f"{_n(x)} {_n(y)}" for x, y in points) if len(points) > 1 else ""
+    if len(points) > 1:
+        return "M" + "L".join(f"{_n(x)} {_n(y)}" for x, y in points)
+    return ""
 
 
 def _thinned(points: Array) -> Array:

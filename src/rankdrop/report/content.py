@@ -183,7 +183,10 @@ def content(
     analysis = replace(analysis, families=families)
     tell = progress or (lambda label, done, total: None)
     tell("report", 0, _PARTS)
-    derived, missing = _exact(analysis, exact_seconds, seed) if exact else (None, "They were not asked for.")
+    if exact:
+        derived, missing = _exact(analysis, exact_seconds, seed)
+    else:
+        derived, missing = (None, "They were not asked for.")
     tell("report", 1, _PARTS)
     planes = telling_slices(robot, task, families, seed=seed)
     tell("report", 2, _PARTS)
@@ -228,7 +231,9 @@ def standing(analysis: Analysis, family: Family) -> str:
     q = np.array(family.witness)
     if ((q >= robot.lower - _EDGE) & (q <= robot.upper + _EDGE)).all():
         return "inside"
-    return "none found" if inside_limits(family, robot).holds else "outside"
+    if inside_limits(family, robot).holds:
+        return "none found"
+    return "outside"
 
 
 def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | None, str]:
@@ -236,7 +241,10 @@ def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | 
     if analysis.exact is not None and analysis.exact.families:
         return None, "They stand in the analysis."
     try:
-        shipped = None if seed else known_conditions(analysis.robot, analysis.task)
+        if seed:
+            shipped = None
+        else:
+            shipped = known_conditions(analysis.robot, analysis.task)
         found = shipped or conditions(
             analysis.robot, analysis.task, seconds=seconds, seed=seed, points=EXACT_POINTS, special=False
         )
@@ -278,7 +286,10 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
     corners = np.concatenate([one.vertices[one.faces] for one in meshes])  # (F, 3, 3)
     area = np.linalg.norm(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1)), axis=1).sum() / 2
     span = max(float(np.ptp(one.vertices, axis=0).max(initial=0.0)) for one in meshes)
-    cell = 1e-6 * span if len(corners) <= most else max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
+    if len(corners) <= most:
+        cell = 1e-6 * span
+    else:
+        cell = max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
     small = [_clustered(one, cell) for one in meshes]
     while sum(len(one.faces) for one in small) > most:
         cell *= _GROWS
@@ -350,7 +361,9 @@ def page_data(content: Content) -> dict[str, Any]:
 def limit_range(robot: Robot, index: int) -> tuple[float, float] | None:
     """Both limits of a joint [rad, m]; None where it has not both: its slider then keeps `slider_range`."""
     low, high = float(robot.lower[index]), float(robot.upper[index])
-    return (low, high) if isfinite(low) and isfinite(high) and low < high else None
+    if isfinite(low) and isfinite(high) and low < high:
+        return (low, high)
+    return None
 
 
 def slider_range(analysis: Analysis, index: int) -> tuple[float, float]:
@@ -405,7 +418,9 @@ def first_view(robot: Robot) -> dict[str, float]:
     """From above where every axis is upright (planar arms, SCARA), else from the front and a little above."""
     upright = all(abs(abs(joint.screw[5]) - 1) < 1e-9 for joint in robot.joints if np.any(joint.screw[3:]))
     slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)
-    return {"turn": -1.2, "tilt": 1.05} if upright and not slides else {"turn": -0.9, "tilt": 0.38}
+    if upright and not slides:
+        return {"turn": -1.2, "tilt": 1.05}
+    return {"turn": -0.9, "tilt": 0.38}
 
 
 def _rows(pose: Array) -> list[float]:
@@ -434,9 +449,15 @@ def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
         for index, one in enumerate(lost_sentences(family.lost_freedoms))
     )
-    blame = f"<p><b>To blame:</b> {quoted('; '.join(words))}</p>" if words else ""
+    if words:
+        blame = f"<p><b>To blame:</b> {quoted('; '.join(words))}</p>"
+    else:
+        blame = ""
     note = lost_note(robot, family.lost_freedoms)
-    axes = f'<p class="small">{quoted(note)}</p>' if note else ""
+    if note:
+        axes = f'<p class="small">{quoted(note)}</p>'
+    else:
+        axes = ""
     return f"<b>{quoted(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
 
 

@@ -97,7 +97,10 @@ def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
     drawn = new_figure((3.4 * columns, 2.9 * rows + 0.3), "a figure of a sweep")
     for place, (name, values, (x, y), labels) in enumerate(maps, 1):
         axes: Any = drawn.add_subplot(rows, columns, place)
-        mark = "s" if designs.spec.kind == "grid" else "o"
+        if designs.spec.kind == "grid":
+            mark = "s"
+        else:
+            mark = "o"
         dots = axes.scatter(x, y, c=values, s=_size(len(x)), marker=mark, cmap="viridis")
         best = [i for i in designs.pareto if np.isfinite(values[i])]
         axes.scatter(x[best], y[best], s=1.8 * _size(len(x)), facecolors="none", edgecolors="#D55E00", lw=1.0)
@@ -155,7 +158,9 @@ def _maps(designs: Designs, over: tuple[str, ...]) -> str:
         for name, values, places, names in maps_of(designs, over)
     )
     told = '<p class="small">Every dot is a variant; the Pareto-optimal ones are ringed.</p>'
-    return f'<div class="cards">{charts}</div>{told}' if charts else "<p>Nothing was measured.</p>"
+    if charts:
+        return f'<div class="cards">{charts}</div>{told}'
+    return "<p>Nothing was measured.</p>"
 
 
 def _map(designs: Designs, numbers: Array, x: Array, y: Array, names: tuple[str, str]) -> str:
@@ -166,7 +171,10 @@ def _map(designs: Designs, numbers: Array, x: Array, y: Array, names: tuple[str,
     radius = float(np.clip(260.0 / max(len(there), 1) ** 0.5 / 2, 1.5, 14.0))
     parts, best = [], set(designs.pareto)
     for i, (across, down) in zip(there.tolist(), chart.place(np.stack([x[there], y[there]], axis=1)), strict=True):
-        ring = ' stroke="#D55E00" stroke-width="2"' if i in best else ""
+        if i in best:
+            ring = ' stroke="#D55E00" stroke-width="2"'
+        else:
+            ring = ""
         tone = _tone((numbers[i] - low) / (high - low) if high > low else 0.5)
         parts.append(f'<circle cx="{across:.1f}" cy="{down:.1f}" r="{radius:.1f}" fill="{tone}"{ring}>'
                      f"<title>variant {i + 1}: {numbers[i]:.5g}</title></circle>")  # fmt: skip

@@ -137,7 +137,10 @@ def _notes(content: Content) -> str:
     told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
     notes = told if source else ""
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
-    near = None if content.beside else near_ideal(robot)
+    if content.beside:
+        near = None
+    else:
+        near = near_ideal(robot)
     small = [*robot.notes, *([] if near is None else [near.line])]
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
     return notes
@@ -178,7 +181,10 @@ _SAVE = (
 
 def _button(analysis: Analysis, family: Family) -> str:
     word = STANDING[standing(analysis, family)]
-    note = f' <small class="limit">{word}</small>' if word else ""
+    if word:
+        note = f' <small class="limit">{word}</small>'
+    else:
+        note = ""
     return (
         f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(family.name)}{note}</button>'
     )
@@ -206,13 +212,19 @@ def _tables(content: Content) -> str:
         sentences = lost_sentences(family.lost_freedoms)
         lost = "".join(f"<p>{escape(text)}</p>" for text in sentences)
         seen = f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(sentences)}."
-        blame = f'<p class="small">{escape("; ".join(words))}</p>' if words else ""
+        if words:
+            blame = f'<p class="small">{escape("; ".join(words))}</p>'
+        else:
+            blame = ""
         cards.append(
             f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{escape(seen)}">'
             f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )
-    shown = f'<h3>The arm at each witness</h3><div class="cards">{"".join(cards)}</div>' if cards else ""
+    if cards:
+        shown = f'<h3>The arm at each witness</h3><div class="cards">{"".join(cards)}</div>'
+    else:
+        shown = ""
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"

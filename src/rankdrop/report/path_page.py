@@ -64,7 +64,10 @@ def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
         (low, high), tone = (_x(one.start), _x(one.end)), TONES[one.verdict]
         axes.axvspan(low, high, color=tone, alpha=0.18, lw=0)
         if one.verdict in _MARKS:
-            label = None if one.verdict in seen else one.verdict
+            if one.verdict in seen:
+                label = None
+            else:
+                label = one.verdict
             axes.plot([(low + high) / 2], [0.0], _MARKS[one.verdict], color=tone, ms=6, clip_on=False, zorder=5,
                       label=label)  # fmt: skip
             seen.add(one.verdict)
@@ -111,7 +114,10 @@ def _stage(check: PathCheck) -> str:
         for i, one in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
-    more = f'<span class="small">and {left} more</span>' if left > 0 else ""
+    if left > 0:
+        more = f'<span class="small">and {left} more</span>'
+    else:
+        more = ""
     legend = "".join(
         f'<span><i class="dot" style="background:var({INKS[kind]})"></i>{escape(kind)}</span>'
         for kind in (FREE, CROSSING, TOUCHING, UNDECIDED)
@@ -133,7 +139,9 @@ def _stage(check: PathCheck) -> str:
 def _order(one: Stretch) -> tuple[bool, int, float]:
     """What meets a singularity first, worst first; then free stretches as they follow each other."""
     free = one.verdict == FREE
-    return (free, one.start.row, one.start.share) if free else (free, 0, 0.0)
+    if free:
+        return (free, one.start.row, one.start.share)
+    return (free, 0, 0.0)
 
 
 def _when(check: PathCheck, one: Stretch) -> str:
@@ -142,7 +150,9 @@ def _when(check: PathCheck, one: Stretch) -> str:
         f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
         for place in (one.start, one.end)
     )
-    return f"at {start}" if start == end else f"{start} – {end}"
+    if start == end:
+        return f"at {start}"
+    return f"{start} – {end}"
 
 
 def _data(check: PathCheck) -> dict[str, Any]:
@@ -183,7 +193,10 @@ def _data(check: PathCheck) -> dict[str, Any]:
 def _series(check: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, str, Array]]]:
     """Places of the plots, the nearest family at each, and what is drawn: the profile, and every closest approach."""
     profile = check.profile
-    at = profile.position if profile.time is None else profile.time
+    if profile.time is None:
+        at = profile.position
+    else:
+        at = profile.time
     known = [one for one in check.stretches if np.isfinite(one.closest.distance)]
     place = np.array([_x(one.closest.place) for one in known])
     order = np.argsort(np.concatenate([at, place]), kind="stable")
@@ -204,7 +217,9 @@ def _ids(check: PathCheck) -> list[str | None]:
 
 
 def _x(place: Place) -> float:
-    return place.row + place.share if place.time is None else place.time
+    if place.time is None:
+        return place.row + place.share
+    return place.time
 
 
 def _listed(values: Array) -> list[float | None]:

@@ -119,12 +119,21 @@ def _cut(text: str) -> str:
 def _exact_family(family: ExactFamily | ExactRow) -> str:
     side_by_side = [f"<span>{typeset(one)}</span>" for one in family.latex if len(one) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
-    lines = f'<div class="condition">{short}</div>' if short else ""
+    if short:
+        lines = f'<div class="condition">{short}</div>'
+    else:
+        lines = ""
     for one in family.latex:
         text = f'<div class="condition longer">{typeset(one)}</div>'
         folded = f"<details><summary>a condition of {len(one):,} characters</summary>{text}</details>"
-        lines += folded if len(one) > _LONG else text if len(one) > _SHORT else ""
-    real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
+        if len(one) > _LONG:
+            lines += folded
+        elif len(one) > _SHORT:
+            lines += text
+    if family.reality:
+        real = f'<p class="small">{escape(family.reality)}</p>'
+    else:
+        real = ""
     return (
         f'<div class="exact"><h3>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
         f"</h3>{lines}{real}</div>"
@@ -142,8 +151,14 @@ def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
         analysis: the families.
         derived: their exact conditions, where these do not stand in the analysis.
     """
-    key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
-    near = "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
+    if analysis.families:
+        key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>'
+    else:
+        key = ""
+    if analysis.near is None:
+        near = ""
+    else:
+        near = html([near_overview(analysis.near, analysis.families)])
     return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + near
 
 
@@ -154,7 +169,10 @@ def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSumma
     if not rows:
         return f"{heading}<p>{nothing_found(summary).capitalize()}.</p>{ends}"
     share = summary.completeness
-    css = "good" if share.agree == share.tested else "bad"
+    if share.agree == share.tested:
+        css = "good"
+    else:
+        css = "bad"
     complete = f'<p>{number_of(rows)}, <span class="{css}">{explained(share)}</span>.</p>'
     body = "".join(_rows(analysis, derived, row) for row in rows)
     joints = iter(analysis.robot.variables)
@@ -236,7 +254,9 @@ def slice_section(content: Content) -> str:
     )
     if not figures:
         told = '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
-        return told if content.analysis.families else ""
+        if content.analysis.families:
+            return told
+        return ""
     rank = content.analysis.generic_rank
     return (
         f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Shade: σ<sub>{rank}</sub>, '
@@ -283,7 +303,10 @@ def solid_section(content: Content) -> str:
         held = _held(robot, one.q, one.joints)
         curves = count(len(one.curves), "closed curve" if one.closed == len(one.curves) else "curve")
         curves += f", {one.closed} of them closed" * (one.closed < len(one.curves))
-        what = curves if one.curves else f"a surface, {len(one.triangles):,} triangles"
+        if one.curves:
+            what = curves
+        else:
+            what = f"a surface, {len(one.triangles):,} triangles"
         figures.append(
             f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {one.family} in the '
             f'cube of {axes}: {what}. Arrow keys turn it."></canvas>'
@@ -324,7 +347,10 @@ def workspace_section(content: Content) -> str:
         if not len(points):
             continue
         fills = spread(section, points) > _WIDE
-        words = "can occur wherever there are dots, it depends on the posture" if fills else "occurs at these places"
+        if fills:
+            words = "can occur wherever there are dots, it depends on the posture"
+        else:
+            words = "occurs at these places"
         chart = workspace_chart(section, 320.0, family, content.colours[family]).svg(
             "Workspace in section: where the tip is while the arm is in this family"
         )
@@ -334,7 +360,10 @@ def workspace_section(content: Content) -> str:
         )
     if not figures:
         return ""
-    about = "in its plane" if section.section.planar else "in section: distance from axis 1, and height along it"
+    if section.section.planar:
+        about = "in its plane"
+    else:
+        about = "in section: distance from axis 1, and height along it"
     return (
         f'<section id="workspace"><h2>Workspace</h2><p>The tip {about}. Limits of turning joints are ignored, as they '
         f'are for the families.</p><div class="figures">{"".join(figures)}</div></section>'
@@ -380,7 +409,10 @@ def checks(content: Content) -> Iterator[str]:
     """One sentence for each check; the residuals are evaluated anew while the report is made."""
     analysis = content.analysis
     settings, again = analysis.settings, analysis.residual()
-    where = "within the joint limits" if settings.limits else "in the whole joint space, joint limits ignored"
+    if settings.limits:
+        where = "within the joint limits"
+    else:
+        where = "in the whole joint space, joint limits ignored"
     yield f"Search: {settings.starts:,} random starts for each corank {where}; seed {settings.seed}."
     if analysis.families:
         yield sampled(analysis)
@@ -390,9 +422,15 @@ def checks(content: Content) -> Iterator[str]:
         )
     if missed := unseen(analysis):
         yield missed
-    last = analysis.coranks[-1] if analysis.coranks else None
+    if analysis.coranks:
+        last = analysis.coranks[-1]
+    else:
+        last = None
     if last is not None and not last.converged:
-        met = "" if last.smallest_near_miss is None else f"; the smallest σ found was {last.smallest_near_miss:.4g}"
+        if last.smallest_near_miss is None:
+            met = ""
+        else:
+            met = f"; the smallest σ found was {last.smallest_near_miss:.4g}"
         yield f"Corank {last.corank}: none found of {last.starts:,} starts{met}. That is no proof of absence."
     yield from _drawn(content)
     yield f"Singular values have no unit: translations are divided by {settings.length_scale:.4g} m."
@@ -415,7 +453,10 @@ def _drawn(content: Content) -> Iterator[str]:
 def _rank_checks(derived: Conditions) -> str:
     agree = sum(family.rank_check.agree for family in derived.families)
     tested = sum(family.rank_check.tested for family in derived.families)
-    word = "nothing was left unfinished" if derived.complete else "not finished within its time limit"
+    if derived.complete:
+        word = "nothing was left unfinished"
+    else:
+        word = "not finished within its time limit"
     return (
         f"Exact conditions: the rank modulo a prime is as claimed at {agree:,} of {tested:,} random points, and "
         f"{derived.explained.agree:,} of {derived.explained.tested:,} singular configurations lie on a family; {word}."

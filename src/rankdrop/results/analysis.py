@@ -118,7 +118,9 @@ class Analysis(Result):
         return Residual(max(values, default=0.0), float(sigma[kept]), float(sigma[kept - 1]) if kept else float("inf"))
 
     def __eq__(self, other: object) -> bool:
-        return self.to_dict() == other.to_dict() if isinstance(other, Analysis) else NotImplemented
+        if isinstance(other, Analysis):
+            return self.to_dict() == other.to_dict()
+        return NotImplemented
 
     __hash__ = None  # type: ignore[assignment]  # equality is by value, of arrays too
 
@@ -143,7 +145,10 @@ class Analysis(Result):
                 generic rank, and rank, σ, equations and lost directions at every witness are computed again. Names the
                 path of the element.
         """
-        found = record.get("schema") if isinstance(record, dict) else None
+        if isinstance(record, dict):
+            found = record.get("schema")
+        else:
+            found = None
         if found != SCHEMA:
             raise ResultFileError("this is not an analysis that can be read", got=shown(found), allowed=SCHEMA)
         if believe:
@@ -194,7 +199,10 @@ class Analysis(Result):
         try:
             return cls.from_dict(read_record(path))
         except ResultFileError as error:
-            where = str(path) if error.where in (None, str(path)) else f"{path}, {error.where}"
+            if error.where in (None, str(path)):
+                where = str(path)
+            else:
+                where = f"{path}, {error.where}"
             raise ResultFileError(
                 error.what, where=where, got=error.got, allowed=error.allowed, mend=error.mend, typed=error.typed
             ) from error

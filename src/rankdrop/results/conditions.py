@@ -138,7 +138,10 @@ class Conditions(Result):
         """
         from rankdrop.exact.lint import lint  # a command that tests nothing does without reading
 
-        whole = self if self.anew is None else self.anew()
+        if self.anew is None:
+            whole = self
+        else:
+            whole = self.anew()
         if not whole.complete:
             raise OptionError(
                 "the singular set is not completely derived: it cannot be compared", got="; ".join(whole.left),

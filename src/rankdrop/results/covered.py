@@ -76,7 +76,9 @@ class Covered(Result):
     @property
     def sha256(self) -> str:
         """Hash of plan and boxes: the same for every way the covering was made; "" where it is not complete."""
-        return digest(self.covering.plan, self.covering.tree) if self.complete else ""
+        if self.complete:
+            return digest(self.covering.plan, self.covering.tree)
+        return ""
 
     @property
     def sentence(self) -> str:

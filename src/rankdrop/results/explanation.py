@@ -210,7 +210,10 @@ class Far:
         if self.unasked:
             return None, self.unasked
         here, options = self.explanation.here, self.explanation.options
-        distance = self.nearest.distance if self.nearest is not None and not options.limits else float("inf")
+        if self.nearest is not None and not options.limits:
+            distance = self.nearest.distance
+        else:
+            distance = float("inf")
         try:
             return certified_radius(
                 here.robot, here.q, here.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
@@ -230,7 +233,9 @@ def known_families(
     """
     if analysis is None:
         known = known_analysis(robot, task, any_tip=True)
-        return (known.families, "catalogue") if known else ((), "on the spot")
+        if known:
+            return (known.families, "catalogue")
+        return ((), "on the spot")
     if not isinstance(analysis, Analysis):
         raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
     mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
@@ -377,7 +382,9 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
         return "singular"
     if generic_rank < smallest:
         return "always-singular"
-    return "near" if distance <= near or sigma <= small else "regular"
+    if distance <= near or sigma <= small:
+        return "near"
+    return "regular"
 
 
 _SEEDS = 8  # nearest points of families that the search begins from
@@ -420,7 +427,9 @@ class Explanation(Result):
             return Cause.DISTANCE
         if float(rank.sigma[rank.generic_rank - 1]) <= options.small:
             return Cause.SMALL
-        return Cause.SLOW if any(one.speed < one.limit for one in self.straight) else Cause.NONE
+        if any(one.speed < one.limit for one in self.straight):
+            return Cause.SLOW
+        return Cause.NONE
 
     @cached_property
     def far(self) -> Far:
@@ -435,7 +444,10 @@ class Explanation(Result):
             )  # fmt: skip
         except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
             return Far(self, None, None, away, f"{error.what}: {error.got}")
-        miss = self._near_miss if float(here.measured.sigma[here.generic - 1]) <= options.small else None
+        if float(here.measured.sigma[here.generic - 1]) <= options.small:
+            miss = self._near_miss
+        else:
+            miss = None
         if nearest is None:
             return Far(self, None, None, away, near_miss=miss)
         there = self.incidences_at(np.array(nearest.q), nearest.corank)
@@ -448,7 +460,10 @@ class Explanation(Result):
         options, here = self.options, self.here
         targets = [one for one in self.families if one.corank <= options.coranks]
         every = family_distances(targets, here.robot, here.q, here.task, limits=options.limits, seed=options.seed)
-        least = here.tolerances.explained if here.measured.corank else -np.inf
+        if here.measured.corank:
+            least = here.tolerances.explained
+        else:
+            least = -np.inf
         return tuple(one for one in every if least < one.distance < np.inf)
 
     @property
@@ -456,7 +471,9 @@ class Explanation(Result):
         """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
         here, seed = self.here, self.options.seed
         found = refine(here.robot, here.q[None], 1, task=here.task, seed=seed, tolerances=here.tolerances, threads=1)
-        return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
+        if found.outcome[0] == Outcome.NEAR_MISS:
+            return found.smallest_near_miss
+        return None
 
     def incidences_at(self, q: Array, corank: int) -> tuple[Incidence, ...]:
         """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
@@ -525,13 +542,18 @@ class Explanation(Result):
         """To the nearest singular configuration found [rad; slides in length scales]; 0 at one, None where none was."""
         if self.rank.corank:
             return 0.0
-        return None if self.far.nearest is None else self.far.nearest.distance
+        if self.far.nearest is None:
+            return None
+        return self.far.nearest.distance
 
     @cached_property
     def summary(self) -> Summary:
         """The answer in facts."""
         here, slow = self.here, self.slow_family
-        about = self.met[0].family if self.met and slow is None else None
+        if self.met and slow is None:
+            about = self.met[0].family
+        else:
+            about = None
         base = self.lost.seen.get("base")
         family, distance, near, there = slow or (about, self.distance, None, self.focus)
         following = self.next.family
@@ -575,7 +597,10 @@ class Explanation(Result):
             return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
         found = [*self._other_families(), *self._other_values()]
         searches = 0
-        known = far.nearest.q if far.nearest is not None and not ideal_arm else None
+        if far.nearest is not None and not ideal_arm:
+            known = far.nearest.q
+        else:
+            known = None
         with suppress(OptionError):  # a long arm: families that are known are all there is
             searches, sheets = other_sheets(
                 self.here, known, limits=self.options.limits, seed=self.options.seed,
@@ -594,7 +619,10 @@ class Explanation(Result):
 
     def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
         """Known families that do not hold here, but for what the answer is about."""
-        about = self.met[0].family.name if self.met and self.slow_family is None else None
+        if self.met and self.slow_family is None:
+            about = self.met[0].family.name
+        else:
+            about = None
         for one in self.far.families:
             if one.family.name != about and not self._told(one.q, one.family.corank, one.distance):
                 yield one.family, one.distance, np.array(one.q)
@@ -654,20 +682,28 @@ class Explanation(Result):
     @cached_property
     def focus(self) -> Array:
         """(n,) what family, relations and blame speak of, q itself or the nearest singular one where q is near it."""
-        return self.q if self._at_hand is None else np.array(self._at_hand.q)
+        if self._at_hand is None:
+            return self.q
+        return np.array(self._at_hand.q)
 
     @property
     def _at_hand(self) -> Nearest | None:
-        return self.far.nearest if self.cause in (Cause.DISTANCE, Cause.SMALL) else None
+        if self.cause in (Cause.DISTANCE, Cause.SMALL):
+            return self.far.nearest
+        return None
 
     @property
     def _corank(self) -> int:
-        return self.rank.corank if self._at_hand is None else self._at_hand.corank
+        if self._at_hand is None:
+            return self.rank.corank
+        return self._at_hand.corank
 
     @cached_property
     def met(self) -> tuple[Incidence, ...]:
         """Families that hold at the focus; the first is the one that says most."""
-        return self.incidences_at(self.focus, self._corank) if self._corank else ()
+        if self._corank:
+            return self.incidences_at(self.focus, self._corank)
+        return ()
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
@@ -702,7 +738,10 @@ class Explanation(Result):
         """Which joints make the dependency at the focus."""
         robot, task = self.here.robot, self.here.task
         q, corank, few = self.focus, self._corank, robot.n <= LARGEST_CHAIN
-        circuits = circuits_at(robot, q, task) if few else ()
+        if few:
+            circuits = circuits_at(robot, q, task)
+        else:
+            circuits = ()
         return Blame(
             circuits=circuits,
             smallest=make_all(circuits, robot.n, robot.n - self.here.generic + corank) if corank else (),
@@ -722,7 +761,9 @@ class Explanation(Result):
     def rates(self) -> Rates:
         """What motion costs the joints."""
         task = self.turned_task
-        return joint_rates(self.here) if task == self.here.task else joint_rates(self.robot, self.q, task)
+        if task == self.here.task:
+            return joint_rates(self.here)
+        return joint_rates(self.robot, self.q, task)
 
     @property
     def turned_task(self) -> Task:
@@ -732,7 +773,9 @@ class Explanation(Result):
         if not frame or not whole:
             return task
         if frame == "link":
-            return task if task.m < 6 or self.lost.framed is None else replace(task, frame=self.lost.framed.frame)
+            if task.m < 6 or self.lost.framed is None:
+                return task
+            return replace(task, frame=self.lost.framed.frame)
         return replace(task, frame=replace(task.frame, axes=BASE if frame == "base" else TIP))
 
     @cached_property
@@ -788,7 +831,9 @@ class Explanation(Result):
         """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""
         if self.rank.corank or self.rank.always_singular:
             return 0.0
-        return None if self.far.certificate is None else self.far.certificate.radius
+        if self.far.certificate is None:
+            return None
+        return self.far.certificate.radius
 
     def __repr__(self) -> str:
         return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"

@@ -188,7 +188,10 @@ def part(plan: dict[str, Any], chunk: int) -> bytes:
     )
     there = np.flatnonzero(found.outcome == Outcome.CONVERGED)
     q, sigma = out_of_units(robot, found.q[there]), found.sigma[there]
-    kept = sigma[:, found.rank - 1] if found.rank else np.full(len(there), np.nan)
+    if found.rank:
+        kept = sigma[:, found.rank - 1]
+    else:
+        kept = np.full(len(there), np.nan)
     return _table(robot, plan["corank"], first + there + 1, q, sigma[:, found.rank], kept, found.iterations[there])
 
 

@@ -106,7 +106,9 @@ class LinkJacobian(Result):
         Args:
             most: sums of more characters are told by their size; None for none.
         """
-        return () if self.closed is None else tuple(tuple(x.text(most) for x in row) for row in self.closed.entries)
+        if self.closed is None:
+            return ()
+        return tuple(tuple(x.text(most) for x in row) for row in self.closed.entries)
 
     def latex(self) -> str:
         """The matrix, its determinant and its inverse in LaTeX, as displayed formulas."""
@@ -117,14 +119,19 @@ class LinkJacobian(Result):
             found.append(rf"\det {name} = {self.closed.determinant.latex()}")
             found.append(f"{name}^{{-1}} = {_matrix([[x.latex() for x in row] for row in self.closed.entries])}")
         lengths = [rf"{latex_name(one)} = {value:.12g}\,\mathrm{{m}}" for one, value in self.letters.items()]
-        said = [rf"${', '.join(lengths)}$"] if lengths else []
+        if lengths:
+            said = [rf"${', '.join(lengths)}$"]
+        else:
+            said = []
         return "\n".join(["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in found), *said, ""])
 
     @property
     def inverse_code(self) -> list[list[tuple[Any, Python]]]:
         """The entries of the inverse, each with the notation of its code."""
         code = Python(shifts=self.shifts)
-        return [] if self.closed is None else [[(x, code) for x in row] for row in self.closed.entries]
+        if self.closed is None:
+            return []
+        return [[(x, code) for x in row] for row in self.closed.entries]
 
     def sections(self, *, most: int | None = FOLDED) -> tuple[Section, ...]:
         """In words.
@@ -170,11 +177,16 @@ def regular(matrix: Array) -> bool:
 
 
 def _point(at: int | None) -> str:
-    return "the tip" if at is None else f"the origin of link {at}"
+    if at is None:
+        return "the tip"
+    return f"the origin of link {at}"
 
 
 def _agreement_text(check: Agreement) -> str:
-    size = "" if check.worst is None else f" (largest difference {check.worst:.1e})".replace("-", "−")
+    if check.worst is None:
+        size = ""
+    else:
+        size = f" (largest difference {check.worst:.1e})".replace("-", "−")
     return f"{'' if check.holds else 'FAILS: '}{check.what}{size}"
 
 

@@ -100,7 +100,9 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
     if name is None:
         return None
     named = _named_after(shipped(name), there)
-    return named if there is robot else _out_of_metres(named, robot)
+    if there is robot:
+        return named
+    return _out_of_metres(named, robot)
 
 
 def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
@@ -196,7 +198,9 @@ def _index() -> dict[str, list[str]]:
 def _file(folder: str, name: str) -> Any:
     """The data of a shipped file; None where there is none."""
     path = resources.files("rankdrop") / folder / name
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    if path.is_file():
+        return json.loads(path.read_text(encoding="utf-8"))
+    return None
 
 
 _AGAIN = ("robot", "equations", "lost_words", "determinants")
@@ -274,7 +278,10 @@ def from_stored(
     try:
         return _read(record, robot, task, anew)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        what = f"no entry {error}" if isinstance(error, KeyError) else str(error)
+        if isinstance(error, KeyError):
+            what = f"no entry {error}"
+        else:
+            what = str(error)
         raise ResultFileError("the stored conditions are damaged", where=robot.name, got=what) from error
 
 
@@ -404,7 +411,9 @@ def known_conditions(
     """
     resolved = resolve_task(task, robot)
     record = shipped_conditions_record(robot, resolved, any_tip=any_tip)
-    return None if record is None else from_stored(record, robot, resolved, anew=anew)
+    if record is None:
+        return None
+    return from_stored(record, robot, resolved, anew=anew)
 
 
 def shipped_conditions(name: str) -> Conditions:
@@ -425,7 +434,10 @@ def shipped_conditions(name: str) -> Conditions:
 def conditions_names() -> tuple[str, ...]:
     """Names of the arms whose conditions are shipped, sorted."""
     folder = resources.files("rankdrop") / "derivations"
-    names = [item.name for item in folder.iterdir()] if folder.is_dir() else []
+    if folder.is_dir():
+        names = [item.name for item in folder.iterdir()]
+    else:
+        names = []
     return tuple(sorted(name.removesuffix(".json") for name in names if name.endswith(".json")))
 
 

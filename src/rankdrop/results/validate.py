@@ -105,7 +105,10 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
     """
     robot, task = analysis.robot, analysis.task
     for name, value in analysis.settings.tolerances.to_dict().items():
-        most = _LOOSEST_SINGULAR if name == "singular" else _LOOSEST
+        if name == "singular":
+            most = _LOOSEST_SINGULAR
+        else:
+            most = _LOOSEST
         where = f"$.settings.tolerances.{name}"
         require((value <= most, "the tolerance is too large", where, value, f"up to {most:g}"))
     _check_robot(robot, record["robot"])
@@ -161,7 +164,10 @@ def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
 
 
 def _check_screw(joint: Joint, screw: np.ndarray[Any, np.dtype[np.float64]], where: str) -> None:
-    axis = screw[:3] if joint.kind is JointKind.PRISMATIC else screw[3:]
+    if joint.kind is JointKind.PRISMATIC:
+        axis = screw[:3]
+    else:
+        axis = screw[3:]
     length, pitch = float(np.linalg.norm(axis)), float(screw[:3] @ screw[3:])
     straight = joint.kind is not JointKind.REVOLUTE or abs(pitch) <= _SAME * max(1.0, float(np.abs(screw).max()))
     require(
@@ -315,7 +321,10 @@ def _check_exact(analysis: _Analysed, exact: Derivation, ids: Sequence[str]) -> 
             *((pin.number <= n and names[pin.number - 1] == pin.joint, "the joint is another one", f"{where}.pinned",
                pin.joint, None) for pin in family.pinned),
         )  # fmt: skip
-    unknown = [one for one in own if one not in ids] if exact.derived else []
+    if exact.derived:
+        unknown = [one for one in own if one not in ids]
+    else:
+        unknown = []
     differs = (exact.status == "differs") is bool(exact.disagreements)
     require(
         *((False, "there is no such family", "$.exact.families", one, ", ".join(ids)) for one in unknown),

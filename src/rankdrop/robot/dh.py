@@ -86,7 +86,10 @@ def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[str]:
     for joint in joints:
         most = max((abs(x) for x in (joint.lower, joint.upper) if isfinite(x)), default=0.0)
         if joint.kind is JointKind.REVOLUTE and _MANY_TURNS < most <= (inf if units else _LARGEST_DEGREES):
-            mend = f'write "{most:g} deg" for degrees' if units else f"{most:g}° is {radians(most):.4g}"
+            if units:
+                mend = f'write "{most:g} deg" for degrees'
+            else:
+                mend = f"{most:g}° is {radians(most):.4g}"
             notes.append(
                 f"joint {joint.name!r}: limits of {joint.lower:g} … {joint.upper:g} rad are many turns; {mend}"
             )
@@ -188,7 +191,10 @@ def from_dh(
             allowed='"standard" (frame i at the far end of link i) or "modified" (frame i on joint i)',
         )
     joints = []
-    pose = np.eye(4) if base is None else rigid(base, f"base of robot {name!r}")
+    if base is None:
+        pose = np.eye(4)
+    else:
+        pose = rigid(base, f"base of robot {name!r}")
     for number, entry in enumerate(_rows(rows, kinds), 1):
         if convention == "modified":
             pose = times(pose, rotation("x", entry.alpha), translation(entry.a, 0.0, 0.0))
@@ -202,7 +208,10 @@ def from_dh(
                 entry.lower, entry.upper, entry.velocity, frame=pose,
             )
         )
-    home = pose if tool is None else times(pose, rigid(tool, f"tool of robot {name!r}"))
+    if tool is None:
+        home = pose
+    else:
+        home = times(pose, rigid(tool, f"tool of robot {name!r}"))
     origin = Source("dh", f'from_dh(convention="{convention}")')
     return described_robot(name, joints, home, described | {"source": described.get("source") or origin})
 

@@ -83,7 +83,9 @@ class Drawing:
         text, file = source_text(name) or ("", "")
         is_table = kind in ("dh", "catalogue") and "convention" in parsed_toml(text, file)
         is_urdf = kind == "urdf" and text != ""
-        return replace(found, text=text, file=file) if is_table or is_urdf else found
+        if is_table or is_urdf:
+            return replace(found, text=text, file=file)
+        return found
 
     @cached_property
     def nominal(self) -> Robot:
@@ -99,13 +101,17 @@ class Drawing:
     @cached_property
     def _rows(self) -> list[dict[str, Any]] | None:
         is_table = self.text != "" and not self.text.lstrip("\ufeff \t\r\n").startswith("<")
-        return list(parsed_toml(self.text, self.file)["joints"]) if is_table else None
+        if is_table:
+            return list(parsed_toml(self.text, self.file)["joints"])
+        return None
 
     @cached_property
     def _keys(self) -> tuple[str, ...]:
         if self._rows is not None:
             return (*_DH, *_LIMITS)
-        return (*FRAME, *_LIMITS) if self.text else ()
+        if self.text:
+            return (*FRAME, *_LIMITS)
+        return ()
 
     def place(self, text: str, where: str) -> Place:
         """A place from its text, "elbow_joint.a", "-3.a" or "tool.z"; the sign is put before the number.
@@ -125,10 +131,19 @@ class Drawing:
                                  allowed=", ".join(f"{part}.{one}" for one in FRAME))  # fmt: skip
             return Place(part, key, sign)
         names = self._joints
-        number = int(part) if part.isdecimal() and len(part) <= len(str(len(names))) else 0
-        name = names[number - 1] if 1 <= number <= len(names) else part
+        if part.isdecimal() and len(part) <= len(str(len(names))):
+            number = int(part)
+        else:
+            number = 0
+        if 1 <= number <= len(names):
+            name = names[number - 1]
+        else:
+            name = part
         if name not in names or key not in self._keys:
-            what = "of this robot only tool and base can be set" if not self._keys else "there is no such number"
+            if not self._keys:
+                what = "of this robot only tool and base can be set"
+            else:
+                what = "there is no such number"
             joints = f"JOINT.KEY with JOINT one of {', '.join(names)} and KEY one of {', '.join(self._keys)}; "
             allowed = f"{joints if self._keys else ''}tool or base with {', '.join(FRAME)}"
             raise RobotError(what, where=where, got=repr(text), allowed=allowed)
@@ -147,7 +162,9 @@ class Drawing:
             return kinds.get(place.part, JointKind.REVOLUTE).measure
         if place.key == "pitch" and self._rows is not None and place.part not in ENDS:  # of a helical joint
             return "length"
-        return "angle" if place.key in _ANGLES else "length"
+        if place.key in _ANGLES:
+            return "angle"
+        return "length"
 
     def robot(self, values: Mapping[Place, float], name: str | None = None) -> Robot:
         """The arm with other numbers at some places.
@@ -161,16 +178,27 @@ class Drawing:
         """
         inner = {place: place.sign * x for place, x in values.items() if place.part not in ENDS}
         ends = {place: place.sign * x for place, x in values.items() if place.part in ENDS}
-        found = self._with(inner) if inner else self.nominal
+        if inner:
+            found = self._with(inner)
+        else:
+            found = self.nominal
         for end in ENDS:
             given = {place.key: x for place, x in ends.items() if place.part == end}
             numbers = [given.get(key, 0.0) for key in FRAME]
-            found = _moved(found, end, from_xyz_rpy(numbers[:3], numbers[3:])) if given else found
-        return found if name is None else replace(found, name=name)
+            if given:
+                found = _moved(found, end, from_xyz_rpy(numbers[:3], numbers[3:]))
+            else:
+                found = found
+        if name is None:
+            return found
+        return replace(found, name=name)
 
     def _with(self, values: Mapping[Place, float]) -> Robot:
         if self._rows is not None:
-            kind = "catalogue" if self.file.startswith("catalogue ") else None
+            if self.file.startswith("catalogue "):
+                kind = "catalogue"
+            else:
+                kind = None
             return robot_from_toml(
                 self.text, file=self.file, default_name=Path(self.file).stem, kind=kind, as_written=self.as_written,
                 edit=_table_edit(self._joints, values),
@@ -194,7 +222,10 @@ def _tree_edit(values: Mapping[Place, float]) -> Callable[[Tree], None]:
             if place.key in _LIMITS:
                 _child(joint, "limit").attributes[place.key] = f"{value:.{_DIGITS}f}"
                 continue
-            attribute = "xyz" if place.key in FRAME[:3] else "rpy"
+            if place.key in FRAME[:3]:
+                attribute = "xyz"
+            else:
+                attribute = "rpy"
             origin = _child(joint, "origin").attributes
             words = origin.get(attribute, "0 0 0").split()
             words[FRAME.index(place.key) % 3] = f"{value:.{_DIGITS}f}"

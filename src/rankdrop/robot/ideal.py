@@ -45,7 +45,10 @@ class Tolerance:
     @property
     def text(self) -> str:
         """As it is typed: "1mm,0.5deg"."""
-        parts = [] if self.length is None else [f"{self.length * 1e3:.12g}mm"]
+        if self.length is None:
+            parts = []
+        else:
+            parts = [f"{self.length * 1e3:.12g}mm"]
         return ",".join(parts + ([] if self.angle is None else [f"{degrees(self.angle):.12g}deg"]))
 
 
@@ -67,9 +70,16 @@ class Near:
     @property
     def text(self) -> str:
         """One line, without the command: "this arm is within 0.3 mm, 0.06° of one with a spherical wrist"."""
-        parts = [f"{self.length * 1e3:.2g} mm"] if self.length else []
-        parts += [f"{degrees(self.angle):.2g}°"] if self.angle else []
-        more = f" and {len(self.gained) - 2} more" if len(self.gained) > 2 else ""
+        if self.length:
+            parts = [f"{self.length * 1e3:.2g} mm"]
+        else:
+            parts = []
+        if self.angle:
+            parts += [f"{degrees(self.angle):.2g}°"]
+        if len(self.gained) > 2:
+            more = f" and {len(self.gained) - 2} more"
+        else:
+            more = ""
         joint = ", " if more else " and "
         return f"this arm is within {', '.join(parts)} of one with {joint.join(self.gained[:2])}{more}"
 
@@ -96,7 +106,10 @@ def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
     allowed = "a length (µm, um, mm, cm, m), an angle (deg, °, rad, mrad) or both, such as 1mm,0.5deg"
     found: dict[str, float] = {}
     for part in text.split(","):
-        match = _ONE.fullmatch(part) if len(part) <= LONGEST_TEXT else None
+        if len(part) <= LONGEST_TEXT:
+            match = _ONE.fullmatch(part)
+        else:
+            match = None
         units = next((u for u in (_UNITS, _TURNS) if match is not None and match[2] in u), None)
         if match is None or units is None:
             raise OptionError("this is not a tolerance", where=where, got=repr(text), allowed=allowed)
@@ -149,10 +162,15 @@ def intended_tolerance(robot: Robot) -> Tolerance | None:
     That is an arm of a file, of more than 0.3 m, which misses structure by a length up to `INTENDED`, or in angles and
     lengths by what a calibration adds.
     """
-    near = near_ideal(robot) if robot.source.kind != "catalogue" and extent(robot) > _SMALL_ARM else None
+    if robot.source.kind != "catalogue" and extent(robot) > _SMALL_ARM:
+        near = near_ideal(robot)
+    else:
+        near = None
     if near is None or near.angle > _CALIBRATED[0]:
         return None
-    return near.tolerance if near.length <= (_CALIBRATED[1] if near.angle else INTENDED) else None
+    if near.length <= (_CALIBRATED[1] if near.angle else INTENDED):
+        return near.tolerance
+    return None
 
 
 @once
@@ -182,7 +200,10 @@ def near_ideal(robot: Robot) -> Near | None:
 
 def _wide(given: Tolerance, factor: float) -> Tolerance:
     """A tolerance times a factor, rounded up to two digits."""
-    length = None if given.length is None else _round_up(given.length * factor, 1e-3)
+    if given.length is None:
+        length = None
+    else:
+        length = _round_up(given.length * factor, 1e-3)
     return Tolerance(length, None if given.angle is None else _round_up(given.angle * factor, radians(1.0)))
 
 
@@ -203,7 +224,10 @@ def structure_words(robot: Robot, less: Robot | None = None) -> tuple[str, ...]:
         robot: an arm of exact structure.
         less: what holds in this arm too is left out.
     """
-    known = set(_holding(less)) if less is not None else set()
+    if less is not None:
+        known = set(_holding(less))
+    else:
+        known = set()
     new = [one for one in _holding(robot) if one not in known and not _follows(one, known)]
     return tuple(_merged(new, len(robot.joints)))
 
@@ -272,7 +296,10 @@ def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
         kept = [joints for kind, joints in facts if kind == what]
         for joints in _chained(kept) if what in ("parallel", "common") else kept:
             if what == "flush" and len(joints) == 1:
-                words += [] if joints in within else [f"no offset along axis {joints[0]}"]
+                if joints in within:
+                    words += []
+                else:
+                    words += [f"no offset along axis {joints[0]}"]
             elif joints not in within or what == "square":
                 words.append(text.format(_listed(joints)))
     return words
@@ -289,4 +316,6 @@ def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
 
 
 def _listed(joints: Sequence[int]) -> str:
-    return " and ".join(map(str, joints)) if len(joints) == 2 else ", ".join(map(str, joints))
+    if len(joints) == 2:
+        return " and ".join(map(str, joints))
+    return ", ".join(map(str, joints))

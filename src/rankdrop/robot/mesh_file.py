@@ -254,4 +254,6 @@ def _own_colour(part: Any) -> tuple[float, ...]:
     colour = getattr(getattr(visual, "material", None), "main_color", None)
     if colour is None:
         colour = getattr(visual, "main_color", None)
-    return GREY if colour is None else tuple(float(value) / 255.0 for value in colour[:3])
+    if colour is None:
+        return GREY
+    return tuple(float(value) / 255.0 for value in colour[:3])

@@ -38,7 +38,9 @@ class JointKind(StrEnum):
     @property
     def measure(self) -> str:
         """What its variable is: "length", or "angle"."""
-        return "length" if self is JointKind.PRISMATIC else "angle"
+        if self is JointKind.PRISMATIC:
+            return "length"
+        return "angle"
 
 
 def screw_of(kind: JointKind, axis: Array, point: Array, pitch: float = 0.0) -> Array:
@@ -137,32 +139,44 @@ class Joint:
     @property
     def axis(self) -> Array:
         """(3,) unit direction of the axis at q = 0."""
-        return self.screw[:3] if self.slides else self.screw[3:]
+        if self.slides:
+            return self.screw[:3]
+        return self.screw[3:]
 
     @property
     def foot(self) -> Array:
         """(3,) point of the axis nearest to the base origin at q = 0; of a slide, the origin of its frame [m]."""
-        return self.frame[:3, 3] if self.slides else np.cross(self.screw[3:], self.screw[:3])
+        if self.slides:
+            return self.frame[:3, 3]
+        return np.cross(self.screw[3:], self.screw[:3])
 
     @property
     def pitch(self) -> float:
         """Of a helical joint [m/rad]; 0 for the others."""
-        return dot(self.screw[:3], self.screw[3:]) if self.kind is JointKind.HELICAL else 0.0
+        if self.kind is JointKind.HELICAL:
+            return dot(self.screw[:3], self.screw[3:])
+        return 0.0
 
     @property
     def driver(self) -> str:
         """Name of the variable that moves the joint: its value is multiplier · variable + offset."""
-        return self.name if self.mimic is None else self.mimic.leader
+        if self.mimic is None:
+            return self.name
+        return self.mimic.leader
 
     @property
     def multiplier(self) -> float:
         """1 for a variable of its own."""
-        return 1.0 if self.mimic is None else self.mimic.multiplier
+        if self.mimic is None:
+            return 1.0
+        return self.mimic.multiplier
 
     @property
     def offset(self) -> float:
         """0 for a variable of its own [rad or m]."""
-        return 0.0 if self.mimic is None else self.mimic.offset
+        if self.mimic is None:
+            return 0.0
+        return self.mimic.offset
 
 
 @dataclass(frozen=True, eq=False)

@@ -165,7 +165,10 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
         if frame.type not in (pin.FrameType.BODY, pin.FrameType.OP_FRAME):
             continue
         pose = frame.placement.homogeneous
-        carrier = frame.parentJoint if hasattr(frame, "parentJoint") else frame.parent
+        if hasattr(frame, "parentJoint"):
+            carrier = frame.parentJoint
+        else:
+            carrier = frame.parent
         unnamed = nodes[carrier] == ("universe" if carrier == 0 else f"after {model.names[carrier]}")
         if unnamed and (pose == np.eye(4)).all():
             nodes[carrier] = frame.name
@@ -183,8 +186,14 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
         if named is not None:
             tree.check_link(named, label)
     ends = choose_ends(tree, nodes[places[base][0]] if base in places else base, tip)  # a fixed frame may be the base
-    start = inverse(places[base][1]) if base in places else np.eye(4)
-    last = places[ends.tip][1] if ends.tip in places else np.eye(4)
+    if base in places:
+        start = inverse(places[base][1])
+    else:
+        start = np.eye(4)
+    if ends.tip in places:
+        last = places[ends.tip][1]
+    else:
+        last = np.eye(4)
     ends = replace(ends, base=base or ends.base)
     return chain_robot(tree, ends, "pinocchio", lambda joint: _pinocchio_motion(pin, model, joint, tree),
                        Angles(as_written), [], (start, last))  # fmt: skip
@@ -233,15 +242,27 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
     data = own.createData()
     own.calc(data, pin.neutral(model))
     v, omega = np.split(np.asarray(data.S).reshape(6), 2)
-    turning = JointKind.HELICAL if v.any() else JointKind.REVOLUTE
-    kind = turning if omega.any() else JointKind.PRISMATIC
-    axis, pitch = (v, 0.0) if kind is JointKind.PRISMATIC else (omega, float(v @ omega))
+    if v.any():
+        turning = JointKind.HELICAL
+    else:
+        turning = JointKind.REVOLUTE
+    if omega.any():
+        kind = turning
+    else:
+        kind = JointKind.PRISMATIC
+    if kind is JointKind.PRISMATIC:
+        axis, pitch = (v, 0.0)
+    else:
+        axis, pitch = (omega, float(v @ omega))
     lower, upper = -inf, inf
     if own.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
         most = RANGE[kind.measure]
         lower, upper = (float(limit[own.idx_q]) for limit in (model.lowerPositionLimit, model.upperPositionLimit))
         lower, upper = (lower if lower >= -most else -inf), (upper if upper <= most else inf)
-    velocity = float(model.velocityLimit[own.idx_v]) if len(model.velocityLimit) else inf
+    if len(model.velocityLimit):
+        velocity = float(model.velocityLimit[own.idx_v])
+    else:
+        velocity = inf
     rate = velocity if 0.0 < velocity <= RANGE["angle"] else inf  # 0 and huge numbers: not known
     return Motion(model.jointPlacements[i].homogeneous, kind, axis, pitch=pitch, lower=lower, upper=upper,
                   velocity=rate)  # fmt: skip
@@ -263,7 +284,12 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
         RobotError: two transforms that share a variable, variables that are not numbered along the chain, or a
             model without joints.
     """
-    transforms = model if not hasattr(model, "ets") else model.ets() if end is None else model.ets(end=end)
+    if not hasattr(model, "ets"):
+        transforms = model
+    elif end is None:
+        transforms = model.ets()
+    else:
+        transforms = model.ets(end=end)
     name = visible(str(getattr(model, "name", "") or "robot"))
     place = f"Robotics Toolbox model {name!r}"
     moving = [item for item in transforms if item.isjoint]
@@ -280,9 +306,15 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
             continue
         letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
         direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
-        kind = JointKind.PRISMATIC if letters[0] == "t" else JointKind.REVOLUTE
+        if letters[0] == "t":
+            kind = JointKind.PRISMATIC
+        else:
+            kind = JointKind.REVOLUTE
         screw = screw_of(kind, direction, pose[:3, 3])
-        lower, upper = (-inf, inf) if item.qlim is None else (float(x) for x in np.ravel(item.qlim)[:2])
+        if item.qlim is None:
+            lower, upper = (-inf, inf)
+        else:
+            lower, upper = (float(x) for x in np.ravel(item.qlim)[:2])
         joints.append(Joint(f"joint{len(joints) + 1}", kind, screw, lower, upper, inf, pose))
     found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
     return as_intended(found, Angles(as_written))
@@ -306,7 +338,10 @@ def to_toolbox(robot: Robot) -> Any:
         point = point + step
         frame = frame_on_axis(axis, point)
         sequence.append(transform.SE3(inverse(at) @ frame))
-        make = transform.tz if joint.slides else transform.Rz
+        if joint.slides:
+            make = transform.tz
+        else:
+            make = transform.Rz
         limits = [joint.lower, joint.upper]
         sequence.append(make(qlim=limits) if np.isfinite(limits).all() else make())
         at = frame
@@ -329,7 +364,10 @@ def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None
     Raises:
         RobotError: as `from_urdf`.
     """
-    record = model.robot if hasattr(model, "robot") else model
+    if hasattr(model, "robot"):
+        record = model.robot
+    else:
+        record = model
     name = visible(str(record.name or "robot"))
     links = {str(link.name): 0 for link in record.links}
     origins: dict[str, Array] = {}
@@ -361,14 +399,25 @@ def to_yourdfpy(robot: Robot) -> Any:
         free = joint.lower == -inf and joint.upper == inf
         most = 2.0 * RANGE[joint.kind.measure]  # what is beyond the range reads as no limit
         lower, upper = max(joint.lower, -most), min(joint.upper, most)
-        rate = None if joint.velocity == inf else joint.velocity
+        if joint.velocity == inf:
+            rate = None
+        else:
+            rate = joint.velocity
         limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
         follows = None
         if joint.mimic is not None:
             follows = yourdfpy.urdf.Mimic(joint.mimic.leader, joint.mimic.multiplier, joint.mimic.offset)
-        kind = "prismatic" if joint.slides else "continuous" if free else "revolute"
+        if joint.slides:
+            kind = "prismatic"
+        elif free:
+            kind = "continuous"
+        else:
+            kind = "revolute"
         if kind == "continuous":
-            limit = None if rate is None else yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
+            if rate is None:
+                limit = None
+            else:
+                limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
         joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, link, origin, axis.copy(),
                                      limit=limit, mimic=follows))  # fmt: skip
         links.append(yourdfpy.Link(link))
@@ -536,7 +585,10 @@ def plain_model(
             add(f"{bodies[i]} (fixed)", "fixed", parent, bodies[i], pose)
         for part, j in enumerate(range(first, first + count), start=1):
             own = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
-            child = bodies[i] if part == count else f"{bodies[i]} after {own}"
+            if part == count:
+                child = bodies[i]
+            else:
+                child = f"{bodies[i]} after {own}"
             kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
             add(own, kind, parent, child, pose, j)
             links.add(child)
@@ -544,7 +596,10 @@ def plain_model(
     for i in range(model.nsite):
         site = model.site(i).name
         if site:
-            link = site if site not in links else f"{site} (site)"
+            if site not in links:
+                link = site
+            else:
+                link = f"{site} (site)"
             links.add(link)
             add(f"{site} (site, fixed)", "fixed", bodies[model.site_bodyid[i]], link,
                 (model.site_pos[i], model.site_quat[i]))  # fmt: skip

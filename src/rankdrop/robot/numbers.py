@@ -63,7 +63,9 @@ def extent(robot: Robot) -> float:
 def _steps(points: Array) -> Array:
     """(N,) lengths of a way from point to point; all 0 where no more than rounding is there."""
     lengths = np.array([norm(step) for step in np.diff(points, axis=0)])
-    return lengths if lengths.sum() > _NOTHING * float(np.abs(points).max()) else np.zeros(len(lengths))
+    if lengths.sum() > _NOTHING * float(np.abs(points).max()):
+        return lengths
+    return np.zeros(len(lengths))
 
 
 def astray(robot: Robot) -> list[bool]:
@@ -140,7 +142,10 @@ def _normal(
         if abs(dot(far - near, x)) > length:
             x = x * np.sign(dot(far - near, x))
     else:
-        start = before[2] if before is not None else point
+        if before is not None:
+            start = before[2]
+        else:
+            start = point
         on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < length
         near = nearest(one, hint[:3, 3] if on_axis else start)
         if norm(near - anchor) > far_off:
@@ -153,7 +158,10 @@ def _normal(
         else:
             x = hint[:3, 0] - axis * dot(hint[:3, 0], axis)
             if norm(x) < 0.5:
-                x = before[0] if before is not None else _perpendicular(axis)
+                if before is not None:
+                    x = before[0]
+                else:
+                    x = _perpendicular(axis)
             x = x / norm(x)
     if dot(hint[:3, 0], x) < -1 + max(angle, 1e-6):  # along the frame's, but for the way
         x = -x
@@ -249,7 +257,10 @@ def along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
     sign, found = 1.0, []
     for k in run:
         found.append(sign * numbers[k].d)
-        sign *= 1.0 if abs(numbers[k].twist) < 1.0 else -1.0
+        if abs(numbers[k].twist) < 1.0:
+            sign *= 1.0
+        else:
+            sign *= -1.0
     return found
 
 
@@ -298,7 +309,10 @@ class Change:
         letter = {"twist": "α", "angle": "θ", "distance": "a", "offset": "d"}.get(self.kind)
         if letter is None:
             return self.kind
-        numbers = self.joints if self.kind == "offset" else self.joints[:1]
+        if self.kind == "offset":
+            numbers = self.joints
+        else:
+            numbers = self.joints[:1]
         return " + ".join(f"{letter}{number}" for number in numbers)
 
     @property
@@ -318,7 +332,10 @@ class Change:
         """With one digit more than it was moved by."""
         if value == 0.0 and not self.turns:
             return "0"
-        factor, unit = (degrees(1.0), "°") if self.turns else (1e3, " mm")
+        if self.turns:
+            factor, unit = (degrees(1.0), "°")
+        else:
+            factor, unit = (1e3, " mm")
         places = max(0, 1 - floor(log10(self.by * factor)))
         text = f"{round(value * factor, places) + 0.0:.{places}f}"
         return (text.rstrip("0").rstrip(".") if places else text).replace("-", "−") + unit
@@ -381,7 +398,9 @@ def step_for(angle: float) -> float:
 def exact_angle(value: float, angle: float, step: float = STEP) -> float:
     """The multiple of a step, of 15°, that is within `angle` of a value, else the value itself [rad]."""
     nearest = round(value / step) * step
-    return nearest if abs(value - nearest) <= angle else value
+    if abs(value - nearest) <= angle:
+        return nearest
+    return value
 
 
 def exact_rotation(turn: Array, angle: float) -> Array:
@@ -401,7 +420,9 @@ def exact_rotation(turn: Array, angle: float) -> Array:
     found = np.zeros((3, 3))
     found[row, column] = sign
     found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
-    return found if apart(found, turn) <= angle else nearest_rotation(turn)
+    if apart(found, turn) <= angle:
+        return found
+    return nearest_rotation(turn)
 
 
 def exact_direction(direction: Array, angle: float) -> Array:
@@ -412,7 +433,9 @@ def exact_direction(direction: Array, angle: float) -> Array:
     c, s = cos_sin(round(atan2(direction[j], direction[i]) / step) * step)
     found = np.zeros(3)
     found[i], found[j] = c, s
-    return found if norm(found - direction) <= angle else direction
+    if norm(found - direction) <= angle:
+        return found
+    return direction
 
 
 def tidy(lengths: Array, unit: float = 1.0) -> Array:
@@ -458,7 +481,10 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
         >>> arm.joints[2].screw[3:], [change.kind for change in changes]
         (array([ 0., -1.,  0.]), ['twist', 'offset'])
     """
-    limit = meeting(robot) if length is None else length
+    if length is None:
+        limit = meeting(robot)
+    else:
+        limit = length
     found = robot
     for _ in range(_PASSES):
         before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
@@ -517,7 +543,10 @@ def _pose_squared(pose: Array, unit: float, angle: float, length: float = 0.0) -
 def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, angle: float) -> Array:
     """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
     own = [_line_in(joint, old) for old, _, _ in (after, before)]
-    use = 0 if norm(own[0][1]) <= norm(own[1][1]) + NOTHING * unit else 1
+    if norm(own[0][1]) <= norm(own[1][1]) + NOTHING * unit:
+        use = 0
+    else:
+        use = 1
     _, frame, far = (after, before)[use]
     direction, point = own[use]
     axis = times(frame[:3, :3], exact_direction(direction, 0.0 if far else angle))
@@ -552,7 +581,9 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     at_tip = _pose_squared(times(inverse(robot.joints[-1].frame), robot.home), unit, min(angle, SQUARE))
     home = times(joints[-1].frame, at_tip)
     found = replace(robot, joints=tuple(joints), home=home)
-    return robot if _have_same_home(robot, found) else found
+    if _have_same_home(robot, found):
+        return robot
+    return found
 
 
 def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
@@ -598,24 +629,39 @@ def as_intended(robot: Robot, angles: Angles) -> Robot:
         return robot
     found, changes = squared(robot)
     note = _note([abs(x) for x in angles.changes if abs(x) > NOTHING], changes)
-    return replace(found, notes=(*found.notes, note)) if note else found
+    if note:
+        return replace(found, notes=(*found.notes, note))
+    return found
 
 
 def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
     """One line, empty where no number was changed by more than a nanometre or a billionth of a radian."""
     parts = []
     if angles:
-        means = "the multiple of 15° it rounds" if len(angles) == 1 else "the multiples of 15° they round"
+        if len(angles) == 1:
+            means = "the multiple of 15° it rounds"
+        else:
+            means = "the multiples of 15° they round"
         parts.append(f"{count(len(angles), 'angle')} read as {means}, at most {max(angles):.2g} rad")
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
     if changes:
-        what = [count(len(turned), "axis", "axes")] if turned else []
-        what += [count(len(moved), "length")] if moved else []
-        most = [f"{max(turned):.2g} rad"] if turned else []
-        most += [f"{max(moved) * 1e6:.2g} µm"] if moved else []
+        if turned:
+            what = [count(len(turned), "axis", "axes")]
+        else:
+            what = []
+        if moved:
+            what += [count(len(moved), "length")]
+        if turned:
+            most = [f"{max(turned):.2g} rad"]
+        else:
+            most = []
+        if moved:
+            most += [f"{max(moved) * 1e6:.2g} µm"]
         parts.append(f"{' and '.join(what)} squared, at most {', '.join(most)}")
-    return "; ".join([*parts, "--as-written keeps the file's numbers"]) if parts else ""
+    if parts:
+        return "; ".join([*parts, "--as-written keeps the file's numbers"])
+    return ""
 
 
 FAR_SLIDE = 10.0
@@ -637,7 +683,10 @@ def link_lengths(robot: Robot) -> Array:
     for i, joint in enumerate(robot.joints):
         if joint.slides:
             travel = max(abs(end) for end in travel_limits(robot, joint))
-            lengths[i] = travel if np.isfinite(travel) else 0.0
+            if np.isfinite(travel):
+                lengths[i] = travel
+            else:
+                lengths[i] = 0.0
     return lengths
 
 
@@ -645,7 +694,10 @@ def travel_limits(robot: Robot, joint: Joint) -> tuple[float, float]:
     """Limits of a slide as far as they say something of the arm [m]; ±inf where there are none or too far."""
     links = float(_polygon(robot).sum())
     if links and joint.upper - joint.lower > FAR_SLIDE * links:
-        lower = joint.lower if abs(joint.lower) <= FAR_SLIDE * links else -np.inf
+        if abs(joint.lower) <= FAR_SLIDE * links:
+            lower = joint.lower
+        else:
+            lower = -np.inf
         return lower, joint.upper if abs(joint.upper) <= FAR_SLIDE * links else np.inf
     return joint.lower, joint.upper
 

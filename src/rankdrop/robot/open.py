@@ -117,7 +117,10 @@ def _resolve(name_or_path: str | PathLike[str]) -> str | Path:
         return name
     if name and _exists(Path(name)):
         return Path(name)
-    same = _same_names(name) if isinstance(name_or_path, str) else []
+    if isinstance(name_or_path, str):
+        same = _same_names(name)
+    else:
+        same = []
     if len(same) != 1:
         raise _unknown(name)
     return same[0]
@@ -154,7 +157,9 @@ class RobotFile:
     def root(self) -> str:
         """The tag of the first element; "" for what is no XML."""
         is_xml = self.suffix != ".toml" and self.text.lstrip(_BLANK).startswith("<")
-        return _root_tag(self.text) or "?" if is_xml else ""
+        if is_xml:
+            return _root_tag(self.text) or "?"
+        return ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +248,9 @@ def source_text(name_or_path: str) -> tuple[str, str] | None:
     found = _resolve(name_or_path)
     if isinstance(found, str):
         return _catalog_files()[found].read_text(encoding="utf-8"), f"catalogue {found}.toml"
-    return None if found.suffix.lower() == ".xacro" else (read_text(found), name_or_path)
+    if found.suffix.lower() == ".xacro":
+        return None
+    return (read_text(found), name_or_path)
 
 
 def robot_names() -> tuple[str, ...]:
@@ -357,13 +364,28 @@ def _close_names(name: str) -> list[str]:
 
 
 def _unknown(name: str) -> UnknownRobotError:
-    shown = name if len(name) <= 500 else name[:499] + "…"
+    if len(name) <= 500:
+        shown = name
+    else:
+        shown = name[:499] + "…"
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
-    what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"
-    allowed = None if is_path else f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
+    if is_path:
+        what = "there is no such file"
+    else:
+        what = "there is no such robot in the catalogue and no such file"
+    if is_path:
+        allowed = None
+    else:
+        allowed = f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
     close = _same_names(Path(name).stem) if is_path else _close_names(name)  # ur5e.urdf: the catalogue has ur5e
-    mend = f"did you mean {' or '.join(close)}?" if close else None
-    fitting = 0 if is_path or len(_plain(name)) < _TELLING else len(search_catalog(name[:80]))
+    if close:
+        mend = f"did you mean {' or '.join(close)}?"
+    else:
+        mend = None
+    if is_path or len(_plain(name)) < _TELLING:
+        fitting = 0
+    else:
+        fitting = len(search_catalog(name[:80]))
     if fitting > _SUGGESTED:
         mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)

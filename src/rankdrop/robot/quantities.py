@@ -62,7 +62,9 @@ def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endles
         raise _error("this is not a number", value, measure, where, rate)
     if not (isfinite(result) or (endless and abs(result) == inf)):
         raise _error("the value is not finite", value, measure, where, rate)
-    return result if isinf(result) else in_range(result, measure, where=where, got=value, rate=rate)
+    if isinf(result):
+        return result
+    return in_range(result, measure, where=where, got=value, rate=rate)
 
 
 def in_range(value: float, measure: str, *, where: str, got: Any = None, rate: bool = False) -> float:
@@ -291,7 +293,10 @@ class Angles:
 
     def take(self, text: str) -> float:
         """The angle [rad] that a decimal text stands for."""
-        value, change = (float(text), 0.0) if self.as_written else angle(text)
+        if self.as_written:
+            value, change = (float(text), 0.0)
+        else:
+            value, change = angle(text)
         if change:
             self.changes.append(change)
         self.largest = max(self.largest, abs(value))
@@ -306,8 +311,15 @@ class Angles:
         read = quantity(value, "angle", where=where)
         if isinstance(value, int | float):
             self.largest = max(self.largest, abs(read))
-        text = value.text if isinstance(value, Written) else _RADIANS.sub("", value) if isinstance(value, str) else ""
-        return self.take(text.strip()) if _DECIMAL.fullmatch(text.strip()) else read
+        if isinstance(value, Written):
+            text = value.text
+        elif isinstance(value, str):
+            text = _RADIANS.sub("", value)
+        else:
+            text = ""
+        if _DECIMAL.fullmatch(text.strip()):
+            return self.take(text.strip())
+        return read
 
 
 def angle(text: str) -> tuple[float, float]:

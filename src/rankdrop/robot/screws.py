@@ -105,16 +105,24 @@ def from_screws(
             raise RobotError(f"{label} has one entry per screw", where=f"robot {name!r}", got=len(given), allowed=count)
     joints = []
     for i, row in enumerate(rows):
-        label = names[i] if names is not None else f"joint{i + 1}"
+        if names is not None:
+            label = names[i]
+        else:
+            label = f"joint{i + 1}"
         kind, screw = _normalise(row, None if kinds is None else kinds[i], f"screw {i + 1} ({label})")
         limits = _item(lower, i, -inf), _item(upper, i, inf), _item(velocity, i, inf)
         joint = Joint(label, kind, screw, *limits)
         joints.append(replace(joint, frame=frame_on_axis(joint.axis, joint.foot)))
-    pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
+    if home is None:
+        pose = np.eye(4)
+    else:
+        pose = rigid(home, f"home pose of robot {name!r}")
     origin = Source("screws", f'from_screws(order="{order}")')
     robot = described_robot(name, joints, pose, described | {"source": described.get("source") or origin})
     note = "home pose not given: the tip is taken at the base origin"
-    return robot if home is not None else replace(robot, notes=(*robot.notes, note))
+    if home is not None:
+        return robot
+    return replace(robot, notes=(*robot.notes, note))
 
 
 def _rows(screws: ArrayLike, order: str, name: str) -> Array:
@@ -134,7 +142,9 @@ def _rows(screws: ArrayLike, order: str, name: str) -> Array:
             raise RobotError("the screw has values that are not finite", where=f"screw {number}", got=row.tolist())
         if np.abs(row).max() > LARGEST_NUMBER:
             raise RobotError("the screw is too large", where=f"screw {number}", got=row.tolist())
-    return rows if order == "linear-first" else np.roll(rows, 3, axis=1)
+    if order == "linear-first":
+        return rows
+    return np.roll(rows, 3, axis=1)
 
 
 def _normalise(screw: Array, kind: Any, where: str) -> tuple[JointKind, Array]:
@@ -142,7 +152,10 @@ def _normalise(screw: Array, kind: Any, where: str) -> tuple[JointKind, Array]:
     size, turn = norm(screw), norm(omega)
     if size < 1e-9:
         raise RobotError("the screw has no length", where=where, got=screw.tolist(), allowed="a non-zero screw")
-    wanted = None if kind is None else joint_kind(kind, where)
+    if kind is None:
+        wanted = None
+    else:
+        wanted = joint_kind(kind, where)
     slides = _is_zero(turn / size, wanted is JointKind.PRISMATIC, where, "angular part")
     if wanted is not None and slides is not (wanted is JointKind.PRISMATIC):
         raise RobotError(f"the screw is not {wanted.value}", where=where, got=screw.tolist())
@@ -177,7 +190,9 @@ def _unit(axis: ArrayLike) -> Array:
     length = norm(vector)
     if length < 1e-9:
         raise RobotError("the axis has no length", got=vector.tolist(), allowed="a non-zero axis")
-    return vector if abs(length - 1.0) <= 1e-15 else vector / length
+    if abs(length - 1.0) <= 1e-15:
+        return vector
+    return vector / length
 
 
 def _vector(value: ArrayLike, what: str) -> Array:
@@ -188,7 +203,9 @@ def _vector(value: ArrayLike, what: str) -> Array:
 
 
 def _item(values: Sequence[float] | None, i: int, default: float) -> float:
-    return default if values is None else float(values[i])
+    if values is None:
+        return default
+    return float(values[i])
 
 
 _ENTRY = re.compile(r"[^\s,;\[\]]+")
@@ -220,7 +237,10 @@ def _read(path: Path) -> tuple[Array, list[int]]:
             quantity(_number(entry[0]), "number", where=f"{where}, column {entry.start() + 1}") for entry in entries[:7]
         ]
         if len(values) != 6:
-            column = entries[6].start() + 1 if len(values) > 6 else len(text.rstrip()) + 1
+            if len(values) > 6:
+                column = entries[6].start() + 1
+            else:
+                column = len(text.rstrip()) + 1
             raise RobotError(
                 "a screw has six numbers (direction; moment)", where=f"{where}, column {column}", got=len(entries)
             )

@@ -72,7 +72,10 @@ def visuals_of(
     file = Path(robot.source.origin.removesuffix(EXPANDED))
     if robot.source.kind != "urdf" or not file.is_file():
         return (), ()
-    text = expand_file(file, packages, args or {})[0] if expanded else read_text(file)
+    if expanded:
+        text = expand_file(file, packages, args or {})[0]
+    else:
+        text = read_text(file)
     root = read_xml(text, str(file), _NOT_READ)
     tree = read_tree(root, str(file))
     if robot.base not in tree.links:
@@ -142,11 +145,17 @@ def _visual(
 ) -> Visual:
     where = f"{file}, line {visual.line}, <visual>"
     geometry = visual.first("geometry")
-    shape = next(iter(geometry.children), None) if geometry is not None else None
+    if geometry is not None:
+        shape = next(iter(geometry.children), None)
+    else:
+        shape = None
     if shape is None:
         raise RobotError("there is no shape", where=where)
     origin, material = visual.first("origin"), visual.first("material")
-    given = {} if origin is None else origin.attributes
+    if origin is None:
+        given = {}
+    else:
+        given = origin.attributes
     pose = carrier @ from_xyz_rpy(
         three(given.get("xyz", "0 0 0"), where, "xyz", "length"),
         three(given.get("rpy", "0 0 0"), where, "rpy", "angle"),
@@ -154,9 +163,15 @@ def _visual(
     colour = None
     if material is not None:
         inline = material.first("color")
-        colour = _rgb(inline) if inline is not None else colours.get(material.attributes.get("name", ""))
+        if inline is not None:
+            colour = _rgb(inline)
+        else:
+            colour = colours.get(material.attributes.get("name", ""))
     solid, size = shape.tag, _size(shape, where)
-    path = mesh_file(shape.attributes.get("filename", ""), file, packages, where) if solid == "mesh" else None
+    if solid == "mesh":
+        path = mesh_file(shape.attributes.get("filename", ""), file, packages, where)
+    else:
+        path = None
     return Visual(link, pose, solid, size, path, colour)
 
 
@@ -276,7 +291,10 @@ def _solid(trimesh: Any, visual: Visual) -> Any:
 
 
 def _placed(part: Part, visual: Visual) -> Mesh:
-    scale = np.ones(3) if visual.file is None else np.array(visual.size)
+    if visual.file is None:
+        scale = np.ones(3)
+    else:
+        scale = np.array(visual.size)
     faces = part.faces[:, ::-1] if np.prod(scale) < 0 else part.faces  # a mirror turns triangles inside out
     with np.errstate(all="ignore"):
         placed = (part.vertices * scale) @ visual.pose[:3, :3].T + visual.pose[:3, 3]

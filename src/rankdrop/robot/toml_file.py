@@ -106,8 +106,14 @@ def robot_from_toml(
     lines = lines_of(text)
 
     def place(table: str, index: int | None) -> Where:
-        joint = f", joint {index + 1}" if index is not None else ""
-        title = f", [{table}]" if table and index is None else ""
+        if index is not None:
+            joint = f", joint {index + 1}"
+        else:
+            joint = ""
+        if table and index is None:
+            title = f", [{table}]"
+        else:
+            title = ""
 
         def where(key: str) -> str:
             line = line_of(lines, table, index, key)
@@ -174,7 +180,10 @@ def _robot(
             if end in document:
                 common[end] = _pose(document[end], place(end, None), angles)
         return from_dh(rows, convention=document["convention"], notes=notes, **common)
-    home = _pose(document["home"], place("home", None), angles) if "home" in document else None
+    if "home" in document:
+        home = _pose(document["home"], place("home", None), angles)
+    else:
+        home = None
     columns = _screw_columns(joints, document.get("order"), place)
     return from_screws(order="linear-first", home=home, notes=notes, **columns, **common)
 
@@ -189,7 +198,10 @@ def _form(document: dict[str, Any], where: Where) -> str:
     if "convention" in document:
         return "dh"
     joints = document.get("joints", [])
-    first = joints[0] if isinstance(joints, list) and joints and isinstance(joints[0], dict) else {}
+    if isinstance(joints, list) and joints and isinstance(joints[0], dict):
+        first = joints[0]
+    else:
+        first = {}
     if "order" in document or {"screw", "axis", "point"} & set(first):
         return "screws"
     raise RobotError(
@@ -207,7 +219,10 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
     for i, joint in enumerate(joints):
         where = place("joints", i)
         check_keys(joint, _SCREW_KEYS, where)
-        parts = _given_screw(joint, order, where) if "screw" in joint else _from_axis(joint, where)
+        if "screw" in joint:
+            parts = _given_screw(joint, order, where)
+        else:
+            parts = _from_axis(joint, where)
         name = joint_name(joint, i + 1, where)
         for number, (kind, screw, ending) in enumerate(parts):
             own = {"screws": screw, "kinds": kind, "names": name + ending}
@@ -219,13 +234,22 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
 
 def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
     word = joint.get("kind", "revolute")
-    word = word.lower() if word in ("Cylindrical", "Spherical") else word
+    if word in ("Cylindrical", "Spherical"):
+        word = word.lower()
+    else:
+        word = word
     if word not in _KEYS_OF:
         joint_kind(word, where("kind"), ("cylindrical", "spherical"))
         word = joint_kind(word, where("kind")).value
     check_keys(joint, (*_KEYS_OF[word], "kind", "name", "lower", "upper", "velocity"), where)
-    axis = _vector(joint, "axis", "number", where) if word != "spherical" else []
-    point = _vector(joint, "point", "length", where) if word != "prismatic" else []
+    if word != "spherical":
+        axis = _vector(joint, "axis", "number", where)
+    else:
+        axis = []
+    if word != "prismatic":
+        point = _vector(joint, "point", "length", where)
+    else:
+        point = []
     try:
         if word == "cylindrical":
             slide, turn = cylindrical(axis, point)
@@ -255,7 +279,10 @@ def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> list
             allowed='order = "linear-first" or "angular-first"',
         )
     screw = np.array(_vector(joint, "screw", "number", where, 6))
-    kinds = [joint_kind(joint["kind"], where("kind"))] if "kind" in joint else None
+    if "kind" in joint:
+        kinds = [joint_kind(joint["kind"], where("kind"))]
+    else:
+        kinds = None
     try:
         # `order` was read from the file as text; from_screws refuses what is no order
         only = from_screws(screw[None], order=order, kinds=kinds).joints[0]  # type: ignore[arg-type]
@@ -284,7 +311,10 @@ def _pose(table: Any, where: Where, angles: Angles) -> Array:
     if not isinstance(table, dict):
         raise RobotError("a pose is a table", where=where(""), got=repr(table), allowed="xyz = […], rpy = […]")
     check_keys(table, ("xyz", "rpy"), where)
-    xyz = _vector(table, "xyz", "length", where) if "xyz" in table else [0.0, 0.0, 0.0]
+    if "xyz" in table:
+        xyz = _vector(table, "xyz", "length", where)
+    else:
+        xyz = [0.0, 0.0, 0.0]
     if "rpy" not in table:
         return from_xyz_rpy(xyz, [0.0, 0.0, 0.0])
     _vector(table, "rpy", "angle", where)

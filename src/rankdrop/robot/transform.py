@@ -85,7 +85,10 @@ def times(first: Array, *others: Array) -> Array:
     """Product of matrices, or of matrices and a vector at the end; the same bits on every processor."""
     product = first
     for other in others:
-        product = (product[:, :, None] * other).sum(1) if other.ndim == 2 else (product * other).sum(1)
+        if other.ndim == 2:
+            product = (product[:, :, None] * other).sum(1)
+        else:
+            product = (product * other).sum(1)
     return product
 
 

@@ -62,8 +62,14 @@ class Tree:
     def where(self, joint: TreeJoint, part: str = "") -> str:
         """Place of a joint, or of one of its elements, for errors: file, line, element, joint."""
         element = (joint.element.first(part) if part else None) or joint.element
-        tag = "" if element is joint.element else f"<{element.tag}> of "
-        line = f"line {element.line}, " if element.line else ""
+        if element is joint.element:
+            tag = ""
+        else:
+            tag = f"<{element.tag}> of "
+        if element.line:
+            line = f"line {element.line}, "
+        else:
+            line = ""
         return f"{self.file}, {line}{tag}joint {joint.name!r}"
 
     def below_and(self, link: str) -> list[str]:
@@ -90,7 +96,10 @@ class Tree:
         while link != base:
             if link not in self.above:
                 above = ", ".join(joint.parent for joint in path)
-                allowed = f"a base among: {above}" if above else f"another tip: {tip!r} is a root, no joint carries it"
+                if above:
+                    allowed = f"a base among: {above}"
+                else:
+                    allowed = f"another tip: {tip!r} is a root, no joint carries it"
                 raise RobotError(
                     f"the tip {tip!r} is not below the base {base!r}", where=self.file, allowed=allowed,
                     mend="exchange base and tip" if tip in self._carriers(base) else None,
@@ -138,7 +147,10 @@ def read_tree(root: Element, file: str) -> Tree:
         if not name:
             raise RobotError(f"a {tag} has no name", where=place, mend='add name="…"')
         if name in (links if tag == "link" else joints):
-            first = links[name] if tag == "link" else joints[name].element.line
+            if tag == "link":
+                first = links[name]
+            else:
+                first = joints[name].element.line
             raise RobotError(
                 f"two {tag}s have the name {name!r}", where=place, got=f"the first on line {first}", mend="rename one"
             )
@@ -176,9 +188,15 @@ def _joint(name: str, element: Element, file: str) -> TreeJoint:
     ends = []
     for end in ("parent", "child"):
         part = element.first(end)
-        link = "" if part is None else part.attributes.get("link", "")
+        if part is None:
+            link = ""
+        else:
+            link = part.attributes.get("link", "")
         if not link:
-            line = element.line if part is None else part.line
+            if part is None:
+                line = element.line
+            else:
+                line = part.line
             raise RobotError(
                 f"the joint names no {end} link", where=f"{file}, line {line}, joint {name!r}",
                 mend=f'add <{end} link="…"/>',
@@ -259,7 +277,10 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
         tree.check_link(tip, "tip")
     notes.extend(_leave_out_broken(tree, base, tip))
     if base is None:
-        base = _root(tree) if tip is None else tree.root_of(tip)
+        if tip is None:
+            base = _root(tree)
+        else:
+            base = tree.root_of(tip)
         notes.append(f"base {base!r} chosen: the root link")
     else:
         tree.check_link(base, "base")
@@ -340,7 +361,10 @@ def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
         raise _several_limbs(tree, base, limbs)
     tip, why = _name_of_tip(tree, ends[0].link, ends[0].body)
     parts = ", ".join(joint.name for joint in ends[0].gripper)
-    left_out = f"; the gripper after it is left out ({parts})" if parts else ""
+    if parts:
+        left_out = f"; the gripper after it is left out ({parts})"
+    else:
+        left_out = ""
     return tip, f"tip {tip!r} chosen: end of the longest chain, {count(longest, 'moving joint')}{why}{left_out}"
 
 
@@ -354,7 +378,10 @@ def _several_limbs(tree: Tree, base: str, limbs: list[_Limb]) -> RobotError:
     named = [(_name_of_tip(tree, limb.link, limb.body)[0], limb.passed) for limb in limbs if limb.passed > 0]
     named.sort(key=lambda limb: (_HANDS.search(limb[0]) is None, -limb[1]))
     listed = [f"{tip} ({count(passed, 'joint')})" for tip, passed in named[:_MOST_LIMBS]]
-    more = [f"and {len(named) - _MOST_LIMBS} more"] if len(named) > _MOST_LIMBS else []
+    if len(named) > _MOST_LIMBS:
+        more = [f"and {len(named) - _MOST_LIMBS} more"]
+    else:
+        more = []
     first = named[0][0]
     return RobotError(
         f"several limbs start at {base!r}", where=tree.file, got=f"tips {', '.join(listed + more)}",
@@ -383,7 +410,10 @@ def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) ->
     depths = [1 + most[joint.child] for joint in branches]
     depth = max(depths, default=0)
     hand = 0 < depth < passed and (depths.count(depth) > 1 or len(branches) > 2)
-    names = f"{branches[0].name} {branches[0].child}" if len(branches) == 1 else ""
+    if len(branches) == 1:
+        names = f"{branches[0].name} {branches[0].child}"
+    else:
+        names = ""
     jaw = _JAW.search(names) is not None and _WRIST.search(names) is None
     return hand or (depth == 1 and passed >= 4 and jaw)
 

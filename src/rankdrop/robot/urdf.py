@@ -45,7 +45,10 @@ def finite(text: str, where: str, key: str) -> float:
         RobotError: not a number, or not finite.
     """
     word = text.strip()
-    value = float(word) if len(word) <= LONGEST_TEXT and _NUMBER.fullmatch(word) else None
+    if len(word) <= LONGEST_TEXT and _NUMBER.fullmatch(word):
+        value = float(word)
+    else:
+        value = None
     if value is None or not isfinite(value):
         limits = key in {"lower", "upper", "velocity"}
         raise RobotError(
@@ -125,7 +128,10 @@ def _trace(tree: Tree, joint: TreeJoint, known: dict[str, Mimic]) -> Mimic:
             circle = " -> ".join([*passed, name])
             raise RobotError("mimic joints follow one another in a circle", where=where, got=circle)
         factor = number(element.attributes.get("multiplier", "1"), where, "multiplier")
-        measure = "length" if current.kind == "prismatic" else "angle"
+        if current.kind == "prismatic":
+            measure = "length"
+        else:
+            measure = "angle"
         shift = number(element.attributes.get("offset", "0"), where, "offset", measure)
         if factor == 0.0:
             raise RobotError(
@@ -216,7 +222,10 @@ def from_tree(
     angles = Angles(as_written)
 
     def motion(joint: TreeJoint) -> Motion:
-        origin = joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4))
+        if origins is None:
+            origin = joint_origin(tree, joint, angles)
+        else:
+            origin = origins.get(joint.name, np.eye(4))
         if not joint.moves:
             return Motion(origin)
         kind, axis = _kind(tree, joint), _axis(tree, joint)
@@ -229,7 +238,10 @@ def from_tree(
 def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
     if joint.kind not in _KINDS:
         several = joint.kind in {"floating", "planar"}
-        what = "a joint of the chain has several freedoms" if several else "the joint type is not known"
+        if several:
+            what = "a joint of the chain has several freedoms"
+        else:
+            what = "the joint type is not known"
         plain = joint.kind.strip().lower()
         if plain in {*_KINDS, "fixed"}:
             raise RobotError(what, where=tree.where(joint), got=f"type {joint.kind!r}", mend=f"write {plain!r}")
@@ -277,7 +289,10 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
 
 def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, float, float]:
     element = joint.element.first("limit")
-    given = {} if element is None else element.attributes
+    if element is None:
+        given = {}
+    else:
+        given = element.attributes
     where = tree.where(joint, "limit")
     most = RANGE["length" if joint.kind == "prismatic" else "angle"]
 
@@ -289,7 +304,10 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
         notes.append(f"joint {joint.name!r}: {key} {value:g} is read as no limit")
         return inf if value > 0 else -inf
 
-    velocity = read("velocity") if "velocity" in given else inf
+    if "velocity" in given:
+        velocity = read("velocity")
+    else:
+        velocity = inf
     if velocity < 0.0:
         raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
     if velocity == 0.0:  # written by exporters that do not know it

@@ -249,7 +249,10 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
 
     substitution_args._eval_find = substitution_args._eval_dict["find"] = folder_of
     name = root.attributes.get("name", "")
-    plain = name if name and "$" not in name else name_of_file(Path(file.name.partition(".")[0]))
+    if name and "$" not in name:
+        plain = name
+    else:
+        plain = name_of_file(Path(file.name.partition(".")[0]))
     # An include, not the text: xacro then resolves the file's own includes relative to it.
     whole = (
         f'<robot name={quoteattr(plain)} xmlns:xacro="http://www.ros.org/wiki/xacro">'
@@ -285,7 +288,10 @@ def _expansion_error(reason: str, path: str, packages: dict[str, None], argument
                 typed=f"give its folder: --package {package}=FOLDER",
             )
     defaults = arguments.with_defaults(reason)
-    others = f"arguments with defaults: {defaults}" if defaults else None
+    if defaults:
+        others = f"arguments with defaults: {defaults}"
+    else:
+        others = None
     missing = _NO_ARGUMENT.search(reason)
     if missing is not None:
         needed = list(dict.fromkeys([missing[1], *arguments.needed]))

@@ -377,7 +377,9 @@ def _nearest(explanation: Any) -> dict[str, Any] | None:
         return {"distance": 0.0, "q": explanation.q, "delta": 0.0 * explanation.q, "corank": explanation.rank.corank,
                 "family": explanation.met[0] if explanation.met else None}  # fmt: skip
     far = explanation.far
-    return None if far.nearest is None else {**plain(far.nearest), "family": far.nearest_family}
+    if far.nearest is None:
+        return None
+    return {**plain(far.nearest), "family": far.nearest_family}
 
 
 _FAR: dict[str, Any] = {

@@ -217,7 +217,10 @@ FACTORS = table("factors", text=str, latex=str, multiplicity=int)
 
 
 def _factors(minor: Minor) -> list[dict[str, Any]]:
-    powers = minor.value.powers() if minor.factored else ()
+    if minor.factored:
+        powers = minor.value.powers()
+    else:
+        powers = ()
     return [{"text": text, "latex": latex, "multiplicity": power} for text, latex, power in powers]
 
 

@@ -35,7 +35,10 @@ POSTURES = {
 
 def decision_text(decision: Any) -> str:
     """What is decided about changes of posture without a search, in one sentence."""
-    owner, has = ("the first three joints", "have") if decision.wrist else ("the arm", "has")
+    if decision.wrist:
+        owner, has = ("the first three joints", "have")
+    else:
+        owner, has = ("the arm", "has")
     nodes, cusps = (f"{len(some)} {plural(word, len(some))}" for some, word in (
         (decision.nodes or (), "node"), (decision.cusps, "cusp")))  # fmt: skip
     wrist = "; the wrist, by the sign of its middle joint" * decision.wrist
@@ -67,11 +70,17 @@ def aspects_number(found: Any) -> str:
     least, most = count.at_least, count.at_most
     if not count.exact:
         seen = f"; cells show {most}, and parts smaller than a cell may be missed"
-        upper = f"; at most {most} (proven)" if count.proven else seen
+        if count.proven:
+            upper = f"; at most {most} (proven)"
+        else:
+            upper = seen
         return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
     each = {one.parts.at_least for one in count.each}
     signs = _signs_of_what(count, square=found.robot.n == found.task.m)
-    how = f": one for each sign of {signs}" if each == {1} and signs else ""
+    if each == {1} and signs:
+        how = f": one for each sign of {signs}"
+    else:
+        how = ""
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
@@ -84,7 +93,9 @@ def _signs_of_what(count: Any, *, square: bool) -> str:
         return listing(sorted(count.roles, key=lambda role: order.index(role) if role in order else len(order)))
     if not square:
         return listing(count.factors)
-    return "det J" if len(count.factors) == 1 else f"the {len(count.factors)} factors of det J"
+    if len(count.factors) == 1:
+        return "det J"
+    return f"the {len(count.factors)} factors of det J"
 
 
 def aspects_sentence(found: Any) -> str:
@@ -134,7 +145,10 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
         yield Section("Solutions by aspect", columns=("solutions", "in the aspects", "poses"), rows=rows, texts=(1,),
                       notes=(_meaning_of_numbers(found),))  # fmt: skip
     if found.change is not None:
-        lines = [] if found.change.own else ["not from the configuration first named, but between two other solutions"]
+        if found.change.own:
+            lines = []
+        else:
+            lines = ["not from the configuration first named, but between two other solutions"]
         yield Section(
             "A change of posture without a singularity", lines=tuple(lines),
             columns=("", *joint_heads(found.robot, deg=deg)),

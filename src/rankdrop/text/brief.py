@@ -40,7 +40,10 @@ _SHORT = 36  # characters of a condition that stands in the table; of a longer o
 def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = False) -> str:
     """The arm and its task in a line, with the notes on its file."""
     about = f": {robot.about}" if robot.about else ""
-    where = "; within the joint limits" if limits else ""
+    if limits:
+        where = "; within the joint limits"
+    else:
+        where = ""
     line = f"{robot.name}{about}; task {task.name}, rank {generic_rank} almost everywhere{where}."
     return "\n".join((line, *(f"Note: {note}" for note in robot.notes)))
 
@@ -48,7 +51,10 @@ def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = Fals
 def analysis_table(analysis: Any) -> Section:
     """One row per family of an analysis: rank, name, what it asks of the joints; the share near it if known."""
     robot, near = analysis.robot, analysis.near
-    shares = {} if near is None else {one.id: share_cell(one) for one in near.families}
+    if near is None:
+        shares = {}
+    else:
+        shares = {one.id: share_cell(one) for one in near.families}
     rows, letters = [], False
     for family in analysis.families:
         shown, outside = within(family, robot, limits=analysis.settings.limits)
@@ -57,8 +63,10 @@ def analysis_table(analysis: Any) -> Section:
         letters |= short
         asked = _asked(robot, shown, exact if short else "")
         failed = family.soundness.agree < family.soundness.tested
-        asked += f"; outside the limits: {outside}" if outside else ""
-        asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}" if failed else ""
+        if outside:
+            asked += f"; outside the limits: {outside}"
+        if failed:
+            asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}"
         rank = str(analysis.generic_rank - family.corank)
         rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
     if not letters:
@@ -91,7 +99,10 @@ def _table(
         after.append(f"in conditions {angles}")
     if near is not None:
         columns = (*columns, "near")
-        where = "joint space inside the limits" if near.limits else "joint space"
+        if near.limits:
+            where = "joint space inside the limits"
+        else:
+            where = "joint space"
         after.append(f"near: share of the {where} within {degrees(near.within):.4g}° of the family; {near_total(near)}")
     return Section("", columns=columns, rows=tuple(rows), texts=(1, 2), after=tuple(after))
 
@@ -116,7 +127,9 @@ def _values(robot: Robot, pin: Pin) -> str:
     """Values of a pinned joint: "0, π", "±π/2", "−95.19° or 84.81°", "0.25 m"."""
     exact = all("π" in text or text == "0" for text in map(pretty_angle, pin.values))
     simple = exact and robot.variables[pin.number - 1].unit == "rad"
-    return values_text(pin.values) if simple else values_in_degrees(robot, pin.number, pin.values)
+    if simple:
+        return values_text(pin.values)
+    return values_in_degrees(robot, pin.number, pin.values)
 
 
 def _of_joints(robot: Robot, family: ExactFamily) -> str:
@@ -166,14 +179,18 @@ def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) ->
 
 
 def _measured(record: Mapping[str, Any]) -> str:
-    parts = [record["error"]] if record["error"] else []
+    if record["error"]:
+        parts = [record["error"]]
+    else:
+        parts = []
     families = record.get("families", [])
     coranks = sorted({one["corank"] for one in families})
     for corank in coranks:
         mine = [one for one in families if one["corank"] == corank]
         named = ", ".join(dict.fromkeys(short_name(one["name"]) for one in mine))
         parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
-    parts += [record["sentence"]] if record.get("verdict", "verified") != "verified" else []
+    if record.get("verdict", "verified") != "verified":
+        parts += [record["sentence"]]
     return "; ".join(parts) or "no family of singularities was found"
 
 
@@ -182,14 +199,19 @@ def assumed_line(conditions: Any) -> str:
     wrong = [one.text for one in conditions.assumptions if not one.holds]
     if not conditions.assumptions:
         return ""
-    held = f"NOT true of this arm: {', '.join(wrong)}" if wrong else "all true of this arm"
+    if wrong:
+        held = f"NOT true of this arm: {', '.join(wrong)}"
+    else:
+        held = "all true of this arm"
     return f"Derived under {count(len(conditions.assumptions), 'assumption')} on the lengths, {held}."
 
 
 def more_line(seconds: float | None = None) -> str:
     """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
     more = f"All conditions, lost motions and tests: {advised('full', python='print(result)')}."
-    return f"{more} {shipped_line()}" if seconds is None else f"{more} Time taken: {seconds:.1f} s."
+    if seconds is None:
+        return f"{more} {shipped_line()}"
+    return f"{more} Time taken: {seconds:.1f} s."
 
 
 def sigma_note(variants: int, wide: int, uncovered: int) -> str:

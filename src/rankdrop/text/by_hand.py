@@ -57,7 +57,10 @@ def _decoupling(found: Decoupling) -> Iterator[str]:
 def _suppression(found: Suppression) -> Iterator[Step]:
     """Screws, basic determinant, cases with dependent screws, families, what is left."""
     ring = found.chain.ring
-    reason = "asked for" if found.frame_asked else _frames(found.chain)
+    if found.frame_asked:
+        reason = "asked for"
+    else:
+        reason = _frames(found.chain)
     screws = (_screw(ring, j, column) for j, column in enumerate(found.columns, 1))
     where = f"in the frame of link {found.frame}, z along its axis, x along the next normal"
     yield Step("Screws", (f"$j = (v; ω) of joint j {where}", f"why this frame: {reason}", *screws))
@@ -152,7 +155,10 @@ def _case(found: Suppression, case: Case) -> Iterator[str]:
 
 def _proof(found: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
     ring = found.chain.ring
-    there = "" if proof.frame == found.frame else f" in the frame of link {proof.frame}"
+    if proof.frame == found.frame:
+        there = ""
+    else:
+        there = f" in the frame of link {proof.frame}"
     if proof.kind == "gram":
         yield f"their Gram determinant{there} is {text_of(ring, proof.polynomials[0])} ≠ 0"
         return
@@ -166,7 +172,10 @@ def _proof(found: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]
 
 def _branches(case: Case) -> Iterator[str]:
     for inner in case.cases:
-        name = f"family {inner.family}" if inner.family else f"case {inner.number}"
+        if inner.family:
+            name = f"family {inner.family}"
+        else:
+            name = f"case {inner.number}"
         yield Formula(f"{name}: {conditions_text(inner.stratum)}")
 
 
@@ -226,7 +235,9 @@ def _joints(joints: Sequence[int]) -> str:
 
 def _short(six: Sequence[int]) -> str:
     """1–6, or 1, 2, 4, 5, 6, 7."""
-    return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else _joints(six)
+    if six[-1] - six[0] == len(six) - 1:
+        return f"{six[0]}–{six[-1]}"
+    return _joints(six)
 
 
 def _method(found: Derivation) -> Step:
@@ -273,10 +284,19 @@ def _note(words: Words, note: Note) -> Iterator[str]:
         yield _NOTES[what].format(**facts)
         return
     case, elements, ring = facts["case"], facts["elements"], facts["case"].ring
-    there = words.conjunction(Conjunction(conditions_on(case))) if case.pins else "in general"
+    if case.pins:
+        there = words.conjunction(Conjunction(conditions_on(case)))
+    else:
+        there = "in general"
     terms = sum(map(len, elements))
-    written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
-    screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
+    if terms <= WRITTEN:
+        written = [text_of(ring, x) for x in elements]
+    else:
+        written = []
+    if len(written) == 6:
+        screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})"
+    else:
+        screw = f"of {terms} terms"
     yield Formula(f"{there}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
     known = list(dict.fromkeys(words.conjunction(one) for one in facts["vanishes"]))
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
@@ -308,7 +328,9 @@ class Words:
         several = len(equal) > 1
         text = " and ".join(f"({part})" if several and " or " in part else part for part in equal) or "everywhere"
         unequal = [self._unequal(group) for group in conjunction.unequal]
-        return f"{text}, where {' and '.join(unequal)}" if unequal else text
+        if unequal:
+            return f"{text}, where {' and '.join(unequal)}"
+        return text
 
     def equality(self, equality: Equality) -> str:
         """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together."""
@@ -332,7 +354,10 @@ class Words:
         if not self._whole:
             return f"a polynomial of {len(f)} half-angle terms = 0"
         p = self._ring.to_trig(f)
-        form = fourier(self._ring.form(f)) if p is None else single_angles(self._ring, p)
+        if p is None:
+            form = fourier(self._ring.form(f))
+        else:
+            form = single_angles(self._ring, p)
         return f"{Text().zero(form)} = 0"
 
     def _unequal(self, group: Sequence[Equality]) -> str:

@@ -234,7 +234,10 @@ class Code:
         """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
         body = ""
         for pin in family.pins:
-            shift = self.shifts[pin.joint - 1] if len(self.shifts) else 0.0
+            if len(self.shifts):
+                shift = self.shifts[pin.joint - 1]
+            else:
+                shift = 0.0
             for place, angle in enumerate(pin.angles):
                 gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
                 body += f"    way = {gap if place == 0 else f'fmin(way, {gap})'};\n"
@@ -275,7 +278,10 @@ class Code:
             below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {Latex().angle_value(abs(shift))}")
         if any(re.search(r"\b[sc]_", row) for row in [*rows, *values]):
             below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
-        tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
+        if below:
+            tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)]
+        else:
+            tail = []
         said = [line for value in values for line in (r"\par\smallskip", value)]
         return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
 
@@ -288,7 +294,9 @@ class Code:
             "A configuration lies on a family where all residuals are zero. s_i = sin θi, c_ij = cos(θi + θj).",
         ]
         shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
-        return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
+        if shifted:
+            return [*lines, f"In the words on a condition {', '.join(shifted)}."]
+        return lines
 
 
 def _mark(text: str) -> str:
@@ -298,7 +306,9 @@ def _mark(text: str) -> str:
 def _function(text: str) -> str:
     """A mark as a Python name."""
     mark = _mark(text)
-    return f"family_{mark}" if mark[0].isdigit() or iskeyword(mark) or mark in TAKEN else mark
+    if mark[0].isdigit() or iskeyword(mark) or mark in TAKEN:
+        return f"family_{mark}"
+    return mark
 
 
 def _plain(text: str) -> str:

@@ -88,7 +88,10 @@ def angles_text(robot: Robot, shifts: Sequence[float]) -> str:
         for j, shift in enumerate(shifts, 1)
         if shift and robot.variables[j - 1].unit == "rad"
     ]
-    others = "; else θ = q" if shifted and len(shifted) < robot.n else ""
+    if shifted and len(shifted) < robot.n:
+        others = "; else θ = q"
+    else:
+        others = ""
     return f"{', '.join(shifted)}{others}"
 
 
@@ -113,7 +116,10 @@ def conditions_html(conditions: Any) -> str:
     """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
     rows = "".join(_row_html(family, conditions.robot) for family in conditions.families)
     head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
-    table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
+    if rows:
+        table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+    else:
+        table = ""
     return html(conditions.sections()[:1]) + table + html(condition_sections(conditions, families=False))
 
 
@@ -134,7 +140,10 @@ def _steps(conditions: Any) -> Iterator[Section]:
 def _determinants(conditions: Any) -> Iterator[Section]:
     if conditions.determinants is not None:
         minors = conditions.determinants
-        title = "Determinant" if len(minors.minors) == 1 or minors.product else "Minors"
+        if len(minors.minors) == 1 or minors.product:
+            title = "Determinant"
+        else:
+            title = "Minors"
         folded = any(step.whole for step in conditions.steps) or minors.folded()
         notes = (f"the whole of it: {advised('steps-out', 'FILE', python='steps_text(conditions)')}",) if folded else ()
         yield Section(title, "", tuple(minors.lines()), notes=notes)
@@ -155,7 +164,10 @@ def _coranks(conditions: Any) -> Iterator[Section]:
         rows = conditions.of_corank(corank)
         lines = tuple(line for family in rows for line in _family(family, conditions.robot))
         so_far = "" if conditions.complete else " so far"
-        number = f"{count(len(rows), 'family', 'families')}{so_far}" if rows else _none(conditions)
+        if rows:
+            number = f"{count(len(rows), 'family', 'families')}{so_far}"
+        else:
+            number = _none(conditions)
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {number}", lines)
 
 
@@ -168,7 +180,10 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
     last, highest = r - conditions.lowest, _highest(conditions)
     if highest < last:
         between = "and" if highest + 2 == last else "to"
-        name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
+        if highest + 1 == last:
+            name = f"Corank {last}"
+        else:
+            name = f"Coranks {highest + 1} {between} {last}"
         yield Section(name, _none(conditions))
     texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
     decimals = any(_ROUNDED.search(text) for text in texts)
@@ -185,7 +200,9 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
 def _none(conditions: Any) -> str:
     if not conditions.complete:
         return "no family so far; the derivation is not complete"
-    return "no family" if conditions.verified else "none derived, and a check says otherwise: see the first line"
+    if conditions.verified:
+        return "no family"
+    return "none derived, and a check says otherwise: see the first line"
 
 
 def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
@@ -195,7 +212,8 @@ def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
         own = [one for one in family.pinned(robot) if one.number in shifted]
         values = (f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
         lines.append(f"the joint's own value: {'; '.join(values)}")
-    lines += [f"{family.reality}; here it is"] if family.reality else []
+    if family.reality:
+        lines += [f"{family.reality}; here it is"]
     lines.append(f"dimension {family.dimension}, codimension {family.codimension}")
     lines += map(lost_line, family.lost_freedoms)
     yield f"{family.id}  {family.name}"
@@ -221,7 +239,10 @@ def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str
 
 def condition_lines(family: ExactFamily) -> list[str]:
     """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
-    parts = ["; ".join(pin.text() for pin in family.pins)] if family.pins else []
+    if family.pins:
+        parts = ["; ".join(pin.text() for pin in family.pins)]
+    else:
+        parts = []
     for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
         whole = f"whole with {advised('latex', python='latex()')}, {advised('json', python='to_dict()')}"
@@ -241,7 +262,10 @@ def _assumed(conditions: Any) -> Iterator[Section]:
             lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
     others = [one.text for one in conditions.assumptions if one.holds and not one.words]
     if others:
-        more = "" if conditions.settings.special else f" ({advised('special')} derives arms with other lengths)"
+        if conditions.settings.special:
+            more = ""
+        else:
+            more = f" ({advised('special')} derives arms with other lengths)"
         short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
         number = len(others) - len(short)
         lines.append(f"true here; what happens otherwise was not derived{more}:")
@@ -254,7 +278,10 @@ def _assumed(conditions: Any) -> Iterator[Section]:
 
 
 def _holds(assumption: Assumption, conditions: Any) -> str:
-    here = "true here" if assumption.holds else "NOT true here"
+    if assumption.holds:
+        here = "true here"
+    else:
+        here = "NOT true here"
     match = _UNEQUAL.fullmatch(assumption.text)
     if match is None or not {match[1], match[3]} <= set(conditions.letters):
         return here
@@ -270,7 +297,8 @@ def _not_real(conditions: Any) -> Iterator[Section]:
     lines: list[str] = []
     for reason, sets in by_reason.items():
         lines += [reason, *(Formula(f"    {one}") for one in sets[:_ALIKE])]
-        lines += [f"    and {len(sets) - _ALIKE} more sets like these"] if len(sets) > _ALIKE else []
+        if len(sets) > _ALIKE:
+            lines += [f"    and {len(sets) - _ALIKE} more sets like these"]
     if lines:
         yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
 
@@ -297,7 +325,10 @@ def _unfinished(conditions: Any) -> Iterator[Section]:
     if conditions.left:
         limit = f"the limit is {conditions.settings.seconds:g} s of processor time, half of it for the counted work"
         longer = advised("time-limit", "…", python="seconds=…")
-        more = f"; {limit}, and a longer {longer} may finish it" if conditions.limited else ""
+        if conditions.limited:
+            more = f"; {limit}, and a longer {longer} may finish it"
+        else:
+            more = ""
         ended = f"the exact derivation ended after {conditions.seconds:.1f} s{more}"
         yield Section("Not finished", ended, tuple(conditions.left))
 
@@ -361,12 +392,18 @@ def opening(summary: FamilySummary) -> str:
     1 (rank 3)."
     """
     if not summary.ranks:
-        so_far = " so far" if summary.evidence is Evidence.NONE else ""
+        if summary.evidence is Evidence.NONE:
+            so_far = " so far"
+        else:
+            so_far = ""
         return f"{summary.arm}: no family of singularities was found{so_far}."
     first, *others = summary.ranks
     parts = [f"{_names(first)} (rank {first.rank})"]
     for before, one in zip(summary.ranks, others, strict=False):
-        words = str(one.families) if _alike(before, one, first) else _counted(one)
+        if _alike(before, one, first):
+            words = str(one.families)
+        else:
+            words = _counted(one)
         parts.append(f"{words} (rank {one.rank})")
     return f"{summary.arm} has {count(summary.families, 'family', 'families')} of singularities: {'; '.join(parts)}."
 
@@ -380,7 +417,10 @@ def _alike(before: RankSummary, one: RankSummary, first: RankSummary) -> bool:
 def _names(ranked: RankSummary) -> str:
     """Names of the families of one rank: "shoulder, elbow, wrist", "wrist (2 families), elbow"."""
     names = [name if many == 1 else f"{name} ({many} families)" for name, many in ranked.names.items()]
-    comma = "; " if any("," in name for name in names) else ", "
+    if any("," in name for name in names):
+        comma = "; "
+    else:
+        comma = ", "
     if len(names) <= _NAMED:
         return comma.join(names)
     left = ranked.families - sum(list(ranked.names.values())[:_NAMED])
@@ -390,7 +430,10 @@ def _names(ranked: RankSummary) -> str:
 def _counted(ranked: RankSummary) -> str:
     """Families of a lower rank, counted: "5 combinations", "2 more", "1 combination and 3 more"."""
     others = ranked.families - ranked.combinations
-    parts = [count(ranked.combinations, "combination")] if ranked.combinations else []
+    if ranked.combinations:
+        parts = [count(ranked.combinations, "combination")]
+    else:
+        parts = []
     parts += [f"{others} more"] if others else []
     return " and ".join(parts)
 
@@ -435,9 +478,14 @@ def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
     """How the families of an analysis were verified, in words without the full stop."""
     starts = sum(one.starts for one in analysis.coranks)
     tests = count(sum(one.completeness.tested for one in analysis.coranks), "random test")
-    how = _EXACTLY if exact else "a derivation for rounded numbers"
+    if exact:
+        how = _EXACTLY
+    else:
+        how = "a derivation for rounded numbers"
     if analysis.families:
-        return f"Verified by {how} and {tests}" if derived else f"Verified by {tests}"
+        if derived:
+            return f"Verified by {how} and {tests}"
+        return f"Verified by {tests}"
     if derived:
         return f"Verified by {how}; {count(starts, 'random search', 'random searches')} found no singularity"
     return f"Sampled: no singular configuration from {count(starts, 'start')}, which is no proof of absence"
@@ -493,7 +541,10 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
     if failures:
         return _failed(failures, claims)
-    tail = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for" if derived.lowest else ""
+    if derived.lowest:
+        tail = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for"
+    else:
+        tail = ""
     how = exactly if rounded else _EXACTLY
     if points:
         return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{tail}{rounded}.")
@@ -522,7 +573,10 @@ def _exactness(chain: Chain) -> tuple[str, str]:
     if not chain.rounded:
         return EXACT, ""
     texts = [one.text for one in chain.rounded]
-    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+    if len(texts) > 1:
+        more = f" (and {len(texts) - 1} more)"
+    else:
+        more = ""
     return "a derivation for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
 
 

@@ -93,7 +93,10 @@ _AXIS = 1e-4  # components below it are not shown: the axis is X, Y or Z
 
 def sentence_of(explanation: Explanation) -> str:
     """What may be claimed of one configuration; its word is `Explanation.verdict`."""
-    differ = "; two methods disagree, see the end" if explanation.disagreements else ""
+    if explanation.disagreements:
+        differ = "; two methods disagree, see the end"
+    else:
+        differ = ""
     return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
 
 
@@ -115,7 +118,10 @@ def reason_of(explanation: Explanation) -> str:
     facts, far = _measured(explanation), explanation.far
     if explanation.cause == Cause.NONE and far.nearest is None:
         near = far.certificate
-        proven = f"none lies within {angle_below(near.radius)}" if near else "that is no proof"
+        if near:
+            proven = f"none lies within {angle_below(near.radius)}"
+        else:
+            proven = "that is no proof"
         return _NONE_FOUND.format_map({**facts, "proven": proven})
     return _REASONS[explanation.cause].format_map(facts)
 
@@ -171,7 +177,10 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
         what = _REGULAR_BUT_NEVER
     if not summary.way_out:
         way = _NO_JOG.get(way, way)
-    following = f"Next: none found by {summary.next_searches} searches." if summary.next_searches else NOT_SEARCHED
+    if summary.next_searches:
+        following = f"Next: none found by {summary.next_searches} searches."
+    else:
+        following = NOT_SEARCHED
     if summary.next_distance is not None:
         other = parts_words(summary.next_place) or short_name(summary.next_family)
         following = f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
@@ -180,7 +189,10 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     name, parts = facts["name"], parts_words(summary.place)
     for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
         facts["name"] = here
-        facts["lost"] = _motions_words(summary.lost, shown) if summary.lost else f"see {advised('full')}"
+        if summary.lost:
+            facts["lost"] = _motions_words(summary.lost, shown)
+        else:
+            facts["lost"] = f"see {advised('full')}"
         words = [text.format_map(facts) for text in (what, lost, way, sure)]
         lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
                  f"Verified: {size}{words[3]}.")  # fmt: skip
@@ -222,7 +234,9 @@ def _offset_words(summary: Summary) -> str:
 
 
 def _value_words(value: float, unit: str) -> str:
-    return f"{short(round(degrees(value), 3) + 0.0)}°" if unit == "rad" else f"{short(round(value, 6) + 0.0)} m"
+    if unit == "rad":
+        return f"{short(round(degrees(value), 3) + 0.0)}°"
+    return f"{short(round(value, 6) + 0.0)} m"
 
 
 def _speed_words(slow: StraightMotion) -> str:
@@ -252,7 +266,11 @@ def _motion_words(direction: Array) -> str:
     moves, turns = (float(np.linalg.norm(part)) for part in (direction[:3], direction[3:]))
     along, about = f"motion along {_axis_words(direction[:3])}", f"turning about {_axis_words(direction[3:])}"
     least = _MIXED * np.hypot(moves, turns)
-    return along if turns <= least else about if moves <= least else f"{along} with {about}"
+    if turns <= least:
+        return along
+    if moves <= least:
+        return about
+    return f"{along} with {about}"
 
 
 _MIXED = 0.25  # below this share of a direction its smaller part is not named
@@ -300,7 +318,10 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
     other = pointing_task(robot, task)
     if other is not None:
         here = at(robot, explanation.q, other, explanation.here.tolerances).measured
-        verdict = "singular" if here.corank else "regular"
+        if here.corank:
+            verdict = "singular"
+        else:
+            verdict = "regular"
         asked = advised("task", other.name)
         words = POINTING_HERE.format(task=asked, verdict=verdict, rank=here.rank, r=here.generic_rank)
         yield f"{NEVER_TURNS.format(robot.n)}. {words}."
@@ -332,7 +353,10 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 def _null_motions_words(explanation: Explanation) -> str:
     count = explanation.rank.nullity
-    what = "move the tool" if explanation.task.m == 6 else "change what the task asks for"
+    if explanation.task.m == 6:
+        what = "move the tool"
+    else:
+        what = "change what the task asks for"
     if not count:
         return f"every joint motion {what.replace(' ', 's ', 1)}"
     return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
@@ -361,7 +385,9 @@ def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
 def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
     """One line that lists things; none where there are none."""
     texts = "; ".join(items)
-    return (f"{head}: {texts}",) if texts else ()
+    if texts:
+        return (f"{head}: {texts}",)
+    return ()
 
 
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -369,7 +395,10 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
     own = [one for one in met if one.family.corank == met[0].family.corank]
     for one in own[: None if full else 2]:
         family, conditions = one.family, condition_sentences(explanation.robot, explanation.task, one.family)
-        of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})" if full else ""
+        if full:
+            of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})"
+        else:
+            of = ""
         lines.append(f"{family.name}{of}")
         lines.append(Formula(f"{'    ' * full}{'; '.join(conditions)}"))
     if full:
@@ -381,7 +410,9 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _focus(explanation: Explanation) -> str:
-    return "" if np.array_equal(explanation.focus, explanation.q) else "at the nearest singular configuration"
+    if np.array_equal(explanation.focus, explanation.q):
+        return ""
+    return "at the nearest singular configuration"
 
 
 def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -397,7 +428,10 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
         lines += [f"      {brief}"] * (full and bool(brief))
     if full:
         lines += _screws(explanation, "with hardly any joint torque" if hardly else "without joint torque")
-    title = "What is lost" if explanation.rank.corank else "What is nearly lost"
+    if explanation.rank.corank:
+        title = "What is lost"
+    else:
+        title = "What is nearly lost"
     nearly = any(is_nearly_pure(direction) for framed in seen for direction in framed.directions)
     notes = (_TWIST, _COUNTED) if full and nearly else (_TWIST,)
     yield Section(title, _focus(explanation), tuple(lines), notes=notes)
@@ -442,7 +476,10 @@ def axes_text(robot: Robot, framed: FramedDirections) -> str:
     if frame.origin == TIP and frame.axes in (BASE, TIP):
         return f"{'base' if frame.axes == BASE else 'tool'} axes"
     text = framed.name
-    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
+    if frame.axes in (BASE, TIP):
+        number = frame.origin
+    else:
+        number = frame.axes
     if number in (BASE, TIP):
         return f"axes of {text}"
     joint, link = robot.joints[number - 1], f"link {number}"
@@ -495,7 +532,10 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
                       **_table(blame.ordered, _RUNS))  # fmt: skip
     if full and blame.hunt is not None:
-        table = _table(blame.hunt.joints, _HUNT) if blame.hunt.joints else {}
+        if blame.hunt.joints:
+            table = _table(blame.hunt.joints, _HUNT)
+        else:
+            table = {}
         yield Section("Hunt's cofactors next to GR's rules", "", (hunt_words(blame.hunt),), **table)
 
 
@@ -503,7 +543,10 @@ def _dependencies(explanation: Explanation) -> str:
     usual = explanation.robot.n - explanation.rank.generic_rank
     text = "smallest sets of joints with dependent screws"
     if usual:
-        corank = explanation.met[0].family.corank if explanation.met else explanation.rank.corank
+        if explanation.met:
+            corank = explanation.met[0].family.corank
+        else:
+            corank = explanation.rank.corank
         text += f"; {usual + corank} dependencies here, {usual} almost everywhere"
     return text
 
@@ -550,7 +593,10 @@ def _ways_out(explanation: Explanation, full: bool, *, alone: bool) -> Iterator[
 
 def _lost_types(out: Escape) -> Iterator[str]:
     """How the tool moves along the lost directions at second order, one sentence for each type."""
-    slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
+    if out.boundary is False and out.types[0].type == 1:
+        slowly = "it can be passed slowly: "
+    else:
+        slowly = ""
     for kind in dict.fromkeys(one.type for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
         words = lost_type(kind, _lost_numbered(which, len(out.types)))
@@ -596,13 +642,19 @@ def _joint_row(explanation: Explanation, joint: JointEscape) -> tuple[str, ...]:
     name = f"{joint.number} {joint.joint}"
     if joint.order is None:
         return (name, "–", f"gains {joint.gain}, not all" if joint.gain else "no gain", "", "", "")
-    carries = numbers(joint.receptors) if joint.receptors else "–"
+    if joint.receptors:
+        carries = numbers(joint.receptors)
+    else:
+        carries = "–"
     return (name, str(joint.order), *_rate_and_step(explanation, joint, joint.order), carries)
 
 
 def _rate_and_step(explanation: Explanation, joint: JointEscape, order: int = 1) -> tuple[str, str, str]:
     unit = explanation.robot.variables[joint.number - 1].unit
-    per = unit if order == 1 else f"{unit}{raised(order)}"
+    if order == 1:
+        per = unit
+    else:
+        per = f"{unit}{raised(order)}"
     rate = f"{short(joint.rate) if abs(joint.rate) > NO_RATE else '0'} per {per}"
     if not joint.within_limits or abs(joint.step) < NO_RATE:
         return rate, "not within limits", ""
@@ -619,7 +671,10 @@ def _direction(explanation: Explanation, direction: Direction) -> str:
         f"joint {number} {motion(direction.delta[number - 1] * direction.step, joints[number - 1].unit)}"
         for number in large
     ]
-    rest = ", the others far less" if len(large) < sum(size > 1e-9) else ""
+    if len(large) < sum(size > 1e-9):
+        rest = ", the others far less"
+    else:
+        rest = ""
     end = f"σ{explanation.rank.generic_rank} = {short(direction.sigma_after)}"
     if not direction.within_limits:
         end += ", outside the joint limits"
@@ -642,7 +697,9 @@ def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _how_far(explanation: Explanation) -> str:
-    return "How far the next one is" if explanation.rank.corank else "How far"
+    if explanation.rank.corank:
+        return "How far the next one is"
+    return "How far"
 
 
 def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -656,7 +713,8 @@ def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
         steps = _deltas(far.nearest.delta, explanation.robot.units)
         moved = [f"{joint_word(i, name)} by {step}" for i, (name, step) in enumerate(zip(names, steps, strict=True), 1)
                  if step != "0"]  # fmt: skip
-        lines += [MOTION_TO_IT.format(", ".join(moved))] if moved else []
+        if moved:
+            lines += [MOTION_TO_IT.format(", ".join(moved))]
     lines += _certified_words(explanation)
     rows = tuple((angle(one.distance), f"{one.family.name} (corank {one.family.corank})") for one in far.families)
     if lines or rows:
@@ -672,8 +730,14 @@ def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:
 def _nearest_words(explanation: Explanation, full: bool) -> Iterator[str]:
     far = explanation.far
     if far.nearest is not None and (full or not far.families):
-        name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
-        limits = "" if far.nearest.within_limits else "; it is outside the joint limits"
+        if far.nearest_family is None:
+            name = ""
+        else:
+            name = f" ({far.nearest_family.family.name})"
+        if far.nearest.within_limits:
+            limits = ""
+        else:
+            limits = "; it is outside the joint limits"
         checked = f"; {far.nearest.agreeing} of {far.nearest.starts} searches agree; σ there at most "
         yield (f"nearest singular configuration found: {angle(far.nearest.distance)} away{name}"
                f"{checked + power(far.nearest.sigma) if full else ''}{limits}")  # fmt: skip
@@ -700,7 +764,10 @@ def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
     rates, n = explanation.rates, explanation.robot.n
     losing = any(rates.lost_shares)
     norms = full or not losing
-    impossible = ("–", "", "0", *[""] * n) if full else ("", "0")
+    if full:
+        impossible = ("–", "", "0", *[""] * n)
+    else:
+        impossible = ("", "0")
     rows = [
         (axis.name, *[_percent(share)] * losing,
          *(impossible if left is None else _costs(left, axis.unit, full, brief=losing)))
@@ -708,7 +775,10 @@ def _rates(explanation: Explanation, full: bool) -> Iterator[Section]:
     ]  # fmt: skip
     if rates.weakest is not None:
         rows.append((rates.weakest.name, *[""] * losing, *_costs(rates.weakest, "", full, brief=losing)))
-    held = "held back by" if np.isfinite(rates.limits).any() else "fastest"
+    if np.isfinite(rates.limits).any():
+        held = "held back by"
+    else:
+        held = "fastest"
     columns = ("unit speed", *["lost"] * losing, *["joint rates"] * norms, held, "at most")
     axes = explanation.turned_task.frame.axes
     yield Section("What motion costs", {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}"), (),
@@ -725,7 +795,10 @@ def _rate_notes(explanation: Explanation, norms: bool) -> Iterator[str]:
     if norms:
         yield "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]"
     if len(unlimited) < len(rates.limits):
-        none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+        if unlimited:
+            none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one"
+        else:
+            none = ""
         yield f"at most: the largest speed within the velocity limits{none}"
     else:
         yield "no velocity limits are known"
@@ -738,15 +811,30 @@ def _percent(share: float) -> str:
     """A share in percent: never rounded to all or nothing."""
     if share in (0.0, 1.0):
         return f"{share:.0%}".replace("%", " %")
-    return "< 0.1 %" if share < 1e-3 else "> 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
+    if share < 1e-3:
+        return "< 0.1 %"
+    if share > 0.999:
+        return "> 99.9 %"
+    return f"{100 * share:.3g} %"
 
 
 def _costs(rates: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[str, ...]:
     """Joint rates (not where it is `brief`), the joint that holds back, the largest speed [`unit` or mixed]."""
-    each = tuple(short(round(rate, 6)) for rate in rates.joint_rates) if full else ()
-    most = _largest(rates) if not unit or isinf(rates.speed) else f"{short(rates.speed, 3)} {unit}"
-    held = "" if rates.worst is None else f"{rates.worst} {rates.worst_joint}"
-    return (held, most) if brief and not full else (short(rates.norm), held, most, *each)
+    if full:
+        each = tuple(short(round(rate, 6)) for rate in rates.joint_rates)
+    else:
+        each = ()
+    if not unit or isinf(rates.speed):
+        most = _largest(rates)
+    else:
+        most = f"{short(rates.speed, 3)} {unit}"
+    if rates.worst is None:
+        held = ""
+    else:
+        held = f"{rates.worst} {rates.worst_joint}"
+    if brief and not full:
+        return (held, most)
+    return (short(rates.norm), held, most, *each)
 
 
 def _largest(rates: DirectionRates) -> str:
@@ -922,8 +1010,14 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     if there := [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]:
         told[-1] += f", {', '.join(there)}"
     if long:
-        where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
-        count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
+        if written is None:
+            where = "in the JSON"
+        else:
+            where = "`rankdrop conditions` prints it"
+        if len(long) == 1:
+            count = "a long condition"
+        else:
+            count = f"{len(long)} long conditions"
         told.append(f"{count} on joints {numbers(sorted({number for one in long for number in one.joints}))} ({where})")
     return tuple(told)
 

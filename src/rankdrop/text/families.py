@@ -78,7 +78,9 @@ def _value_parts(value: float, kind: str) -> tuple[str, str]:
 
 def _joined(parts: tuple[str, str]) -> str:
     number, angle = parts
-    return f"{number} ({angle})" if angle else number
+    if angle:
+        return f"{number} ({angle})"
+    return number
 
 
 def values_text(values: Iterable[float], kind: str = "revolute") -> str:
@@ -163,14 +165,18 @@ def broken(column: Column, row: Family) -> str:
 def lines_of(column: Column, row: Family) -> tuple[str, ...]:
     """The cell of a row as its lines or values."""
     cell = column.cell(row)
-    return (cell,) if isinstance(cell, str) else cell
+    if isinstance(cell, str):
+        return (cell,)
+    return cell
 
 
 def joint_cell(family: Family, number: int, kind: str) -> Cell:
     """What a family asks of one joint: its values, × for free, c for coupled."""
     mark = FREE if number in family.free else COUPLED
     pinned = any(one.number == number for one in family.pinned)
-    return tuple(map(_joined, joint_values(family, number, kind))) if pinned else mark
+    if pinned:
+        return tuple(map(_joined, joint_values(family, number, kind)))
+    return mark
 
 
 def joint_values(family: Family, number: int, kind: str) -> tuple[tuple[str, str], ...]:
@@ -183,12 +189,16 @@ def joint_values(family: Family, number: int, kind: str) -> tuple[tuple[str, str
 
 def share_text(part: int, whole: int) -> str:
     """A share in percent, rounded down so that 100 % means all; – for a share of nothing."""
-    return f"{floor(1000 * part / whole) / 10:g} %" if whole else NOTHING
+    if whole:
+        return f"{floor(1000 * part / whole) / 10:g} %"
+    return NOTHING
 
 
 def rounded_share(share: Check) -> str:
     """A share in percent, to a tenth; – for a share of nothing."""
-    return f"{round(100 * share.agree / share.tested, 1):g} %" if share.tested else NOTHING
+    if share.tested:
+        return f"{round(100 * share.agree / share.tested, 1):g} %"
+    return NOTHING
 
 
 def coupled_conditions(family: Family) -> list[str]:
@@ -247,7 +257,9 @@ def inside_limits(family: Family, robot: Robot) -> Inside:
 
 def _moved(value: float, periodic: bool, bounds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float | None:
     options = nearest_turns(np.array([value]), value, periodic, bounds)
-    return None if not len(options) else float(options[np.abs(options - value).argmin()])
+    if not len(options):
+        return None
+    return float(options[np.abs(options - value).argmin()])
 
 
 def outside_text(inside: Inside, robot: Robot) -> str:
@@ -283,7 +295,10 @@ def title(summary: CorankSummary, generic_rank: int) -> str:
 def nothing_found(summary: CorankSummary) -> str:
     """What is said where a corank has no row."""
     smallest = summary.smallest_near_miss
-    met = "" if smallest is None else f", smallest σ{summary.rank + 1} found {smallest:.4g}"
+    if smallest is None:
+        met = ""
+    else:
+        met = f", smallest σ{summary.rank + 1} found {smallest:.4g}"
     return f"none found of {count(summary.starts, 'start')}{met}. Not finding one proves nothing."
 
 
@@ -317,7 +332,9 @@ def joints_named(robot: Robot) -> str:
     named = list(zip(symbols(robot), (joint.name for joint in robot.variables), strict=True))
     numbers = [_NUMBERS.findall(name) for _, name in named]
     other = any(found and int(found[-1]) != place for place, found in enumerate(numbers, start=1))
-    return ", ".join(f"{symbol} {name}" for symbol, name in named) if other else ""
+    if other:
+        return ", ".join(f"{symbol} {name}" for symbol, name in named)
+    return ""
 
 
 def symbols(robot: Robot) -> tuple[str, ...]:
@@ -365,7 +382,10 @@ def folded(robot: Robot, rows: Sequence[Family]) -> str:
     others = sum(count for _, count in kinds[_KINDS:])
     parts += [f"{others:,} of other kinds"] * (others > 0)
     unsound = sum(map(_unsound, rows))
-    sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
+    if unsound:
+        sound = f"{unsound:,} of them failed their test"
+    else:
+        sound = "all passed their test"
     every = advised("all", python="to_dict()")
     return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them: {every}."
 
@@ -404,12 +424,17 @@ def conditions_of(
             pins = [text for joint, text in zip(fixed, one.texts, strict=False) if joint not in held]
             return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(fixed) :])]
     exactly = exact_conditions(row, derivation)
-    return [(EXACTLY, exactly)] if exactly else [(COUPLED, text) for text in coupled_conditions(row)]
+    if exactly:
+        return [(EXACTLY, exactly)]
+    return [(COUPLED, text) for text in coupled_conditions(row)]
 
 
 def exact_conditions(row: Family, derivation: Derivation | None) -> str:
     """The exact conditions of a row in one line; empty where the table says it all: joints at simple values."""
-    family = None if derivation is None else derivation.of_row(row.id)
+    if derivation is None:
+        family = None
+    else:
+        family = derivation.of_row(row.id)
     if family is None:
         return ""
     pins = [text for text, pin in zip(family.conditions, family.pinned, strict=False) if not _in_table(row, pin)]
@@ -420,7 +445,9 @@ def exact_conditions(row: Family, derivation: Derivation | None) -> str:
 def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
     whole = f"whole with {advised('json', python='to_dict()')}"
-    return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
+    if len(text) <= _LONGEST:
+        return text
+    return f"a condition of {len(text):,} characters ({whole})"
 
 
 def _in_table(row: Family, pin: Pin) -> bool:
@@ -443,7 +470,8 @@ def footnotes(
         lost: with the directions lost, which the table has no room for.
     """
     notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, derivation)]
-    notes += [("lost", words) for words in lost_sentences(row.lost_freedoms)] if lost else []
+    if lost:
+        notes += [("lost", words) for words in lost_sentences(row.lost_freedoms)]
     if at_witness(row) or not row.named:
         notes.append((AT, f"witness {witness_text(robot, row.witness)}"))
     return notes
@@ -468,7 +496,10 @@ def agreement(
         yield "Numerical tests CONTRADICT the exact derivation:", True
         yield from ((f"  {text}", True) for text in derivation.disagreements)
     printed = any(exact_conditions(row, derivation) for row in families)
-    symbols = _symbols(derivation, robot) if printed else ""
+    if printed:
+        symbols = _symbols(derivation, robot)
+    else:
+        symbols = ""
     yield f"The families are derived exactly; the searches only test them.{symbols}", False
 
 
@@ -527,8 +558,14 @@ def overview(
 def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
     """Configurations with a small σ that many digits show not to be singular; `sigma` is inf where no minimum was met.
     """
-    which = "" if followed == many else f"{followed} of them, spread over all their σ, "
-    least = f" (smallest σ {sigma:.2g})" if isfinite(sigma) else ""
+    if followed == many:
+        which = ""
+    else:
+        which = f"{followed} of them, spread over all their σ, "
+    if isfinite(sigma):
+        least = f" (smallest σ {sigma:.2g})"
+    else:
+        least = ""
     return (
         f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: {which}followed with "
         f"{digits} digits, the rank does not drop there{least}"
@@ -537,8 +574,14 @@ def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits
 
 def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
     """Points of the searches that many digits show not to be singular; `sigma` is inf where no minimum was met."""
-    which = "" if followed == many else f" ({followed} of them, spread over all their σ)"
-    least = f", it has a minimum of {sigma:.2g}" if isfinite(sigma) else ""
+    if followed == many:
+        which = ""
+    else:
+        which = f" ({followed} of them, spread over all their σ)"
+    if isfinite(sigma):
+        least = f", it has a minimum of {sigma:.2g}"
+    else:
+        least = ""
     return (
         f"corank {corank}: {many:,} points of the searches with σ ≤ {DEFAULT.singular:g} are not singular: followed "
         f"with {digits} digits{which}, σ does not vanish next to them{least}"
@@ -620,7 +663,9 @@ def share_cell(share: NearShare) -> str:
 def near_total(near: Near) -> str:
     """The share near any family, and the share where the tool is slow."""
     total = f"any: {_percent(near.any)} ± {100 * near.any.error:.2g} %"
-    return total if near.slow is None else f"{total}; tool slower than 25 mm/s or 5°/s: {_percent(near.slow)}"
+    if near.slow is None:
+        return total
+    return f"{total}; tool slower than 25 mm/s or 5°/s: {_percent(near.slow)}"
 
 
 def _percent(share: NearShare) -> str:

@@ -59,7 +59,10 @@ def inverse_sentence(found: Any) -> str:
         parts.append(_continua_words(found))
     if found.branches or not found.continua:
         count = len(found.branches)
-        most = f"; a 6R arm has at most {found.most}" if found.most and not found.continua else ""
+        if found.most and not found.continua:
+            most = f"; a 6R arm has at most {found.most}"
+        else:
+            most = ""
         also = "isolated " if found.continua else ""
         parts.append(f"{count} {also}{plural('solution', count)}{most}")
     return f"{found.robot.name}: {'; and '.join(parts)}. {_inside_words(found)}."
@@ -75,7 +78,10 @@ def _continua_words(found: Any) -> str:
             count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
         else:
             count = f"at least one self-motion {kind}"
-        where = ", all of it singular" if all(one.singular for one in some) else ""
+        if all(one.singular for one in some):
+            where = ", all of it singular"
+        else:
+            where = ""
         words.append(f"{count} (dimension {dimension}{where})")
     return f"infinitely many solutions: {' and '.join(words)}"
 
@@ -85,7 +91,9 @@ def _inside_words(found: Any) -> str:
     if found.continua and found.inside:
         return f"{found.inside} of {len(every)} have configurations inside the joint limits"
     if found.inside == len(every):
-        return "All are inside the joint limits" if len(every) > 1 else "It is inside the joint limits"
+        if len(every) > 1:
+            return "All are inside the joint limits"
+        return "It is inside the joint limits"
     if found.inside:
         return f"{found.inside} of {len(every)} inside the joint limits"
     nearest = min(every, key=lambda one: max(amount for _, amount in one.beyond))
@@ -109,12 +117,18 @@ def _beyond_cell(robot: Robot, one: Any) -> str:
 def _why(found: Any) -> str:
     """Why a pose has no solution, and how far it is out of reach."""
     why, robot = found.unreached, found.robot
-    shift = None if why.shift is None else f"{_length(why.shift, robot)} with this orientation"
+    if why.shift is None:
+        shift = None
+    else:
+        shift = f"{_length(why.shift, robot)} with this orientation"
     turn = None
     if why.turn is not None:
         turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.pose, why.turned)} at this position"
     if why.kind == "position":
-        more = f"; {shift}" if shift is not None and why.shift > 1.001 * why.position else ""
+        if shift is not None and why.shift > 1.001 * why.position:
+            more = f"; {shift}"
+        else:
+            more = ""
         return f"Out of reach by {_length(why.position, robot)}{more}"
     apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
     if why.kind == "joints":
@@ -125,7 +139,9 @@ def _why(found: Any) -> str:
 
 def _length(value: float, robot: Robot) -> str:
     size = 1e3 * value / counted_length(robot)
-    return f"{size:,.0f} mm" if size >= 100 else f"{short(size, 3)} mm"
+    if size >= 100:
+        return f"{size:,.0f} mm"
+    return f"{short(size, 3)} mm"
 
 
 def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:

@@ -98,7 +98,9 @@ def _shape(column: Column, words: float) -> str:
     if column.key == "id":
         return "r"
     width = {"name": 0.4, "lost": 0.6}.get(column.key, 0.3) * words
-    return f"p{{{width:.3f}\\linewidth}}" if column.holds == WORDS else "c"
+    if column.holds == WORDS:
+        return f"p{{{width:.3f}\\linewidth}}"
+    return "c"
 
 
 def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> list[str]:
@@ -106,10 +108,13 @@ def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> li
     notes = []
     for number, family in enumerate(rows, start=1):
         parts = [*_conditions(family, exact)]
-        parts += [as_text(f"witness {witness_text(robot, family.witness)}")] if at_witness(family) else []
-        notes += [f"\\noindent Row {number}: {'; '.join(parts)}.\\par"] if parts else []
+        if at_witness(family):
+            parts += [as_text(f"witness {witness_text(robot, family.witness)}")]
+        if parts:
+            notes += [f"\\noindent Row {number}: {'; '.join(parts)}.\\par"]
     links = lost_note(robot, [one for family in rows for one in family.lost_freedoms])
-    notes += [f"\\noindent {as_text(links)}\\par"] if links else []
+    if links:
+        notes += [f"\\noindent {as_text(links)}\\par"]
     lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
     return [*notes, *([f"\\noindent Lengths: {lengths}.\\par"] if lengths else [])]
 
@@ -138,12 +143,17 @@ def _cell(column: Column, family: Family, number: int) -> str:
 def _symbol(name: str) -> str:
     """The symbol of a joint, or the letter of a length, with its number below."""
     letter = _SIGNS.get(name[0], name[0])
-    return f"{letter}_{{{name[1:]}}}" if name[1:] else letter
+    if name[1:]:
+        return f"{letter}_{{{name[1:]}}}"
+    return letter
 
 
 def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
-    row = None if derivation is None else derivation.of_row(family.id)
+    if derivation is None:
+        row = None
+    else:
+        row = derivation.of_row(family.id)
     known, bound = {one.number for one in family.pinned}, set(family.coupled)
     exact = [] if row is None else [
         *(text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known),

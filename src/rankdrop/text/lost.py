@@ -53,7 +53,9 @@ def _motion(freedom: LostFreedom) -> str:
 
 
 def _mark(freedom: LostFreedom) -> str:
-    return "" if freedom.everywhere else " (at the witness)"
+    if freedom.everywhere:
+        return ""
+    return " (at the witness)"
 
 
 def lost_note(robot: Robot, freedoms: Iterable[LostFreedom]) -> str:
@@ -79,7 +81,8 @@ def lost_note(robot: Robot, freedoms: Iterable[LostFreedom]) -> str:
             origins.add(frame.origin)
     for number in sorted({link for link, _ in axes} | origins):
         said = [_along(robot, number, axis) for axis in range(3) if (number, axis) in axes]
-        said += [_through(robot, number)] if number in origins else []
+        if number in origins:
+            said += [_through(robot, number)]
         notes.append(_link(robot, number, [one for one in said if one]))
     return " ".join(notes)
 
@@ -88,7 +91,10 @@ def _axes_named(freedom: LostFreedom) -> tuple[int, ...]:
     """Axes of the frame (0 X, 1 Y, 2 Z) that the sentence speaks of: the one it names, else all three."""
     if freedom.kind is MotionKind.TIED:
         return 0, 1, 2
-    part = freedom.direction[:3] if freedom.kind is MotionKind.TRANSLATION else freedom.direction[3:]
+    if freedom.kind is MotionKind.TRANSLATION:
+        part = freedom.direction[:3]
+    else:
+        part = freedom.direction[3:]
     axis, along = main_axis(part)
     return (axis,) if along else (0, 1, 2)
 
@@ -96,7 +102,10 @@ def _axes_named(freedom: LostFreedom) -> tuple[int, ...]:
 def _link(robot: Robot, number: int, said: list[str]) -> str:
     """ "Link 5 moves with joint 5: Y along axis 5."."""
     joint = robot.joints[number - 1]
-    own = f", {joint.name}" if joint.name != f"joint{number}" else ""
+    if joint.name != f"joint{number}":
+        own = f", {joint.name}"
+    else:
+        own = ""
     called = f" ({joint.link})" if joint.link else ""
     details = f": {', '.join(said)}" if said else ""
     return f"Link {number}{called} moves with joint {number}{own}{details}."
@@ -127,5 +136,12 @@ def _through(robot: Robot, number: int) -> str:
             if abs(joint.pitch) > _ON:
                 break
     found.sort()
-    listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1])))) if found else ""
-    return f"origin where axes {listed} meet" if len(found) > 1 else f"origin on axis {listed}" if found else ""
+    if found:
+        listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1]))))
+    else:
+        listed = ""
+    if len(found) > 1:
+        return f"origin where axes {listed} meet"
+    if found:
+        return f"origin on axis {listed}"
+    return ""

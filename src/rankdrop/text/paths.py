@@ -114,7 +114,10 @@ def branch_chosen(tool: Any) -> str:
     """Which branch of the inverse kinematics a tool path takes."""
     if not tool.solutions:
         return "of the start that was given"
-    count = f"of {tool.solutions} found, and there are more" if tool.more else f"one of {tool.solutions} found"
+    if tool.more:
+        count = f"of {tool.solutions} found, and there are more"
+    else:
+        count = f"one of {tool.solutions} found"
     if tool.more:
         return f"nearest to q = 0 ({count})"
     return f"the posture that people use ({count})"
@@ -131,9 +134,10 @@ def why_ended(tool: Any, robot: Robot) -> str:
         place = f"{pose} (σ = {tool.sigma:.1e}), and no configuration near it leads on"
         reason = f"{_FOLDS}, {place}"
         return f"{reason}; {_ahead(tool)}"
-    reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})" if tool.reason in _REASONS else (
-        f"{_joint(robot, tool.joint)} reaches its limit {pose}"
-    )
+    if tool.reason in _REASONS:
+        reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})"
+    else:
+        reason = f"{_joint(robot, tool.joint)} reaches its limit {pose}"
     return f"{reason}; {_ahead(tool)}"
 
 
@@ -150,15 +154,24 @@ def turn_words(turn: Any, robot: Robot) -> str:
     moved = turn.to - turn.q
     turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
     order = sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
-    first, *others = order if order else [int(np.abs(moved).argmax())]
+    if order:
+        first, *others = order
+    else:
+        first, *others = [int(np.abs(moved).argmax())]
 
     def change(i: int) -> str:
         unit = robot.variables[i].unit
-        scale, sign = (degrees(1.0), "°") if unit == "rad" else (1.0, f" {unit}")
+        if unit == "rad":
+            scale, sign = (degrees(1.0), "°")
+        else:
+            scale, sign = (1.0, f" {unit}")
         ends = " to ".join(f"{short(round(scale * float(x), 6) + 0.0, 4)}{sign}" for x in (turn.q[i], turn.to[i]))
         return f"joint {i + 1} from {ends}"
 
-    with_it = f", with {', '.join(change(i) for i in sorted(others))}" if others else ""
+    if others:
+        with_it = f", with {', '.join(change(i) for i in sorted(others))}"
+    else:
+        with_it = ""
     after = (
         "; after it the path can be followed to its end" if turn.rest_complete else
         f"; after it the path can be followed to pose {turn.rest_reached:.5g}" if turn.rest_complete is not None else ""
@@ -169,8 +182,14 @@ def turn_words(turn: Any, robot: Robot) -> str:
 def sentence(check: Any) -> str:
     """The verdict: what the path does, worst first."""
     if check.holds:
-        kept = f", and farther than {angle(check.options.min_distance)} from any" if check.margin == "kept" else ""
-        limits = "; joint limits and rates kept" if check.curve.times is not None else ""
+        if check.margin == "kept":
+            kept = f", and farther than {angle(check.options.min_distance)} from any"
+        else:
+            kept = ""
+        if check.curve.times is not None:
+            limits = "; joint limits and rates kept"
+        else:
+            limits = ""
         return f"Free: proven for every point of the path{kept}{limits}."
     parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
     if check.clear:
@@ -179,7 +198,8 @@ def sentence(check: Any) -> str:
     words = f"{words[0].upper()}{words[1:]}."
     if check.tool is not None and not check.tool.complete:
         beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
-        beyond += " without an internal turn" if check.tool.turn is not None else ""
+        if check.tool.turn is not None:
+            beyond += " without an internal turn"
         return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
     return words
 
@@ -202,9 +222,9 @@ def _reached(check: Any) -> Iterator[str]:
 def passing_words(passed: Sequence[Any]) -> str:
     """How the branch goes on at the singularities that it passes."""
     if all(not one.rest for one in passed):
-        return "the branch goes on through it, at any speed" if len(passed) == 1 else (
-            "the branch goes on through each, at any speed"
-        )
+        if len(passed) == 1:
+            return "the branch goes on through it, at any speed"
+        return "the branch goes on through each, at any speed"
     rests = [f"{one.place:.5g}" for one in passed if one.rest]
     if rests == ["1"]:
         return "the path leaves the singularity at its start, from rest"
@@ -218,13 +238,16 @@ def _violation(one: Any, check: Any) -> str:
         if isfinite(one.distance):
             near = f", {short(degrees(one.distance), 2)}° from a singularity ({one.name})"
         limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {_when(one.place)}{near}"
-        return f"not possible at the programmed speed: {limit}" if one.proven else (
-            f"the rate of joint {one.joint} could not be proven to keep its limit"
-        )
+        if one.proven:
+            return f"not possible at the programmed speed: {limit}"
+        return f"the rate of joint {one.joint} could not be proven to keep its limit"
     if not one.proven:
         return f"{_joint(check.robot, one.joint)} could not be proven to keep its limits"
     excess = motion(one.amount, joint.unit)
-    rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first" if one.rows else ""
+    if one.rows:
+        rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first"
+    else:
+        rows = ""
     return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {_when(one.place)}, by {excess} at most"
 
 
@@ -232,7 +255,10 @@ def _open(check: Any) -> Iterator[str]:
     if check.margin == "not proven":
         yield f"a distance of {angle(check.options.min_distance)} could not be proven"
     if any(one.verdict == "undecided" for one in check.stretches):
-        time = "" if check.undecided_time is None else f", {check.undecided_time:.3g} s"
+        if check.undecided_time is None:
+            time = ""
+        else:
+            time = f", {check.undecided_time:.3g} s"
         yield f"{check.undecided_length:.3g} rad of it{time} undecided"
     if not check.complete:
         yield "interrupted"
@@ -241,7 +267,10 @@ def _open(check: Any) -> Iterator[str]:
 def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
     """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
     times = check.curve.times
-    lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
+    if times is None:
+        lasts = ""
+    else:
+        lasts = f", {times[-1] - times[0]:.6g} s"
     free = sum(one.verdict == "free" for one in check.stretches)
     lines = [
         sentence(check),
@@ -253,17 +282,26 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
         lines.append(f"Branch: {_branches_words(check)}.")
     if not check.holds:
         lines.append(f"Next: {_advice(check)}.")
-        lines += [] if mending is None else _local_lines(mending)
+        if mending is None:
+            lines += []
+        else:
+            lines += _local_lines(mending)
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
                key=lambda one: one.closest.distance, default=None)  # fmt: skip
     if near is not None:
         lines.append(f"Nearest singularity: {near.name or 'a singularity'}, {_where(near)}.")
-    source = "none known, found on the spot" if check.source == "on the spot" else f"from the {check.source}"
+    if check.source == "on the spot":
+        source = "none known, found on the spot"
+    else:
+        source = f"from the {check.source}"
     tip = ""
     if check.tool is not None:
         size = 1e3 / counted_length(check.robot)
         tip = f"; the tip stays within {_up(size * check.tool.off)} mm and {_up(1e3 * check.tool.turned)} mrad"
-    cover = "1 enclosure covers" if check.evaluations == 1 else f"{check.evaluations:,} enclosures cover"
+    if check.evaluations == 1:
+        cover = "1 enclosure covers"
+    else:
+        cover = f"{check.evaluations:,} enclosures cover"
     lines.append(f"Verified: {cover} it{tip}; families {source}.")
     return tuple(lines)
 
@@ -291,7 +329,10 @@ def _branches_words(check: Any) -> str:
 
 def _branch_verdict(one: Any, robot: Robot) -> str:
     """A branch: "free", or where it ends and why, or where it is not proven free."""
-    met = "" if one.free else f"meets a singularity or is not decided at pose {one.place:.5g}"
+    if one.free:
+        met = ""
+    else:
+        met = f"meets a singularity or is not decided at pose {one.place:.5g}"
     if one.complete:
         return met or "free"
     if one.turn is not None:
@@ -299,9 +340,14 @@ def _branch_verdict(one: Any, robot: Robot) -> str:
     elif one.reason == "limit":
         end = f"ends at pose {one.reached:.5g}: limit of {_joint(robot, one.joint)}"
     else:
-        reason = "folds back" if one.folds else _ENDS.get(one.reason, one.reason)
+        if one.folds:
+            reason = "folds back"
+        else:
+            reason = _ENDS.get(one.reason, one.reason)
         end = f"ends at pose {one.reached:.5g}: {reason}"
-    return f"{end}; {met}" if met and one.place < one.reached else end
+    if met and one.place < one.reached:
+        return f"{end}; {met}"
+    return end
 
 
 _ENDS = {"singular": "singularity", "stuck": "the solver does not converge", "budget": "the budget is spent",
@@ -315,7 +361,10 @@ def _branches_section(check: Any, *, deg: bool) -> Section:
     for number, one in enumerate(check.tool.branches, start=1):
         values = (minus(f"{degrees(x):.2f}") if deg and joint.unit == "rad" else minus(f"{x:.4f}")
                   for x, joint in zip((one.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
-        taken = f"{number} (taken)" if one.chosen else str(number)
+        if one.chosen:
+            taken = f"{number} (taken)"
+        else:
+            taken = str(number)
         rows.append((taken, _branch_verdict(one, robot), ", ".join(one.posture) or "–", *values))
     other = f"by the configuration at pose 1, those first that people use; {advised('start', '…')} takes another"
     return Section("Branches", other,
@@ -373,7 +422,9 @@ def free_words(check: Any) -> str:
     """The share that is proven free in per cent, never rounded up to the whole: a crossing is a point of it."""
     words = f"{100 * check.free_share:.6g}"
     all_of_it = check.free_share == 1.0 and not check.crossings
-    return "more than 99.9999 %" if words == "100" and not all_of_it else f"{words} %"
+    if words == "100" and not all_of_it:
+        return "more than 99.9999 %"
+    return f"{words} %"
 
 
 def half_turn_words(poses: Sequence[int]) -> str:
@@ -393,9 +444,13 @@ def notes(check: Any) -> tuple[str, ...]:
     if check.tool is not None:
         places = [one.closest.place for one in check.crossings][:_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
-        far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1" if check.tool.moved > _MOVED else ""
+        if check.tool.moved > _MOVED:
+            far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1"
+        else:
+            far = ""
         lines.append(f"branch: {branch_chosen(check.tool)}{far}")
-        lines += [half_turn_words(check.tool.half_turns)] if check.tool.half_turns else []
+        if check.tool.half_turns:
+            lines += [half_turn_words(check.tool.half_turns)]
         lines += [turn_far_words(turn) for turn in check.turns]
         lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
@@ -422,7 +477,10 @@ def path_sections(
         lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
     else:
         lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
-        more = f"and {len(met) - LISTED} more; " if len(met) > LISTED else ""
+        if len(met) > LISTED:
+            more = f"and {len(met) - LISTED} more; "
+        else:
+            more = ""
         lines.append(f"{more}{advised('full')} describes each of them")
     if lines:
         sections.append(Section("Singularities on the path", lines=tuple(lines)))
@@ -488,14 +546,18 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
 
 
 def _id(one: Any) -> str:
-    return f" [{one.family}]" if one.family else ""
+    if one.family:
+        return f" [{one.family}]"
+    return ""
 
 
 def _when(place: Any) -> str:
     if place.time is not None:
         return f"at {place.time:.4g} s"
     near = min(place.share, 1.0 - place.share) < _AT_ROW
-    return f"at row {round(place.position)}" if near else f"between rows {place.row} and {place.row + 1}"
+    if near:
+        return f"at row {round(place.position)}"
+    return f"between rows {place.row} and {place.row + 1}"
 
 
 def _span(stretch: Any) -> str:
@@ -518,12 +580,16 @@ def _row(place: Any) -> str:
 
 
 def _far(distance: float) -> str:
-    return short(distance, 3) if isfinite(distance) else "?"
+    if isfinite(distance):
+        return short(distance, 3)
+    return "?"
 
 
 def _up(value: float) -> str:
     """Two digits, rounded up: what is printed is proven as well."""
-    return short(float(np.nextafter(value * 1.05, np.inf)), 2) if value > 0.0 else "0"
+    if value > 0.0:
+        return short(float(np.nextafter(value * 1.05, np.inf)), 2)
+    return "0"
 
 
 def _joint(robot: Robot, number: int) -> str:
@@ -542,14 +608,19 @@ def _way(stretch: Any, robot: Robot) -> str:
 
 
 def _percent(share: float) -> str:
-    return "< 0.1 %" if 0.0 < share < 1e-3 else f"{short(100 * share, 3)} %"
+    if 0.0 < share < 1e-3:
+        return "< 0.1 %"
+    return f"{short(100 * share, 3)} %"
 
 
 def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
     parts = []
     for joint, value in zip(robot.variables, q, strict=True):
         turns = joint.unit == "rad"
-        shown = degrees(float(value)) if deg and turns else float(value)
+        if deg and turns:
+            shown = degrees(float(value))
+        else:
+            shown = float(value)
         unit = ("°" if deg else " rad") if turns else " m"
         parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
     return ", ".join(parts)
@@ -641,7 +712,9 @@ def remedy_note(kind: str, fact: Any) -> str:
     if kind == "bump":
         return _bump_note(*fact)
     if kind == "detour":
-        return "detour: only for paths that are straight between their rows" if fact is None else _detour_note(*fact)
+        if fact is None:
+            return "detour: only for paths that are straight between their rows"
+        return _detour_note(*fact)
     if kind == "path":
         return f"the tool's path cannot be followed: {fact}"
     if kind == "retime":
@@ -667,9 +740,15 @@ def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
     parts = []
     for place, obstacle, needed in missing[:_NAMED]:
         words = _OBSTACLES[obstacle].format(bound=_bound("bump", bound))
-        wider = f"; {_wider('bump', needed)} does" if isfinite(needed) else ""
+        if isfinite(needed):
+            wider = f"; {_wider('bump', needed)} does"
+        else:
+            wider = ""
         parts.append(f"{_when(place)} {words}{wider}" if obstacle == "side" else f"{_when(place)}: {words}{wider}")
-    more = f"; and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+    if len(missing) > _NAMED:
+        more = f"; and {len(missing) - _NAMED} more"
+    else:
+        more = ""
     return f"bump: {'; '.join(parts)}{more}"
 
 
@@ -682,7 +761,10 @@ def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
     parts = []
     for place, hindrance, needed in missing[:_NAMED]:
         words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
-        wider = f"; {_wider('detour', needed)} does" if isfinite(needed) else ""
+        if isfinite(needed):
+            wider = f"; {_wider('detour', needed)} does"
+        else:
+            wider = ""
         parts.append(f"{_when(place)}: {words}{wider}")
     return f"detour: {'; '.join(parts)}"
 
@@ -702,7 +784,10 @@ def remedies_sentence(mending: Any) -> str:
     """Which remedies were found."""
     if not mending.needed:
         return "Remedies: none is needed."
-    stopped = "" if mending.complete else ", interrupted: not all kinds were tried"
+    if mending.complete:
+        stopped = ""
+    else:
+        stopped = ", interrupted: not all kinds were tried"
     if not mending.remedies:
         return f"Remedies: none was found{stopped}; that is no proof that there is none."
     parts = [
@@ -716,7 +801,10 @@ def remedies_sentence(mending: Any) -> str:
 def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
     """The remedies, and the kinds of which none was found."""
     lines = tuple(line for one in mending.remedies for line in _remedy_lines(one, deg=deg))
-    others = [Section("Remedies that were not found", lines=mending.notes)] if mending.notes else []
+    if mending.notes:
+        others = [Section("Remedies that were not found", lines=mending.notes)]
+    else:
+        others = []
     return Section(mending.sentence, lines=lines), *others
 
 
@@ -725,7 +813,8 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
     robot = remedy.check.robot
     lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
     lines += [f"    {change_words(change, robot)}" for change in remedy.changes[:LISTED]]
-    lines += [f"    and {len(remedy.changes) - LISTED} more changes"] if len(remedy.changes) > LISTED else []
+    if len(remedy.changes) > LISTED:
+        lines += [f"    and {len(remedy.changes) - LISTED} more changes"]
     lines += [f"    {turn_far_words(turn)}" for turn in remedy.turns[:_NAMED]]
     for what, values in remedy.gains.items():
         name, unit = GAINS[what]
@@ -734,12 +823,18 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
             lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
     lines.append(f"    checked again: {remedy.check.sentence}")
     if remedy.usage is not None:
-        retimed = "new time law; " if remedy.retimed and remedy.kind != "retime" else ""
+        if remedy.retimed and remedy.kind != "retime":
+            retimed = "new time law; "
+        else:
+            retimed = ""
         used = [f"{short(100 * share)} % of the {what} limits" for share, what in
                 ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
         lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
     if remedy.off[0] > 0.0:
-        turn = "" if isnan(remedy.off[1]) else f", {_small(degrees(remedy.off[1]))}°"
+        if isnan(remedy.off[1]):
+            turn = ""
+        else:
+            turn = f", {_small(degrees(remedy.off[1]))}°"
         where = "of the old path where it leaves it"
         if turn and not remedy.changes:
             where = "of its path between rows, measured in their middles"
@@ -765,7 +860,10 @@ def _moves(way: Array, robot: Robot) -> str:
 
 
 def _amount(value: float, unit: str) -> str:
-    number = degrees(value) if unit == "rad" else 1e3 * value
+    if unit == "rad":
+        number = degrees(value)
+    else:
+        number = 1e3 * value
     return f"{short(number, 2 if abs(number) < _LARGE else 3)}{'°' if unit == 'rad' else ' mm'}"
 
 
@@ -790,7 +888,9 @@ def _local_lines(mending: Any) -> list[str]:
     """The best local remedy, or why there is none."""
     if mending.best is not None:
         return [f"Remedy: {best_words(mending)}."]
-    return [f"Local remedy: none: {'; '.join(mending.notes)}."] if mending.notes else []
+    if mending.notes:
+        return [f"Local remedy: none: {'; '.join(mending.notes)}."]
+    return []
 
 
 def best_words(mending: Any) -> str:
@@ -807,9 +907,15 @@ def best_words(mending: Any) -> str:
     else:
         what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
     others = len(best.changes) - 1
-    more = f", and {others} more {plural('change', others)}," if others > 0 else ""
+    if others > 0:
+        more = f", and {others} more {plural('change', others)},"
+    else:
+        more = ""
     turns = "".join(f"; {turn_far_words(turn)}" for turn in best.turns)
-    slower = " in a new time law" if best.retimed else ""
+    if best.retimed:
+        slower = " in a new time law"
+    else:
+        slower = ""
     kind = best.kind.replace(" ", "-")
     options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
     off = _off(best.deviation, robot)
@@ -823,7 +929,10 @@ def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
             f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
             f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
         )  # fmt: skip
-    values = value if isinstance(value, tuple) else (value,)
+    if isinstance(value, tuple):
+        values = value
+    else:
+        values = (value,)
     if unit == "rad" and deg:
         return f"{', '.join(short(degrees(number)) for number in values)}°"
     inside = ", ".join(short(number + 0.0) for number in values)
@@ -832,7 +941,9 @@ def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
 
 def _small(value: float) -> str:
     """A deviation; what is below 1e-9 is rounding."""
-    return short(value, 2) if value >= 1e-9 else "0"
+    if value >= 1e-9:
+        return short(value, 2)
+    return "0"
 
 
 _THROUGH = {
@@ -864,7 +975,10 @@ def through_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     if len(found.s):
         ends = f"s = {found.s[0]:.4g} to {found.s[-1]:.4g}"
         lines.append(f"followed from {ends}: off the path by {found.off:.1e} at most")
-        law = "at path speed 1" if found.kind == "tangent" else f"under the law, in {found.times[-1] * 2:.3g} s"
+        if found.kind == "tangent":
+            law = "at path speed 1"
+        else:
+            law = f"under the law, in {found.times[-1] * 2:.3g} s"
         lines.append(f"joint rates {law}: {found.rate:.3g} rad/s at most")
     if found.exponent:
         lines.append(f"joint rates at constant path speed grow as |s|^{found.exponent:.3f} (measured)")
@@ -887,7 +1001,10 @@ def many_section(many: Sequence[dict[str, Any]]) -> Section:
     """
     rows = []
     for one in many:
-        near = "" if one["met"] or one["nearest_rad"] is None else short(one["nearest_rad"], 3)
+        if one["met"] or one["nearest_rad"] is None:
+            near = ""
+        else:
+            near = short(one["nearest_rad"], 3)
         cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
         rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
     holds = sum(one["verdict"] == "free" for one in many)
@@ -930,4 +1047,6 @@ def radians_hint(angles: Array) -> str | None:
     """
     typed = float(np.degrees(np.abs(angles).max(initial=0.0)))
     moves = len(angles) > 0 and float(np.ptp(angles, axis=0).max(initial=0.0)) > 0.0
-    return f"angles up to {typed:.4g} look like radians and are read as degrees" if moves and typed <= np.pi else None
+    if moves and typed <= np.pi:
+        return f"angles up to {typed:.4g} look like radians and are read as degrees"
+    return None

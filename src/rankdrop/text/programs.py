@@ -54,7 +54,10 @@ def sentence(check: Any) -> str:
     unread = len(check.unread)
     if not parts:
         timed = all(one.untimed is None for one in check.parts)
-        limits = "; joint limits and rates kept" if timed else "; joint limits kept"
+        if timed:
+            limits = "; joint limits and rates kept"
+        else:
+            limits = "; joint limits kept"
         moves = plural("move", len(check.program.moves))
         if not unread:
             return f"Free: proven for every point of {len(check.program.moves)} {moves}{limits}."
@@ -101,7 +104,10 @@ def _why(ended: Any, robot: Robot) -> str:
     share = f"after {100 * max(0.0, branch.reached - 1.0):.3g} % of the way"
     if branch.reason == "limit":
         return f"joint {branch.joint} ({robot.variables[branch.joint - 1].name}) reaches its limit {share}"
-    reason = "the branch folds back at a singularity" if branch.folds else _ENDS[branch.reason]
+    if branch.folds:
+        reason = "the branch folds back at a singularity"
+    else:
+        reason = _ENDS[branch.reason]
     return f"{reason} {share}"
 
 
@@ -127,7 +133,10 @@ def _open(check: Any) -> Iterator[str]:
     undecided = sum(one.undecided_length for one in check.checks)
     if any(one.verdict == "undecided" for path in check.checks for one in path.stretches):
         yield f"{undecided:.3g} rad of it undecided"
-    far = angle(check.checks[0].options.min_distance) if check.checks else ""
+    if check.checks:
+        far = angle(check.checks[0].options.min_distance)
+    else:
+        far = ""
     if any(path.margin == "violated" for path in check.checks):
         yield f"comes nearer than {far} to a singularity"
     elif any(path.margin == "not proven" for path in check.checks):
@@ -153,8 +162,14 @@ def _next_lines(check: Any) -> Iterator[str]:
 def _read_lines(check: Any) -> Iterator[str]:
     program, moves = check.program, check.program.moves
     joint = sum(one.kind == "joint" for one in moves)
-    unread = f"; {len(check.unread)} not read" if check.unread else ""
-    parts = f", in {len(check.parts)} parts" if len(check.parts) > 1 else ""
+    if check.unread:
+        unread = f"; {len(check.unread)} not read"
+    else:
+        unread = ""
+    if len(check.parts) > 1:
+        parts = f", in {len(check.parts)} parts"
+    else:
+        parts = ""
     yield (f"Program: {program.language}; {len(moves)} {plural('move', len(moves))} read: {joint} joint, "
            f"{len(moves) - joint} straight{unread}{parts}.")  # fmt: skip
     blends = [one.line for one in moves if one.blend]
@@ -189,14 +204,20 @@ def _turn_lines(check: Any) -> Iterator[str]:
     lines = [one for one in check.moves if one.kind == "line" and degrees(one.turn) >= _FAR_TURN]
     if lines:
         most = max(lines, key=lambda one: one.turn)
-        lasts = "" if most.seconds is None else f" in {most.seconds:.3g} s"
+        if most.seconds is None:
+            lasts = ""
+        else:
+            lasts = f" in {most.seconds:.3g} s"
         yield f"Turns: joint {most.joint} turns {degrees(most.turn):.0f}°{lasts} in line {most.line}."
 
 
 def _near_lines(check: Any) -> Iterator[str]:
     near = min((one for one in check.moves if isfinite(one.distance)), key=lambda one: one.distance, default=None)
     if near is not None:
-        far = "on it" if near.distance < 1e-6 else f"{angle(near.distance)} away"
+        if near.distance < 1e-6:
+            far = "on it"
+        else:
+            far = f"{angle(near.distance)} away"
         yield f"Nearest singularity: {near.name or 'a singularity'}, {far}, {_in_line(near.line, near.text)}."
 
 
@@ -205,15 +226,23 @@ def _verified_lines(check: Any) -> Iterator[str]:
     size = 1e3 / counted_length(check.robot)
     off = max((part.off for part in check.parts), default=0.0)
     turned = max((part.turned for part in check.parts), default=0.0)
-    tip = f"; the tip stays within {_up(size * off)} mm and {_up(1e3 * turned)} mrad of its lines" if off > 0.0 else ""
+    if off > 0.0:
+        tip = f"; the tip stays within {_up(size * off)} mm and {_up(1e3 * turned)} mrad of its lines"
+    else:
+        tip = ""
     shares = ", ".join(dict.fromkeys(free_words(one) for one in check.checks))
-    free = f"; {shares} of the joint path is proven free" if len(check.checks) == 1 else ""
+    if len(check.checks) == 1:
+        free = f"; {shares} of the joint path is proven free"
+    else:
+        free = ""
     yield f"Verified: {spent:,} {plural('enclosure', spent)}{tip}{free}."
 
 
 def _up(value: float) -> str:
     """Two digits, rounded up: what is printed is proven as well."""
-    return short(float(np.nextafter(value * 1.05, np.inf)), 2) if value > 0.0 else "0"
+    if value > 0.0:
+        return short(float(np.nextafter(value * 1.05, np.inf)), 2)
+    return "0"
 
 
 def _lines_words(lines: Sequence[int]) -> str:
@@ -254,7 +283,10 @@ def sections(check: Any, *, full: bool) -> tuple[Section, ...]:
 
 def _moves_section(check: Any, *, full: bool) -> Section:
     moves = check.moves
-    shown = moves if full or len(moves) <= _LISTED else [one for one in moves if one.verdict not in (None, "free")]
+    if full or len(moves) <= _LISTED:
+        shown = moves
+    else:
+        shown = [one for one in moves if one.verdict not in (None, "free")]
     rows = tuple(
         (str(one.line), _KINDS[one.kind], "begins here" if one.verdict is None else str(one.verdict),
          angle(one.distance) if isfinite(one.distance) else "–",
@@ -262,7 +294,10 @@ def _moves_section(check: Any, *, full: bool) -> Section:
          "–" if one.seconds is None else f"{one.seconds:.3g}", one.text)
         for one in shown[: None if full else _LISTED]
     )  # fmt: skip
-    notes = [] if len(rows) == len(moves) else [f"{len(moves) - len(rows)} more moves; {advised('full')} prints all"]
+    if len(rows) == len(moves):
+        notes = []
+    else:
+        notes = [f"{len(moves) - len(rows)} more moves; {advised('full')} prints all"]
     return Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
         rows=rows, texts=(1, 2, 6), notes=tuple(notes),

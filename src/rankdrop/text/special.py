@@ -37,19 +37,32 @@ def special_words(specials: Sequence[Special], names: Sequence[str] = ()) -> str
         specials: of one configuration.
         names: of all joints, in order: a joint is called by its name where that has another number.
     """
-    details = "" if len(specials) > 2 else ", ".join(_detail(one, names) for one in specials)
+    if len(specials) > 2:
+        details = ""
+    else:
+        details = ", ".join(_detail(one, names) for one in specials)
     return parts_words(specials) + (f": {details}" if details else "")
 
 
 def parts_words(specials: Sequence[Special]) -> str:
     """The parts alone: "shoulder and wrist"."""
     *first, last = list(dict.fromkeys(one.part.value for one in specials)) or [""]
-    return f"{', '.join(first)} and {last}" if first else last
+    if first:
+        return f"{', '.join(first)} and {last}"
+    return last
 
 
 def _detail(one: Special, names: Sequence[str]) -> str:
-    joint = joint_word(one.joint, names[one.joint - 1]) if names and one.joint else f"joint {one.joint}"
-    words = _WORDS if one.exact else _NEARLY if one.off <= _NEAR else _FAR
+    if names and one.joint:
+        joint = joint_word(one.joint, names[one.joint - 1])
+    else:
+        joint = f"joint {one.joint}"
+    if one.exact:
+        words = _WORDS
+    elif one.off <= _NEAR:
+        words = _NEARLY
+    else:
+        words = _FAR
     value = round(degrees(one.value), 1) + 0.0
     shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(one.off), 2)}°"
     return words[one.shape].format(joint=joint, axis=one.joint, value=shown, off=off)

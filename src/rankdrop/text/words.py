@@ -41,7 +41,9 @@ def short(value: float, digits: int = 4) -> str:
     """
     if isinf(value):
         return "∞" if value > 0 else "−∞"
-    return "0" if value == 0 else minus(_EXPONENT.sub(_exponent, f"{value:.{digits}g}"))
+    if value == 0:
+        return "0"
+    return minus(_EXPONENT.sub(_exponent, f"{value:.{digits}g}"))
 
 
 def _exponent(match: re.Match[str]) -> str:
@@ -62,7 +64,9 @@ def degrees_hint(q: Array, robot: Robot) -> str | None:
     """
     angles = np.abs(q[..., [joint.unit == "rad" for joint in robot.variables]])
     most = float(angles.max(initial=0.0))
-    return f"angles up to {most:.4g} look like degrees and are read as radians" if most > MOST_TURNS else None
+    if most > MOST_TURNS:
+        return f"angles up to {most:.4g} look like degrees and are read as radians"
+    return None
 
 
 def minus(text: str) -> str:
@@ -77,7 +81,9 @@ def fixed(value: float, digits: int = 4) -> str:
 
 def power(value: float) -> str:
     """The power of ten at or above a rounding error: its digits are noise."""
-    return "0" if value == 0 else minus(f"1e{ceil(log10(value))}")
+    if value == 0:
+        return "0"
+    return minus(f"1e{ceil(log10(value))}")
 
 
 def raised(exponent: int) -> str:
@@ -135,7 +141,9 @@ def after_jog(rank: int, *, regular: bool, deficient: bool) -> str:
     """What the configuration is after a jog; `deficient`: the arm is singular at every configuration."""
     if not regular:
         return f": rank {rank} then, but still near a singularity; no jog found that ends regular"
-    return f"; rank {rank} from there, the most of this arm" if deficient else "; regular from there"
+    if deficient:
+        return f"; rank {rank} from there, the most of this arm"
+    return "; regular from there"
 
 
 def vector(values: Iterable[float]) -> str:
@@ -146,8 +154,12 @@ def vector(values: Iterable[float]) -> str:
 def pitch_text(pitch: float) -> str:
     """What kind of motion a twist of this pitch is."""
     if isinf(pitch):
-        return "pure translation" if pitch == inf else "pure"
-    return "pure rotation" if abs(pitch) < _ZERO else f"screw of pitch {short(pitch, 3)} m/rad"
+        if pitch == inf:
+            return "pure translation"
+        return "pure"
+    if abs(pitch) < _ZERO:
+        return "pure rotation"
+    return f"screw of pitch {short(pitch, 3)} m/rad"
 
 
 def wrench_text(screw: Screw) -> str:
@@ -156,7 +168,9 @@ def wrench_text(screw: Screw) -> str:
     if isinf(screw.pitch):
         return f"a torque about {along}"
     line = f"a force along {along} through {vector(screw.point)} m"
-    return line if abs(screw.pitch) < _ZERO else f"{line} with {short(screw.pitch)} N m about it per N"
+    if abs(screw.pitch) < _ZERO:
+        return line
+    return f"{line} with {short(screw.pitch)} N m about it per N"
 
 
 def sweep_next() -> str:
@@ -180,14 +194,18 @@ def joint_word(number: int, name: str) -> str:
     digits = _NUMBER.search(name)
     if digits is None or int(digits[0]) == number:
         return f"joint {number}"
-    return name if "joint" in name.lower() else f"joint {name}"
+    if "joint" in name.lower():
+        return name
+    return f"joint {name}"
 
 
 def listing(words: Iterable[str]) -> str:
     """ "shoulder, elbow and wrist"."""
     some = list(words)
     head = ", ".join(some[:-1])
-    return f"{head} and {some[-1]}" if head else "".join(some)
+    if head:
+        return f"{head} and {some[-1]}"
+    return "".join(some)
 
 
 def plural(word: str, count: int) -> str:
@@ -255,19 +273,29 @@ def avoidable_words(out: Escape) -> str:
     """Whether the singularity can be left with the tool held still."""
     words = _STILL.get(out.avoidable_reason, "")
     if out.still is not None:
-        can = "you can leave it" if out.corank else "the joints can move"
-        outside = "" if out.still.within_limits else "; outside the joint limits"
+        if out.corank:
+            can = "you can leave it"
+        else:
+            can = "the joints can move"
+        if out.still.within_limits:
+            outside = ""
+        else:
+            outside = "; outside the joint limits"
         words = (
             f"{can} with the tool held still: σ_r = {out.still.sigma_after:.3g} after {out.still.step:.3g} rad, "
             f"the tool where it was to {max(1e-12, out.still_error):.0e}{outside}"
         )
-    return f"{_NEARBY}: {words}" if out.nearby else words
+    if out.nearby:
+        return f"{_NEARBY}: {words}"
+    return words
 
 
 def boundary_words(out: Escape) -> str:
     """Whether the tool is at an edge of its reach."""
     words = _EDGE[out.boundary_reason]
-    return f"{_NEARBY}: {words}" if out.nearby else words
+    if out.nearby:
+        return f"{_NEARBY}: {words}"
+    return words
 
 
 def failures_table(failures: Failures, title: str) -> Section:
@@ -291,10 +319,16 @@ def tolerant_sentence(tolerant: Tolerant) -> str:
     """Whether a configuration tolerates every single failure, and what the best of them keeps."""
     name = tolerant.robot.name
     if not tolerant.places:
-        found = "No configuration of {} tolerates" if tolerant.spare <= 0 or tolerant.crucial else NO_TOLERANT
+        if tolerant.spare <= 0 or tolerant.crucial:
+            found = "No configuration of {} tolerates"
+        else:
+            found = NO_TOLERANT
         return f"{found.format(name)} every single joint failure: {_why_none(tolerant)}."
     best, r = tolerant.places[0], tolerant.generic_rank
-    measure = f"σ{r} left / σ1" if tolerant.relative else f"σ{r}"
+    if tolerant.relative:
+        measure = f"σ{r} left / σ1"
+    else:
+        measure = f"σ{r}"
     worst = f"joint{'s' * (len(best.failures.worst_numbers) > 1)} {numbers(best.failures.worst_numbers)}"
     return (
         f"{name} tolerates the failure of any single joint: in the best configuration found, {measure} is "
@@ -315,7 +349,10 @@ def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
     r = tolerant.generic_rank
     places = enumerate(tolerant.places, start=1)
     rows = tuple(row for number, place in places for row in _rows(tolerant, number, place, kinds))
-    measure = f"σ{r} left / σ1" if tolerant.relative else f"σ{r} left"
+    if tolerant.relative:
+        measure = f"σ{r} left / σ1"
+    else:
+        measure = f"σ{r} left"
     yield Section(
         f"Best worst case: {measure} = {short(best.value, 5)}",
         f"after the failure of any one of {tolerant.robot.n} joints",
@@ -328,9 +365,14 @@ def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
 def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> Iterator[tuple[str, ...]]:
     """One place in rad, and under it in degrees."""
     def cell(j: int, text: str) -> str:
-        return FREE if j + 1 in tolerant.free else text
+        if j + 1 in tolerant.free:
+            return FREE
+        return text
 
-    unit = "rad, m" if "prismatic" in kinds else "rad"
+    if "prismatic" in kinds:
+        unit = "rad, m"
+    else:
+        unit = "rad"
     plain = (cell(j, fixed(value)) for j, value in enumerate(place.q))
     yield (str(number), short(place.value, 5), numbers(place.failures.worst_numbers), unit, *plain)
     turned = ("" if kind == "prismatic" else cell(j, fixed(degrees(place.q[j]), 2)) for j, kind in enumerate(kinds))
@@ -341,7 +383,10 @@ def _tolerance_sentences(tolerant: Tolerant) -> Iterator[str]:
     best = tolerant.places[0]
     bound, most = short(best.failures.bound or 0.0, 5), short(tolerant.bound, 5)
     if tolerant.relative:
-        reached = "; the best of them reaches it, none is better" if tolerant.optimal else ""
+        if tolerant.optimal:
+            reached = "; the best of them reaches it, none is better"
+        else:
+            reached = ""
         yield f"no configuration can have more than {most} by this measure{reached}"
     else:
         yield f"where the best of them stands no worst case can be above {bound}"
@@ -358,7 +403,10 @@ def _why_none(tolerant: Tolerant) -> str:
     if tolerant.crucial:
         which = f"{plural('joint', len(tolerant.crucial))} {numbers(tolerant.crucial)}"
         return f"without {which} the rank is below {tolerant.generic_rank} at every configuration"
-    where = "within the joint limits " if tolerant.limits else ""
+    if tolerant.limits:
+        where = "within the joint limits "
+    else:
+        where = ""
     return f"of {tolerant.done:,} starts {where}none leads to one; not finding one proves nothing"
 
 
@@ -368,7 +416,10 @@ def cover_sentence(covered: Any) -> str:
     what = f"{_covered_what(plan.corank)} of {covered.robot.name}{' inside the joint limits' * plan.limits}"
     if not covered.complete:
         share = 100 * float(tree.finished.mean())
-        why = f" ({covered.covering.stopped})" if covered.covering.stopped else ""
+        if covered.covering.stopped:
+            why = f" ({covered.covering.stopped})"
+        else:
+            why = ""
         return f"Not complete{why}: {share:.1f} % of the joint space was covered; the rest was not searched."
     if not tree.leaves:
         return f"There is no {what} (proven)."
@@ -384,15 +435,23 @@ def cover_sentence(covered: Any) -> str:
 
 
 def _covered_what(corank: int) -> str:
-    return "singular configuration" if corank == 1 else f"configuration of corank {corank} or more"
+    if corank == 1:
+        return "singular configuration"
+    return f"configuration of corank {corank} or more"
 
 
 def cover_sections(covered: Any, *, deg: bool = True) -> tuple[Section, ...]:
     """A covering: what may be said, boxes, families that explain them, places to look at; again what may be said."""
     covering, plan, tree = covered.covering, covered.covering.plan, covered.covering.tree
     units = covered.robot.units
-    whose = "" if covered.complete else " of the part done"
-    inside = f"; every {_covered_what(plan.corank)}{whose} is in one" if tree.leaves else whose
+    if covered.complete:
+        whose = ""
+    else:
+        whose = " of the part done"
+    if tree.leaves:
+        inside = f"; every {_covered_what(plan.corank)}{whose} is in one"
+    else:
+        inside = whose
     rows = [
         ("joints that decide", ", ".join(f"{'θ' if units[j - 1] == 'rad' else 'q'}{j}" for j in plan.variables)),
         ("method", plan.method),
@@ -415,14 +474,18 @@ def _account_sections(account: Any, joints: tuple[int, ...], *, deg: bool) -> It
     """Which families explain the boxes, and the places that none does."""
     pairs = zip(account.families, account.explained, strict=True)
     rows = [(family.id, family.name, f"{number:,}") for family, number in pairs if number]
-    rows += [("", "no family, but proven free on a closer look", f"{account.freed:,}")] if account.freed else []
+    if account.freed:
+        rows += [("", "no family, but proven free on a closer look", f"{account.freed:,}")]
     notes = ("A box counts for the first family that has a point within half a diagonal of its centre.",
              "A box that was halved on counts for a family from which nothing that is left of it is farther than a "
              "diagonal.")  # fmt: skip
     yield Section("Explained", f"by families from: {account.source}", columns=("family", "", "boxes"), rows=tuple(rows),
                   texts=(0, 1), notes=notes)  # fmt: skip
     if account.spots:
-        factor, unit = (degrees(1.0), "°") if deg else (1.0, "rad")
+        if deg:
+            factor, unit = (degrees(1.0), "°")
+        else:
+            factor, unit = (1.0, "rad")
         places = tuple(
             (f"{one.boxes:,}", f"{one.proven:,}", one.kind, f"{one.sigma:.2g}",
              ", ".join(f"{value * factor:.4g}" for value in one.q[np.array(joints) - 1]))
@@ -451,7 +514,10 @@ def procedure_text(report: OrderedReport) -> str:
 
 def _procedure_lines(report: OrderedReport) -> Iterator[str]:
     screws = report.dimension + report.dependencies
-    lost = f"{report.lost} task {plural('freedom', report.lost)} lost" if report.lost else "not singular"
+    if report.lost:
+        lost = f"{report.lost} task {plural('freedom', report.lost)} lost"
+    else:
+        lost = "not singular"
     both = f"{report.dependencies} dependenc{'y' if report.dependencies == 1 else 'ies'}"
     yield f"{screws} screws of dimension {report.dimension}, elsewhere {report.generic}: {lost}, {both}"
     if report.subsets:
@@ -477,7 +543,12 @@ def _corrected(report: OrderedReport) -> Iterator[str]:
             )
     yield from ("", "Every joint, carried to the end of the chain, and judged by finite motion:")
     for joint in report.joints:
-        verdict = "escapes" if joint.escapes else f"gains {joint.gain}" if joint.gain else "does not escape"
+        if joint.escapes:
+            verdict = "escapes"
+        elif joint.gain:
+            verdict = f"gains {joint.gain}"
+        else:
+            verdict = "does not escape"
         yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {_runs(joint.dimensions)}"
     yield f"  conclusion: actuate {_joints(report.escapes)}"
     if report.disagreements:
@@ -499,15 +570,22 @@ def hunt_words(hunt: Hunt) -> str:
         return f"Hunt's matrix of cofactors is of a square Jacobian; this one has {rows} rows, {joints} joints"
     if not hunt.applies:
         regular = "shows nothing at a regular configuration"
-        what = f"is zero where {hunt.lost} freedoms are lost" if hunt.lost else regular
+        if hunt.lost:
+            what = f"is zero where {hunt.lost} freedoms are lost"
+        else:
+            what = regular
         return f"Hunt's matrix of cofactors {what}: it names no screw"
     named = [one.number for one in hunt.joints if one.named]
     leading = [one.number for one in hunt.joints if one.tells]
     missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
     wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
     text = f"Hunt's cofactors name the screws {numbers(named)}; they tell that "
-    text += f"joint {numbers(leading)} leads out at first order" if leading else "no joint leads out at first order"
+    if leading:
+        text += f"joint {numbers(leading)} leads out at first order"
+    else:
+        text += "no joint leads out at first order"
     if missed:
         return f"{text}; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
-    return f"{text}; finite motion does not confirm it of joint {numbers(wrong)}" if wrong else (
-        f"{text}, and finite motion agrees")
+    if wrong:
+        return f"{text}; finite motion does not confirm it of joint {numbers(wrong)}"
+    return f"{text}, and finite motion agrees"

@@ -78,7 +78,10 @@ def _derived(
 ) -> tuple[Conditions | None, str]:
     """The complete derivation, shipped or made now; else None and why there is none."""
     try:
-        derived = None if fresh or seed else known_conditions(robot, task, any_tip=True)
+        if fresh or seed:
+            derived = None
+        else:
+            derived = known_conditions(robot, task, any_tip=True)
         if derived is None:
             from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
 
@@ -196,9 +199,15 @@ def analyze(
         robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
         progress=lambda label, done, total: report(f"exact: {label}", done, total),
     )  # fmt: skip
-    known = None if derived is None else [one.in_units(robot).as_family(own[0]) for one in derived.families]
+    if derived is None:
+        known = None
+    else:
+        known = [one.in_units(robot).as_family(own[0]) for one in derived.families]
     tables: list[CorankFamilies] = []
-    unfinished = 1 if derivation is not None and derivation.interrupted else None
+    if derivation is not None and derivation.interrupted:
+        unfinished = 1
+    else:
+        unfinished = None
     try:
         for table in _tables(*own, rank if unfinished is None else 0, known, how, tolerances, report):
             tables.append(table)
@@ -272,10 +281,16 @@ def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:
             f"{min(task.m, robot.n)} would be full"
         )
     else:
-        joints = "1 joint" if robot.n == 1 else f"{robot.n} joints"
+        if robot.n == 1:
+            joints = "1 joint"
+        else:
+            joints = f"{robot.n} joints"
         note = f"the task {task.name} has {task.m} rows and the arm {joints}: the rank is {rank} at most"
     served = [name for name in task_names() if _serves(robot, name, task, rank)]
-    tasks = f"; tasks it can do in full: {', '.join(served)}" if served else ""
+    if served:
+        tasks = f"; tasks it can do in full: {', '.join(served)}"
+    else:
+        tasks = ""
     return (f"{note}; corank is counted from rank {rank}{tasks}",)
 
 

@@ -69,5 +69,8 @@ def conditions(
             return replace(shipped, settings=replace(shipped.settings, seconds=how.seconds))
     from rankdrop.verbs.deriving import derived  # what is shipped does without all that derives
 
-    basic = None if how.basic is None else read_joints(how.basic)
+    if how.basic is None:
+        basic = None
+    else:
+        basic = read_joints(how.basic)
     return derived(robot, task, replace(how, lengths=read_lengths(how.lengths), basic=basic), progress)

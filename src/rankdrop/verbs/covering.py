@@ -184,14 +184,19 @@ def covering(
 
 
 def _cost(plan: Plan, batch: Batch) -> int:
-    return 0 if plan.method == SPLIT else batch[2]
+    if plan.method == SPLIT:
+        return 0
+    return batch[2]
 
 
 def _paid(job: Job, batches: dict[int, Batch], plan: Plan, budget: int) -> dict[int, Batch]:
     """The first chunks that a budget pays for, whichever of them happened to be made before it was spent."""
     paid: dict[int, Batch] = {}
     for chunk in range(job.chunks):
-        made = batches[chunk] if chunk in batches else batch_from_bytes(part(job.plan, chunk), plan.shape)
+        if chunk in batches:
+            made = batches[chunk]
+        else:
+            made = batch_from_bytes(part(job.plan, chunk), plan.shape)
         budget -= _cost(plan, made)
         if budget < 0:
             break

@@ -78,9 +78,15 @@ def derived(
     begun = monotonic()
     work = Work(asked.seconds / SLOWER, asked.seed, progress)
     given = exact_chain(robot, task, lengths=asked.lengths)
-    basic = None if asked.basic is None else read_joints(asked.basic)
+    if asked.basic is None:
+        basic = None
+    else:
+        basic = read_joints(asked.basic)
     check_method(given, asked.method, basic=basic, frame=asked.frame)
-    lowest = 0 if asked.coranks is None else max(min(given.task.m, given.n) - asked.coranks, 0)
+    if asked.coranks is None:
+        lowest = 0
+    else:
+        lowest = max(min(given.task.m, given.n) - asked.coranks, 0)
     left: list[str] = []
     nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
     underived: tuple[Chain, Tree, Work, tuple[str, ...]] = given, nothing, work, ()
@@ -357,7 +363,10 @@ def _cloud(
             left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
             break
         work.show("checks", corank - 1, generic_rank - lowest)
-        wanted = points if corank == 1 else max(points // 10, 1)
+        if corank == 1:
+            wanted = points
+        else:
+            wanted = max(points // 10, 1)
         try:
             met = cloud(chain.own, chain.own_task, corank, wanted, work.seed)
             if not len(met.q):

@@ -154,8 +154,12 @@ def _note(tolerance: Tolerance, changes: Sequence[Change]) -> str:
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
     what = [count(len(x), name) for x, name in ((turned, "angle"), (moved, "length")) if x]
-    most = [f"{np.degrees(max(turned)):.3g}°"] if turned else []
-    most += [f"{max(moved) * 1e3:.3g} mm"] if moved else []
+    if turned:
+        most = [f"{np.degrees(max(turned)):.3g}°"]
+    else:
+        most = []
+    if moved:
+        most += [f"{max(moved) * 1e3:.3g} mm"]
     return (
         f"not the arm itself but the ideal one within {tolerance.text}: {' and '.join(what)} moved, at most "
         f"{', '.join(most)}"
@@ -197,7 +201,9 @@ def _points(given: Robot, model: Robot, task: Task, family: Side, seed: int) -> 
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
         q = wrapped(model, q[solved])
         found = q[Problem(model, task, family.corank).singular(q)]
-    return found if len(found) else into_metres(given, [family.witness])
+    if len(found):
+        return found
+    return into_metres(given, [family.witness])
 
 
 def _nearby(real: Robot, task: Task, rank: int, family: Side, q: Array, seed: int) -> Nearby:
@@ -292,8 +298,12 @@ def _away(nearby: Nearby) -> tuple[str, str]:
 
 
 def _degrees(distance: float) -> str:
-    return f"{np.degrees(distance):.2g}°".replace("-", "−") if distance > DEFAULT.singular else "0°"
+    if distance > DEFAULT.singular:
+        return f"{np.degrees(distance):.2g}°".replace("-", "−")
+    return "0°"
 
 
 def _short(value: float) -> str:
-    return "0" if value <= DEFAULT.singular else f"{value:.2g}".replace("-", "−")
+    if value <= DEFAULT.singular:
+        return "0"
+    return f"{value:.2g}".replace("-", "−")

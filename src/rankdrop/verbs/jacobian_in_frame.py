@@ -85,8 +85,14 @@ def link_jacobian(
     ordered = tuple(sizes(chain)) if symbolic else ()
     k = frame or (next(link for _, link, point in ordered if point == at) if symbolic else 1)
     rows: Sequence[Sequence[Polynomial]] = frame_jacobian(chain, k, at) if symbolic else ()
-    closed = _inverse(chain, rows, seconds) if symbolic and inverse else None
-    numbers = None if q is None else _at(chain, one_configuration(robot, q), k, at, inverse)
+    if symbolic and inverse:
+        closed = _inverse(chain, rows, seconds)
+    else:
+        closed = None
+    if q is None:
+        numbers = None
+    else:
+        numbers = _at(chain, one_configuration(robot, q), k, at, inverse)
     return LinkJacobian(
         robot=robot,
         task=chain.task,

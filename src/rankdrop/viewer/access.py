@@ -211,7 +211,10 @@ def _page_logger() -> logging.Logger:
 
 
 def _one_line(record: logging.LogRecord) -> bool:
-    error = record.exc_info[1] if record.exc_info else None
+    if record.exc_info:
+        error = record.exc_info[1]
+    else:
+        error = None
     if error is not None:
         reason = visible(" ".join(f"{type(error).__name__}: {error}".split()))[:200]
         record.msg, record.args = f"a connection is closed, it sent what cannot be read: {reason}", ()
@@ -290,7 +293,10 @@ def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> An
             reason = "the request cannot be read"
         if reason is not None:
             return connection.respond(HTTPStatus.FORBIDDEN, f"rankdrop: {reason}\n")
-        response = inner(connection, request) if inner is not None else None
+        if inner is not None:
+            response = inner(connection, request)
+        else:
+            response = None
         cookie = gate.cookie(request.path)
         if response is not None and arrived is not None and "Sec-WebSocket-Key" not in request.headers:
             with contextlib.suppress(Exception):  # a link that says nothing moves nothing; the page comes either way
@@ -350,9 +356,15 @@ def _label(response: Any) -> None:
     if "text/html" not in response.headers.get("Content-Type", "") or response.status_code != HTTPStatus.OK:
         return
     packed = response.headers.get("Content-Encoding") == "gzip"
-    page = gzip.decompress(response.body) if packed else bytes(response.body)
+    if packed:
+        page = gzip.decompress(response.body)
+    else:
+        page = bytes(response.body)
     page = page.replace(b"</head>", _LABELS.encode() + b"</head>", 1)
-    response.body = gzip.compress(page, 1) if packed else page
+    if packed:
+        response.body = gzip.compress(page, 1)
+    else:
+        response.body = page
     if "Content-Length" in response.headers:
         del response.headers["Content-Length"]
         response.headers["Content-Length"] = str(len(response.body))

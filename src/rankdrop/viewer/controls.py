@@ -71,7 +71,10 @@ class Controls:
         low, high = sampling_box(self.robot, self.live.task, limits=True)
         unit = self._unit[index]
         value = float(self.session.q[index] * unit)
-        sign, step, digits = ("°", 0.1, 1) if joint.unit == "rad" else (" m", 0.001, 3)
+        if joint.unit == "rad":
+            sign, step, digits = ("°", 0.1, 1)
+        else:
+            sign, step, digits = (" m", 0.001, 3)
         least, most = (round(bound * unit, digits) for bound in (low[index], high[index]))
         shown = round(value, digits)
         limited = np.isfinite(joint.lower) and np.isfinite(joint.upper)
@@ -123,7 +126,10 @@ class Controls:
 
     def say(self, text: str) -> None:
         """One line below the status; empty to clear it."""
-        self.message.content = panel.message_html(text) if text else ""
+        if text:
+            self.message.content = panel.message_html(text)
+        else:
+            self.message.content = ""
 
     def shown(self, now: Now, source: object) -> None:
         """A configuration was looked at."""
@@ -140,7 +146,10 @@ class Controls:
     def _tell(self, now: Now, found: Explanation | None) -> None:
         """Status and details, of one configuration both; details of another one are dimmed until it is explained."""
         known = len(self.live.families)
-        details = panel.details_html(found) if found is not None else panel.dimmed_html(self._said)
+        if found is not None:
+            details = panel.details_html(found)
+        else:
+            details = panel.dimmed_html(self._said)
         status = panel.status_html(now, self.robot.n, self.live.generic_rank, known, found)
         if found is not None or self._said:
             self._details.content, self._said = details, details if found is not None else ""

@@ -43,14 +43,20 @@ def status_html(
         found: the explanation of this very configuration, once there is one: it gives the verdict, and `details_html`
             family and distance, so that no two lines contradict each other.
     """
-    verdict = now.verdict if found is None else found.verdict
+    if found is None:
+        verdict = now.verdict
+    else:
+        verdict = found.verdict
     background, ink, sign = VERDICTS[verdict]
     badge = (
         f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
         f'font-weight:700">{sign} {verdict}</span>'
     )
     idle = length_of_chain - now.seen.rank
-    motions = f", {count(idle, 'idle joint motion')}" if idle else ""
+    if idle:
+        motions = f", {count(idle, 'idle joint motion')}"
+    else:
+        motions = ""
     lines = [f"{badge} &nbsp;rank {now.seen.rank} of {generic_rank}{motions}",
              *([_family_line(now, known)] if found is None else []), _bars(now, generic_rank)]  # fmt: skip
     if now.outside:
@@ -65,7 +71,10 @@ def _family_line(now: Now, known: int) -> str:
     if now.at_least > 0.0:
         first += f", proven: at least {angle_below(now.at_least)}"
     if now.seen.corank:
-        first = "on none of the known families" if known else "no families are known beforehand"
+        if known:
+            first = "on none of the known families"
+        else:
+            first = "no families are known beforehand"
     if now.nearest is None:
         return first
     return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {name_html(now.nearest)}"
@@ -78,16 +87,28 @@ def name_html(family: Family) -> str:
 
 def bar_share(sigma: float, largest: float) -> float:
     """Length of σ's bar, 0 … 1: its share of the largest."""
-    return min(1.0, sigma / largest) if largest > 0 else 0.0
+    if largest > 0:
+        return min(1.0, sigma / largest)
+    return 0.0
 
 
 def _bars(now: Now, generic_rank: int) -> str:
     rows = []
     for i, sigma in enumerate(now.sigma, start=1):
         lost = i > now.seen.rank
-        colour = VERMILION if lost else ORANGE if sigma <= 1e-3 else BLUE
+        if lost:
+            colour = VERMILION
+        elif sigma <= 1e-3:
+            colour = ORANGE
+        else:
+            colour = BLUE
         width = 100 * bar_share(float(sigma), float(now.sigma[0]))
-        note = " lost" if lost and i <= generic_rank else " never" if lost else ""
+        if lost and i <= generic_rank:
+            note = " lost"
+        elif lost:
+            note = " never"
+        else:
+            note = ""
         rows.append(
             f'<div style="display:flex;align-items:center;gap:0.5em"><span style="width:1.8em">σ{i}</span>'
             f'<span style="flex:1;height:0.6em;border-radius:0.3em;background:rgba(128,128,128,0.25)">'
@@ -113,7 +134,10 @@ def details_html(found: Explanation) -> str:
 def _blame_line(place: int, circuit: Circuit) -> str:
     """One circuit to blame; `place`: from 0, the smallest first."""
     colour = CIRCUITS[min(place, len(CIRCUITS) - 1)]
-    words = f": {escape(circuit.words)}" if circuit.words else ""
+    if circuit.words:
+        words = f": {escape(circuit.words)}"
+    else:
+        words = ""
     return (
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{colour}'>■</span> "
         f"<b>joints {numbers(circuit.numbers)}</b>{words}"
@@ -145,7 +169,9 @@ def legend_html() -> str:
 
 def dimmed_html(content: str) -> str:
     """What was said of another configuration, until the new one is explained."""
-    return f'<div style="opacity:0.4" aria-hidden="true">{content}</div>' if content else ""
+    if content:
+        return f'<div style="opacity:0.4" aria-hidden="true">{content}</div>'
+    return ""
 
 
 def large_html(title: str, sentence: str) -> str:

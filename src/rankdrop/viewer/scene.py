@@ -142,7 +142,10 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
     made, long = [], share * size
     for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
         arrow, axis, turns = arrow_of(direction)
-        ring = point + long * ring_about(axes @ axis) if axis.any() else np.empty((0, 3))
+        if axis.any():
+            ring = point + long * ring_about(axes @ axis)
+        else:
+            ring = np.empty((0, 3))
         segments = np.stack([ring[:-1], ring[1:]], axis=1)
         made.append(Arrow(point, point + long * (axes @ arrow), turns, number, segments))
     return tuple(made)
@@ -200,7 +203,10 @@ def revolved(start: Array, end: Array, outline: Array, sides: int) -> tuple[Arra
     """
     way = end - start
     length = float(np.linalg.norm(way))
-    turn = turn_onto(way / length) if length > 0 else np.eye(3)
+    if length > 0:
+        turn = turn_onto(way / length)
+    else:
+        turn = np.eye(3)
     around = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
     place, radius = outline[:, :1] + 0.0 * around, outline[:, 1:]
     vertices = np.stack([radius * np.cos(around), radius * np.sin(around), place], axis=-1).reshape(-1, 3)
@@ -297,7 +303,10 @@ class Live:
         nearest, distance = (one[0] for one in far.nearest())
         links = link_poses(self.robot, q)
         r = self.generic_rank
-        lost = lost_directions(self.robot, q, self.task, max(1, seen.corank)) if r else np.zeros((0, 6))
+        if r:
+            lost = lost_directions(self.robot, q, self.task, max(1, seen.corank))
+        else:
+            lost = np.zeros((0, 6))
         blamed: tuple[Circuit, ...] = ()
         if seen.corank and self.robot.n <= LARGEST_CHAIN:
             blamed = blame(self.robot, q, self.task)

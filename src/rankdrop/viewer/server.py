@@ -95,7 +95,10 @@ class Viewer:
         gate = Gate(port, new_token() if wishes.expose else None)
         self.server: viser.ViserServer = start_gated(wishes.host, gate, self._arrived)
         self.url = _url(wishes.host, gate)
-        start = start_posture(robot, task) if wishes.q is None else wishes.q
+        if wishes.q is None:
+            start = start_posture(robot, task)
+        else:
+            start = wishes.q
         self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
                                frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
@@ -108,7 +111,10 @@ class Viewer:
         self.slice = SliceTab(self.controls)
         self._tour = TourTab(self.controls)
         origin = robot.source.origin
-        own = origin if origin and Path(origin).is_file() else robot.name
+        if origin and Path(origin).is_file():
+            own = origin
+        else:
+            own = robot.name
         command = wishes.command or f"rankdrop view {shlex.quote(own)}"
         self.share = ShareTab(self.controls, self.url.split("?")[0], command, self._another)
         self._add_look(dark=wishes.dark)
@@ -149,7 +155,10 @@ class Viewer:
     def _arrived(self, path: str) -> None:
         """A request for the page: a link may say where the arm is to stand."""
         session = getattr(self, "session", None)
-        q = None if session is None else state_of(path, session.live.robot)
+        if session is None:
+            q = None
+        else:
+            q = state_of(path, session.live.robot)
         if session is not None and q is not None:
             session.go(q)
 
@@ -204,6 +213,14 @@ class Viewer:
 def _url(host: str, gate: Gate) -> str:
     import socket
 
-    name = socket.gethostname() if host in {"0.0.0.0", "::"} else f"[{host}]" if ":" in host else host
-    token = f"/?token={gate.token}" if gate.token else "/"
+    if host in {"0.0.0.0", "::"}:
+        name = socket.gethostname()
+    elif ":" in host:
+        name = f"[{host}]"
+    else:
+        name = host
+    if gate.token:
+        token = f"/?token={gate.token}"
+    else:
+        token = "/"
     return f"http://{name}:{gate.port}{token}"

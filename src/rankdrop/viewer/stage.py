@@ -77,7 +77,10 @@ class Stage:
                             anchor="center-center", font_screen_scale=0.75)
             for one in body["joint"]
         ]  # fmt: skip
-        radius = 2 * body["rod"][0].radius if body["rod"] else 0.01
+        if body["rod"]:
+            radius = 2 * body["rod"][0].radius
+        else:
+            radius = 0.01
         self._rods = scene.add_line_segments("/rods", _NONE, _LIGHT_ARM, thickness=radius, visible=bool(body["rod"]))
         self.grid = scene.add_grid("/floor", 4 * self.size, 4 * self.size, cell_size=0.1 * self.size,
                                    section_size=0.5 * self.size, position=(0.0, 0.0, -0.002 * self.size))  # fmt: skip
@@ -87,7 +90,10 @@ class Stage:
         handles = []
         for i, one in enumerate(self.live.body[kind]):
             cut = (1 - share) / 2 * (one.end - one.start)
-            ends = (one.start, one.end) if kind == "link" else (one.start + cut, one.end - cut)
+            if kind == "link":
+                ends = (one.start, one.end)
+            else:
+                ends = (one.start + cut, one.end - cut)
             shape = (capsule_mesh if kind == "link" else barrel_mesh)(*ends, share * one.radius)
             handles.append(self.server.scene.add_mesh_simple(f"/{root}/{one.link}/{kind}{i}", *shape, **look))
         return handles
@@ -142,18 +148,30 @@ class Stage:
 
     def paint(self, *, dark: bool) -> None:
         """Colours of the body and the floor for a light or a dark page."""
-        arm, self._joint = (_DARK_ARM, _DARK_JOINT) if dark else (_LIGHT_ARM, _LIGHT_JOINT)
+        if dark:
+            arm, self._joint = (_DARK_ARM, _DARK_JOINT)
+        else:
+            arm, self._joint = (_LIGHT_ARM, _LIGHT_JOINT)
         for one in self._capsules:
             one.color = arm
         self._rods.colors = np.array(arm, dtype=np.uint8)
-        self.grid.cell_color = (60, 60, 64) if dark else (222, 222, 222)
-        self.grid.section_color = (92, 92, 98) if dark else (176, 176, 176)
+        if dark:
+            self.grid.cell_color = (60, 60, 64)
+        else:
+            self.grid.cell_color = (222, 222, 222)
+        if dark:
+            self.grid.section_color = (92, 92, 98)
+        else:
+            self.grid.section_color = (176, 176, 176)
         self._paint_joints()
 
     def _paint_joints(self) -> None:
         for barrel, handle in zip(self.live.body["joint"], self._barrels, strict=True):
             index = self.blamed.get(barrel.variable)
-            handle.color = self._joint if index is None else _circuit_colour(index)
+            if index is None:
+                handle.color = self._joint
+            else:
+                handle.color = _circuit_colour(index)
 
     def show_meshes(self, shown: bool) -> None:
         """Meshes, or the body of capsules."""
@@ -195,8 +213,14 @@ class Stage:
 
     def _show_arrows(self, now: Now) -> None:
         strong = now.verdict in {"singular", "near"}
-        shown = now.arrows if strong or self.always_weakest else ()
-        colour, lit = (rgb(VERMILION), _LIT) if strong else (rgb(SKY), rgb(SKY))
+        if strong or self.always_weakest:
+            shown = now.arrows
+        else:
+            shown = ()
+        if strong:
+            colour, lit = (rgb(VERMILION), _LIT)
+        else:
+            colour, lit = (rgb(SKY), rgb(SKY))
         turning = [arrow for arrow in shown if arrow.turns]
         shafts = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
         heads = [[1.05 * arrow.neck - 0.05 * arrow.end, arrow.end] for arrow in turning]

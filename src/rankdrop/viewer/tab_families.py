@@ -115,7 +115,10 @@ class FamiliesTab:
         live, session = self.controls.live, self.controls.session
         record = family_distances([self.family], live.robot, session.q, live.task, limits=session.limits)[0]
         if not record.q:
-            where = " within the joint limits" if session.limits else ""
+            if session.limits:
+                where = " within the joint limits"
+            else:
+                where = ""
             self.controls.say(f"no point of {self.family.id} was reached{where}")
             return None
         self.controls.say(f"{angle(record.distance)} away" if record.distance > _ON else "")
@@ -232,14 +235,20 @@ class EscapeTab:
         for one in out.single:
             usable = one.order is not None and one.within_limits and abs(one.step) > 0
             way = f"{motion(one.step, found.robot.variables[one.number - 1].unit)} → σ{r} = {short(one.sigma_after, 2)}"
-            told = way if usable else _why_not(one, lost=bool(out.corank))
+            if usable:
+                told = way
+            else:
+                told = _why_not(one, lost=bool(out.corank))
             _label(self.ui.single[one.number - 1], f"joint {one.number} {one.joint}: {told}", usable)
         pair, name = out.best_pair, "best two joints"
         if pair is not None:
             name = _direction_label(f"joints {' and '.join(map(str, pair.numbers))}", pair, r)
         _label(self.ui.pair, name, pair is not None and pair.step > 0)
         _label(self.ui.best, _direction_label("best direction", out.best_direction, r), out.best_direction.step > 0)
-        still = "none found" if out.avoidable is None else "impossible"
+        if out.avoidable is None:
+            still = "none found"
+        else:
+            still = "impossible"
         _label(self.ui.still, "with the tool held still" if out.still else f"tool held still: {still}",
                out.still is not None)  # fmt: skip
 
@@ -282,11 +291,15 @@ def _label(button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
 def _why_not(one: JointEscape, *, lost: bool) -> str:
     if one.order is not None:
         return "no room inside the limits"
-    return f"gains {one.gain} of the rank, not all" if one.gain and lost else "no help"
+    if one.gain and lost:
+        return f"gains {one.gain} of the rank, not all"
+    return "no help"
 
 
 def _direction_label(name: str, one: Direction, r: int) -> str:
-    return f"{name} → σ{r} = {short(one.sigma_after, 2)}" if one.step > 0 else f"{name}: no room inside the limits"
+    if one.step > 0:
+        return f"{name} → σ{r} = {short(one.sigma_after, 2)}"
+    return f"{name}: no room inside the limits"
 
 
 EDGE = 0.8  # of the box, as a share of the arm's size
@@ -345,7 +358,9 @@ class SliceBox:
 
 
 def _value(value: float, unit: str) -> str:
-    return f"{degrees(value):.0f}°" if unit == "rad" else f"{value:.3g} m"
+    if unit == "rad":
+        return f"{degrees(value):.0f}°"
+    return f"{value:.3g} m"
 
 
 COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)
@@ -393,7 +408,10 @@ class SliceTab:
         points = in_slice(live.robot, live.task, q, joints, starts=starts, limits=limits)
         box = SliceBox.of(live.robot, live.task, joints, size, limits=limits)
         scene = self.controls.server.scene
-        families = live.monitor.look(points.q).family if len(points.q) else np.zeros(0, dtype=np.int32)
+        if len(points.q):
+            families = live.monitor.look(points.q).family
+        else:
+            families = np.zeros(0, dtype=np.int32)
         colours = np.array([rgb(_colour(int(index))) for index in families], dtype=np.uint8)
         with self.controls.server.atomic():
             self._frame(box)
@@ -446,7 +464,9 @@ class SliceTab:
 
 
 def _colour(index: int) -> str:
-    return UNKNOWN if index < 0 else COLOURS[index % len(COLOURS)]
+    if index < 0:
+        return UNKNOWN
+    return COLOURS[index % len(COLOURS)]
 
 
 def _slice_notes(
@@ -458,7 +478,10 @@ def _slice_notes(
     lines = [f"{len(corank)} of {starts} starts arrived; the ball is where the arm stands"]
     for index in np.unique(families).tolist():
         here = families == index
-        name = f"{known[index].id} {plain(known[index].name)}" if index >= 0 else "on no known family"
+        if index >= 0:
+            name = f"{known[index].id} {plain(known[index].name)}"
+        else:
+            name = "on no known family"
         ranks = ", ".join(str(k) for k in np.unique(corank[here]))
         lines.append(f"<span style='color:{_colour(index)}'>■</span> {name}: {int(here.sum())}, corank {ranks}")
     return lines

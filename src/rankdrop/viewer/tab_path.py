@@ -65,7 +65,10 @@ def track_of(trajectory: Trajectory, monitor: Monitor) -> Track:
     """σ at every row, and distances at those that are shown: they take a millisecond or more."""
     seen = monitor.look(trajectory.q)
     r = monitor.generic_rank
-    sigma = seen.sigma[:, r - 1] if r else np.zeros(len(trajectory.q))
+    if r:
+        sigma = seen.sigma[:, r - 1]
+    else:
+        sigma = np.zeros(len(trajectory.q))
     shown = thinned(sigma)
     far = monitor.distances(trajectory.q[shown], along=True).nearest()[1]
     return Track(trajectory.times, sigma, shown, far, int(sigma.argmin()), int((seen.corank > 0).sum()))
@@ -185,7 +188,10 @@ class PathTab:
     def _playing(self, trajectory: Trajectory) -> Iterator[Array]:
         """From the slider's time to the end, from the start where it stands at the end."""
         last = float(trajectory.times[-1])
-        time = self.ui.time.value if self.ui.time.value < last - 1e-3 else float(trajectory.times[0])
+        if self.ui.time.value < last - 1e-3:
+            time = self.ui.time.value
+        else:
+            time = float(trajectory.times[0])
         while time < last:
             put(self.ui.time, time)
             yield trajectory.at(time)
@@ -284,11 +290,17 @@ class ShareTab:
         self.recording = not self.recording
         if self.recording:
             self.rows = [(monotonic(), self.controls.session.q)]
-        self.ui.record.label = "stop recording" if self.recording else "record the session"
+        if self.recording:
+            self.ui.record.label = "stop recording"
+        else:
+            self.ui.record.label = "record the session"
         self._tell()
 
     def _tell(self) -> None:
-        full = ", as many as are kept" if len(self.rows) >= _MOST_ROWS else ""
+        if len(self.rows) >= _MOST_ROWS:
+            full = ", as many as are kept"
+        else:
+            full = ""
         self.ui.text.content = panel.message_html(f"{len(self.rows)} rows{full}" if self.rows else "")
 
     def _save(self) -> None:

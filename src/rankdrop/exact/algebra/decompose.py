@@ -378,12 +378,21 @@ def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
         work.assume(letters)
     pieces: list[ZeroSet] = []
     for atom, _ in found.atoms:
-        inside, outside = one.split_by_zero(zero_where(ring, atom), atom.f) if one.several else (None, one)
+        if one.several:
+            inside, outside = one.split_by_zero(zero_where(ring, atom), atom.f)
+        else:
+            inside, outside = (None, one)
         if inside is not None:
-            pieces += pinned(one, atom.joint, atom.value, work, one.codimension) if atom.pinned else [inside]
+            if atom.pinned:
+                pieces += pinned(one, atom.joint, atom.value, work, one.codimension)
+            else:
+                pieces += [inside]
         if outside is None:
             return pieces
-        parts = pinned(outside, atom.joint, atom.value, work) if atom.pinned else cut_half(outside, atom.f, work)
+        if atom.pinned:
+            parts = pinned(outside, atom.joint, atom.value, work)
+        else:
+            parts = cut_half(outside, atom.f, work)
         if parts and parts[0] is one:
             return [one]
         pieces += parts
@@ -427,7 +436,9 @@ def pinned(one: ZeroSet, joint: int, value: str, work: Work, codimension: int = 
     """
     ring = one.ring
     if joint in one.pins:
-        return [one] if one.pins[joint] == value else []
+        if one.pins[joint] == value:
+            return [one]
+        return []
     if one.stands(joint, value):
         return [one]
     conditions = [ring.form(f).at({joint: value}) for f in (*one.equations, *one.known)]
@@ -449,10 +460,16 @@ def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
         if joint not in one.pins and ring.index[f"t{joint}"] not in taken:
             pieces += pinned(one, joint, "pi", work)
     # where a denominator vanishes, the condition as it was given still binds the solved variable
-    given = [f] if any(solved.place in used(f) and used(solved.denominator) for solved in one.solved) else []
+    if any(solved.place in used(f) and used(solved.denominator) for solved in one.solved):
+        given = [f]
+    else:
+        given = []
     for part in factors(ring, form.f, work):
         cuts = _with(one, part, work)
-        pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts] if given else cuts
+        if given:
+            pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts]
+        else:
+            pieces += cuts
     pieces += _edges(one, work)
     pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
     zero = ring.trig_zero_set(f)
@@ -533,7 +550,10 @@ def _normal(one: ZeroSet, f: Polynomial) -> Form:
     """f in the free variables of a set, times denominators; the solved variables do not occur, not even at π."""
     form = one.ring.form(f)
     for solved in one.solved:
-        counted = form.degrees if solved.place < one.ring.angles else form.f.degrees()
+        if solved.place < one.ring.angles:
+            counted = form.degrees
+        else:
+            counted = form.f.degrees()
         if counted[solved.place]:
             form = put(form, solved)
     return form

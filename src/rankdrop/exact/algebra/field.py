@@ -57,7 +57,9 @@ def modulo(value: Any, prime: int = P) -> int:
     """A rational number (`flint.fmpq`) modulo a prime."""
     bottom = int(value.q)
     top = int(value.p) % prime
-    return top if bottom == 1 else top * pow(bottom, -1, prime) % prime
+    if bottom == 1:
+        return top
+    return top * pow(bottom, -1, prime) % prime
 
 
 def residue(value: Number, prime: int = P) -> int:
@@ -177,7 +179,9 @@ def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
         return value_at(ring, f, point) == 0
-    return stands(point, f.joint, f.value) if f.pinned else half_angle_value(ring, f.f, point) == 0
+    if f.pinned:
+        return stands(point, f.joint, f.value)
+    return half_angle_value(ring, f.f, point) == 0
 
 
 def roots(values: Sequence[int], prime: int = P) -> list[int]:
@@ -262,7 +266,10 @@ def zeros_in_space(conditions: Sequence[Polynomial]) -> list[tuple[int, ...]] | 
         name = "xyz"[place]
         outside += [inside[0].resultant(f, name) for f in inside[1:]]
         zeros = _zeros_in_plane(outside, place)
-        found = None if zeros is None else _lines_through(conditions, inside, zeros, place)
+        if zeros is None:
+            found = None
+        else:
+            found = _lines_through(conditions, inside, zeros, place)
         if found is not None:
             return found
     return None

@@ -134,7 +134,9 @@ class Atom:
     @property
     def weight(self) -> int:
         """How long the condition is: 1 for a pinned joint, else 2 + number of terms."""
-        return 1 if self.f is None else 2 + len(self.f)
+        if self.f is None:
+            return 1
+        return 2 + len(self.f)
 
 
 class Factors(NamedTuple):
@@ -283,7 +285,9 @@ def _cosine(angle: int) -> Number:
         18: ((("cos18",), Fraction(1)),), 54: ((("cos18",), -half), (("cos18", "sqrt5"), half)),
     }  # fmt: skip
     found = terms[angle]
-    return Surd(found) if any(names for names, _ in found) else sum((value for _, value in found), Fraction(0))
+    if any(names for names, _ in found):
+        return Surd(found)
+    return sum((value for _, value in found), Fraction(0))
 
 
 @lru_cache
@@ -391,7 +395,9 @@ def number_value(number: Polynomial) -> Fraction:
 def rational_square(name: str) -> Fraction | None:
     """The square of a root where that is a rational number; None where it is not, and for what is no root."""
     square = _SQUARES.get(name, {})
-    return square[()] if square.keys() == {()} else None
+    if square.keys() == {()}:
+        return square[()]
+    return None
 
 
 def monic(f: Polynomial) -> Polynomial:
@@ -399,7 +405,9 @@ def monic(f: Polynomial) -> Polynomial:
     if f == 0 or not _relations(f.context()):
         return f
     number = leading_number(f)
-    return f if number.is_constant() else reduced_roots(f * norm(number)[1])
+    if number.is_constant():
+        return f
+    return reduced_roots(f * norm(number)[1])
 
 
 def primitive(f: Polynomial) -> Polynomial:
@@ -462,12 +470,16 @@ def gcd(f: Polynomial, g: Polynomial) -> Polynomial:
     if not (roots_in(f) and f != 0 and g != 0):
         return f.gcd(g)
     found = _from_images(f, g, _common, lambda h, f, g: divmod(f, h)[1] == 0 and divmod(g, h)[1] == 0)
-    return f.context().constant(1) if found is None else primitive(found)
+    if found is None:
+        return f.context().constant(1)
+    return primitive(found)
 
 
 def _common(f: Polynomial, g: Polynomial) -> Polynomial | None:
     common = f.gcd(g)
-    return None if common.is_constant() else common
+    if common.is_constant():
+        return None
+    return common
 
 
 _LIFTED = 256  # primes, for coefficients of 8,000 bits
@@ -508,7 +520,10 @@ def _from_images(
         known = {e: (a := known.get(e, 0)) + modulus * ((image.get(e, 0) - a) * step % prime)
                  for e in {*known, *image}}  # fmt: skip
         modulus *= prime
-        found = _rational(known, modulus, f.context()) if number < 8 or number % 8 == 0 else None
+        if number < 8 or number % 8 == 0:
+            found = _rational(known, modulus, f.context())
+        else:
+            found = None
         if found is not None and holds(*(_image(x, last)[0] for x in (found, f, g))):
             return found
     raise TooLong("a condition with roots of numbers has too long coefficients")
@@ -641,7 +656,10 @@ def _content(f: Polynomial) -> Polynomial | None:
             continue
         content = f.context().constant(0)
         for part in coefficients(f, place):
-            content = gcd(content, part) if part != 0 else content
+            if part != 0:
+                content = gcd(content, part)
+            else:
+                content = content
             if content != 0 and is_number(content):
                 break
         if not is_number(content):
@@ -668,7 +686,9 @@ def _squarefree(f: Polynomial) -> Polynomial | None:
     """f without repeated factors where it has one; None where it has none in its first variable."""
     name = next(name for name, degree in zip(_names(f.context()), f.degrees(), strict=True) if degree)
     common = gcd(f, f.derivative(name))
-    return None if is_number(common) else quotient(f, common)
+    if is_number(common):
+        return None
+    return quotient(f, common)
 
 
 def _shifted(f: Polynomial, shift: int) -> Polynomial:

@@ -272,7 +272,9 @@ class Ring:
 
     def half_of(self, atom: Atom) -> Polynomial:
         """The half-angle polynomial that vanishes where an atom other than θ = π holds."""
-        return self.t[atom.joint] - TANGENT[atom.value] if atom.pinned else atom.f
+        if atom.pinned:
+            return self.t[atom.joint] - TANGENT[atom.value]
+        return atom.f
 
     def at(self, p: Polynomial, pins: Mapping[int, str]) -> Polynomial:
         """A trigonometric polynomial with some joints at simple angles, reduced."""
@@ -282,7 +284,9 @@ class Ring:
         for joint, value in pins.items():
             cosine, sine = COS_SIN[value]
             values[f"c{joint}"], values[f"s{joint}"] = cosine, sine
-        return self.reduce(p.subs(values)) if values else self.reduce(p)
+        if values:
+            return self.reduce(p.subs(values))
+        return self.reduce(p)
 
     def to_trig(self, f: Polynomial, degrees: Sequence[int] = ()) -> Polynomial | None:
         """The primitive trigonometric polynomial with the zeros of f; None where some t_j has odd degree.
@@ -317,7 +321,9 @@ class Ring:
     def trig_zero_set(self, f: Polynomial) -> Polynomial:
         """A trigonometric polynomial with the zeros of f: `to_trig`, of f² where f itself has half angles."""
         found = self.to_trig(f)
-        return found if found is not None else self.to_trig(self.product(f, f))
+        if found is not None:
+            return found
+        return self.to_trig(self.product(f, f))
 
     def powers_at(self, f: Polynomial, theta: Array, degrees: Sequence[int] = ()) -> list[list[Array]]:
         """The powers that f contains of each variable that moves, at θ (..., n); f is of either ring.
@@ -362,7 +368,10 @@ class Ring:
                         below = minor(columns[:place] + columns[place + 1 :])
                         tick(2 + 0.3 * len(row[column]) * len(below))
                         part = self.product(row[column], below)
-                        total = total - part if place % 2 else total + part
+                        if place % 2:
+                            total = total - part
+                        else:
+                            total = total + part
                 minors[columns] = self.reduce(total)
             return minors[columns]
 
@@ -405,7 +414,10 @@ class Form:
         f, degrees = self.f, list(self.degrees)
         for joint, value in pins.items():
             place = self.ring.index[f"t{joint}"]
-            f = coefficient(f, place, degrees[place]) if value == "pi" else f.subs({f"t{joint}": TANGENT[value]})
+            if value == "pi":
+                f = coefficient(f, place, degrees[place])
+            else:
+                f = f.subs({f"t{joint}": TANGENT[value]})
             degrees[place] = 0
         return Form(self.ring, f, tuple(degrees))
 
@@ -432,7 +444,10 @@ class Form:
     @property
     def cost(self) -> float:
         """Work of factoring it [µs]."""
-        digits = int(self.f.coeffs()[0].p).bit_length() if self.f != 0 else 0
+        if self.f != 0:
+            digits = int(self.f.coeffs()[0].p).bit_length()
+        else:
+            digits = 0
         return 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
 
     def _factored(self) -> Factors:
@@ -480,7 +495,10 @@ def numeric_terms(
         share = value / unit
         number = int(share.p) / int(share.q)
         for name, e in zip(f.context().names(), map(int, powers), strict=True):
-            number *= numbers[name] ** e if name in lengths else 10.0 ** (power * e * (name[0] == "q"))
+            if name in lengths:
+                number *= numbers[name] ** e
+            else:
+                number *= 10.0 ** (power * e * (name[0] == "q"))
         yield number, tuple(map(int, powers))
 
 

@@ -53,7 +53,10 @@ def put(form: Form, solved: Solved) -> Form:
     """A form with a solved variable put in."""
     ring, f = form.ring, form.f
     turning = solved.place < ring.angles
-    power = form.degrees[solved.place] if turning else int(f.degrees()[solved.place])
+    if turning:
+        power = form.degrees[solved.place]
+    else:
+        power = int(f.degrees()[solved.place])
     tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
     left = [d + power * max(int(t), int(b)) for d, t, b in zip(form.degrees, tops, bottoms, strict=False)]
     if turning:
@@ -315,7 +318,10 @@ def _zeros(
     known = residues_of_roots(roots_in(system[0]), prime) or {}
     forms = []
     for place, name in enumerate(names):
-        start = residue(lengths[name], prime) if name in lengths else rng.randrange(prime)
+        if name in lengths:
+            start = residue(lengths[name], prime)
+        else:
+            start = rng.randrange(prime)
         form = context.constant(known.get(name, start))
         forms.append(sum((rng.randrange(prime) * v for v in variables), form) if place < moving else form)
     places = sorted({place for f in system for place in used(f) if place < moving})
@@ -333,7 +339,9 @@ def _zero_on_line(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], p
         common = _without(common, circle)
     if common.is_constant():
         return False
-    return True if roots(dense(common, 0), prime) else None
+    if roots(dense(common, 0), prime):
+        return True
+    return None
 
 
 def _zero_in_plane(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], prime: int) -> bool | None:

@@ -36,7 +36,9 @@ def spent() -> float:
 
 def failure(error: BaseException) -> str:
     """What ended a derivation: the limit that was met, or the error, in words."""
-    return str(error) if isinstance(error, OutOfTime) else f"{type(error).__name__}: {error}"
+    if isinstance(error, OutOfTime):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
 
 
 Progress = Callable[[str, int, int], None]
@@ -108,7 +110,10 @@ class Work:
     def share(self, part: float) -> Iterator[None]:
         """Until the end of the block the limit is this part of the work that is left."""
         end = self._end
-        self._end = end if part >= 1.0 else spent() + part * self.left
+        if part >= 1.0:
+            self._end = end
+        else:
+            self._end = spent() + part * self.left
         try:
             yield
         finally:

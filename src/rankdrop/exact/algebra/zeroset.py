@@ -100,7 +100,9 @@ class ZeroSet:
     def point(self, rng: random.Random) -> Point | None:
         """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
         if self._base > 2:
-            return rng.choice(self.samples) if self.samples else None
+            if self.samples:
+                return rng.choice(self.samples)
+            return None
         for number in range(_TRIES):
             values = self._start(rng, self.ring.primes[0 if number < _FIRST else number % len(self.ring.primes)])
             if not self._solve_rest(values, rng) or not self._fill_in(values):
@@ -266,7 +268,9 @@ class ZeroSet:
     @cached_property
     def _base(self) -> int:
         """How many unsolved conditions are solved together: three where the third has no variable of its own."""
-        return 3 if len(self.rest) > 2 and self._own(self._ordered, 2) is None else 2
+        if len(self.rest) > 2 and self._own(self._ordered, 2) is None:
+            return 3
+        return 2
 
     def _spread(self, rng: random.Random, primes: Sequence[int]) -> list[Point] | None:
         """All points on slices in which two or three variables move and the others stand still at random.
@@ -299,7 +303,10 @@ class ZeroSet:
     def _above(self, values: Point) -> Iterator[Point]:
         """The points of the set at which the first conditions are solved."""
         for here in self._towers(values, self._base):
-            point = complete(self.ring, here, self.pins) if self._fill_in(here) else None
+            if self._fill_in(here):
+                point = complete(self.ring, here, self.pins)
+            else:
+                point = None
             if point is not None and self._chosen(point):
                 yield point
 
@@ -318,7 +325,9 @@ class ZeroSet:
             part.__dict__["samples"] = kept  # what is known already is not looked for again
         if not inside.samples:
             return None, self
-        return (self, None) if not outside.samples else (inside, outside)
+        if not outside.samples:
+            return (self, None)
+        return (inside, outside)
 
     def saying(self, f: Polynomial, p: Polynomial) -> ZeroSet:
         """The same set with one more of its conditions told: a half-angle polynomial f that vanishes on all of it.

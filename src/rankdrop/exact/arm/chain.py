@@ -231,7 +231,10 @@ class Chain:
     def roots(self) -> list[str]:
         """Names of the roots in the arm's numbers, out of `ROOTS`."""
         turns = [turn for section in self.sections for turn in (section.twist, section.phase)]
-        axes = [] if self.task.m == 6 else [x for rows in (self._start, self._end) for row in rows for x in row]
+        if self.task.m == 6:
+            axes = []
+        else:
+            axes = [x for rows in (self._start, self._end) for row in rows for x in row]
         return roots_of([*(x for turn in turns for x in (turn.cos, turn.sin)), *axes])
 
     @cached_property
@@ -308,7 +311,10 @@ class Chain:
     def frames(self) -> range:
         """The link frames that are tried: of a long arm those in its middle, for every joint between makes the screws
         of general arms three times longer."""
-        near = self.links // 4 if self.links > WIDE else 0
+        if self.links > WIDE:
+            near = self.links // 4
+        else:
+            near = 0
         return range(1 + near, self.links - near)
 
     @cached_property
@@ -368,11 +374,16 @@ class Chain:
         """The n columns in the axes of link k, the linear part taken at the origin of the frame of link m."""
         pose = self.link_pose(k, m)
         point = [pose[i][3] for i in range(3)]
-        return self.screws(k) if k == m else [moved(self.ring, one, point) for one in self.screws(k)]
+        if k == m:
+            return self.screws(k)
+        return [moved(self.ring, one, point) for one in self.screws(k)]
 
     def link_pose(self, k: int, m: int) -> Matrix:
         """The pose of the frame of link m in that of link k."""
-        pose = next(pose for j, pose in self._poses(k) if j == m) if m != k else identity(self.ring)
+        if m != k:
+            pose = next(pose for j, pose in self._poses(k) if j == m)
+        else:
+            pose = identity(self.ring)
         return times(self.ring, pose, self._joint(m)) if m > k else pose  # the frame before joint m turns and slides
 
     def augmented(self, k: int) -> list[list[Polynomial]]:
@@ -384,7 +395,10 @@ class Chain:
         """
         ring = self.ring
         last = self.link_pose(k, self.links)
-        first = last if self.in_body else times(ring, self.link_pose(k, 1), inverse(ring, self._joint(1)))
+        if self.in_body:
+            first = last
+        else:
+            first = times(ring, self.link_pose(k, 1), inverse(ring, self._joint(1)))
         tip = self._tip_in(last)
         found = list(self.screws(k))
         for row in sorted({*range(6)} - {*self.task.rows}):
@@ -485,7 +499,9 @@ class Chain:
     @property
     def task_axes(self) -> list[list[Number]]:
         """The axes of the task in the frame of link n, or in the one before joint 1: see `in_body`."""
-        return self._end if self.in_body else self._start
+        if self.in_body:
+            return self._end
+        return self._start
 
     @cached_property
     def _start(self) -> list[list[Number]]:
@@ -545,7 +561,10 @@ def exact_chain(
     unit = Fraction(10) ** power
     found, roundings = sections(in_units(robot), float(unit))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
-    tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
+    if resolved.m < 6 and min(resolved.rows) < 3:
+        tip = _tip(robot)
+    else:
+        tip = None
     if tip is not None:
         roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(found) + 1, float(unit))
     if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:

@@ -65,7 +65,9 @@ class Turn:
     @property
     def quarters(self) -> int | None:
         """0, 1, 2 or 3 quarter turns; None for another angle."""
-        return _QUARTERS.index((self.cos, self.sin)) if (self.cos, self.sin) in _QUARTERS else None
+        if (self.cos, self.sin) in _QUARTERS:
+            return _QUARTERS.index((self.cos, self.sin))
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +118,10 @@ class Deviation:
 def _rounding(kind: str, name: str, joint: int, given: float, error: float) -> Deviation:
     """A number that the derivation rounds: given [rad, m], and by how much."""
     what = {"twist": f"twist after {name}", "angle": f"angle of {name}"}.get(kind, f"length {kind} of {name}")
-    value, unit = (f"{degrees(given):.12g}°", "rad") if kind in ("twist", "angle") else (f"{given:.12g} m", "m")
+    if kind in ("twist", "angle"):
+        value, unit = (f"{degrees(given):.12g}°", "rad")
+    else:
+        value, unit = (f"{given:.12g} m", "m")
     return Deviation(kind, (joint,), error, f"{what}: {value} is rounded by {abs(error):.1e} {unit}")
 
 
@@ -146,7 +151,10 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
         turns = joint.kind is JointKind.REVOLUTE
         multiplier = Fraction(round(joint.multiplier) if turns else repr(float(joint.multiplier)))
         # φ + m q + b = (φ + b − m s) + m θ, where θ = q + s is what conditions speak of; s = 0 of a slide
-        shift = shifts[joint.name] if joint.mimic is None else 0.0
+        if joint.mimic is None:
+            shift = shifts[joint.name]
+        else:
+            shift = 0.0
         if joint.mimic is not None and turns:
             angle = remainder(angle + joint.offset - joint.multiplier * shifts[joint.driver], 2 * pi)
         elif joint.mimic is not None:
@@ -178,7 +186,9 @@ def _angle(before: Array, after: Array, z: Array) -> float:
 
 def _shift(joint: Joint, angle: float) -> float:
     """θ − q of a joint with this angle at q = 0: 0 where that is a whole number of quarter turns [rad]."""
-    return angle if joint.kind is JointKind.REVOLUTE and turn(angle).quarters is None else 0.0
+    if joint.kind is JointKind.REVOLUTE and turn(angle).quarters is None:
+        return angle
+    return 0.0
 
 
 def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
@@ -216,7 +226,9 @@ def rational_circle(angle: float) -> tuple[Fraction, Fraction]:
 def exact_cosine(value: float) -> Number:
     """The cosine of a multiple of 15° or 18° where a number is that, else its decimal of `DIGITS` places."""
     cosine = turn(acos(max(-1.0, min(1.0, value)))).cos
-    return cosine if abs(float(cosine) - value) <= _NOISE["twist"] else decimals([value])[0]
+    if abs(float(cosine) - value) <= _NOISE["twist"]:
+        return cosine
+    return decimals([value])[0]
 
 
 def _length(value: float) -> Fraction:
@@ -275,7 +287,9 @@ def _inverse(multiplier: float) -> int | None:
     if not 0 < abs(multiplier) < 1:
         return None
     inverse = round(1 / multiplier)
-    return inverse if abs(inverse) <= LARGEST and abs(1 / multiplier - inverse) <= ALIGNED else None
+    if abs(inverse) <= LARGEST and abs(1 / multiplier - inverse) <= ALIGNED:
+        return inverse
+    return None
 
 
 def first_and_last(robot: Robot) -> tuple[Array, Array]:
@@ -332,7 +346,10 @@ def named_lengths(
     values = _values(links, tip)
     if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
-    letters = _own_letters(robot) if isinstance(lengths, str) else dict(given)
+    if isinstance(lengths, str):
+        letters = _own_letters(robot)
+    else:
+        letters = dict(given)
     named = {*letters}
     written: dict[Place, tuple[int, str]] = {}
     for (i, which), value in values.items():
@@ -340,7 +357,10 @@ def named_lengths(
         same = [x for x, known in letters.items() if abs(known) == abs(value) and (x in named or x[0] == which)]
         if given and not same:
             continue
-        name = min(same, key=lambda x: x[0] != which) if same else _free(f"{which}{min(i + 1, len(links))}", letters)
+        if same:
+            name = min(same, key=lambda x: x[0] != which)
+        else:
+            name = _free(f"{which}{min(i + 1, len(links))}", letters)
         letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     used = {name for _, name in written.values()}

@@ -67,7 +67,9 @@ class ExactStructure:
     @property
     def shoulder(self) -> tuple[int, ...]:
         """The first three joints where their axes meet in one point, else empty."""
-        return (1, 2, 3) if (1, 2, 3) in self.points else ()
+        if (1, 2, 3) in self.points:
+            return (1, 2, 3)
+        return ()
 
     @property
     def srs(self) -> bool:
@@ -76,7 +78,10 @@ class ExactStructure:
 
     def sentences(self) -> tuple[str, ...]:
         """All of it in words, what is missed by little and what was rounded last."""
-        found = ["S-R-S: spherical shoulder, elbow, spherical wrist"] if self.srs else []
+        if self.srs:
+            found = ["S-R-S: spherical shoulder, elbow, spherical wrist"]
+        else:
+            found = []
         for triple in self.points:
             part = {self.wrist: " (spherical wrist)", self.shoulder: " (spherical shoulder)"}.get(triple, "")
             found.append(f"the axes of joints {listed(triple)} meet in one point{part}")
@@ -171,7 +176,10 @@ def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]
     groups: list[list[int]] = []
     for j in (j for j in range(1, chain.n + 1) if revolute[j - 1]):
         # a joint between that is not parallel to two others turns one about itself: those in a row are enough
-        axis = chain.near(groups[-1][-1], [j])[0][3:5] if groups else None
+        if groups:
+            axis = chain.near(groups[-1][-1], [j])[0][3:5]
+        else:
+            axis = None
         if axis is not None and not any(x != 0 for x in axis):
             groups[-1].append(j)
         else:
@@ -208,7 +216,9 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
 
 def _in_words(length: float, unit: float) -> str:
     """In thousandths of the unit that was given; of an arm given in metres, in mm."""
-    return f"{length * 1000:.4g} mm" if unit == 1.0 else f"{length:.4g} m"
+    if unit == 1.0:
+        return f"{length * 1000:.4g} mm"
+    return f"{length:.4g} m"
 
 
 Columns = list[list[Polynomial]]
@@ -262,13 +272,18 @@ def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
         chain: as many joints as its task has rows.
         structure: of the chain.
     """
-    found = [] if chain.coupled else list(_candidates(chain, structure))
+    if chain.coupled:
+        found = []
+    else:
+        found = list(_candidates(chain, structure))
     if not found:
         return None
     parts = {structure.wrist: 0, structure.shoulder: 1}
     kinds = list(KINDS)
     best = min(found, key=lambda one: (kinds.index(one.kind), parts.get(one.group, 2), _terms(one.columns)))
-    return _best_axes(chain, best) if best.kind == "point" else best
+    if best.kind == "point":
+        return _best_axes(chain, best)
+    return best
 
 
 def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
@@ -280,7 +295,10 @@ def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
             others = tuple(r for r in rows if r not in moved)
             still = [rows.index(r) for r in others]
             group = tuple(j for j, column in enumerate(columns, 1) if not any(column[i] != 0 for i in still))
-            fits = rows == POSE if kind in _WHOLE else kind == "plane" or rows == (0, 1, 5)
+            if kind in _WHOLE:
+                fits = rows == POSE
+            else:
+                fits = kind == "plane" or rows == (0, 1, 5)
             if not (fits and own and others and len(group) == len(own)):
                 continue
             yield BlockForm(
@@ -319,7 +337,10 @@ def flat(chain: Chain) -> bool:
     one = next(j for j, section in enumerate(chain.sections, 1) if section.kind is JointKind.REVOLUTE)
     if any(screw[3] != 0 or screw[4] != 0 for screw in chain.near(one, range(1, chain.links + 1))):
         return False
-    z = chain.robot.home[:3, 2] if chain.task.frame == BODY else np.array([0.0, 0.0, 1.0])
+    if chain.task.frame == BODY:
+        z = chain.robot.home[:3, 2]
+    else:
+        z = np.array([0.0, 0.0, 1.0])
     axis = chain.robot.joints[one - 1].screw[3:]  # all others are parallel, so it never moves
     return bool(np.linalg.norm(np.cross(axis, z)) <= ALIGNED)
 
@@ -344,7 +365,9 @@ def _point(structure: ExactStructure, kind: str, group: tuple[int, ...], origin:
         where = f"the point where axes {listed(group)} meet"
         part = {structure.wrist: "the wrist centre", structure.shoulder: "the shoulder centre"}.get(group, "")
         return f"{part}, {where}" if part else where
-    return f"the foot of the common normal after joint {origin}, on its axis" if origin else "the tip"
+    if origin:
+        return f"the foot of the common normal after joint {origin}, on its axis"
+    return "the tip"
 
 
 def _names(structure: ExactStructure, kind: str, group: tuple[int, ...]) -> tuple[str, str]:
@@ -400,7 +423,10 @@ def frame_jacobian(chain: Chain, k: int, at: int | None = None) -> list[list[Pol
         ['c2*a2 + a1', 'c2*a2']
     """
     check_frame(chain, k, at)
-    screws = chain.screws_at_tip(k) if at is None else chain.screws_about(k, at)
+    if at is None:
+        screws = chain.screws_at_tip(k)
+    else:
+        screws = chain.screws_about(k, at)
     return [[column[r] for column in screws] for r in chain.task.rows]
 
 

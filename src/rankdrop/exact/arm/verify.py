@@ -92,7 +92,10 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
         place = [(place[i] + sum(turned[i][k] * tip[k] for k in range(3))) % prime for i in range(3)]
     for row in left_out:
         along = [residue(x, prime) for x in chain.task_axes[row % 3]]
-        axis = [sum(turned[i][k] * along[k] for k in range(3)) % prime for i in range(3)] if chain.in_body else along
+        if chain.in_body:
+            axis = [sum(turned[i][k] * along[k] for k in range(3)) % prime for i in range(3)]
+        else:
+            axis = along
         found.append([*_moment(place, axis, prime), *axis] if row > 2 else [*axis, 0, 0, 0])
     return found
 
@@ -111,7 +114,10 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
-    value = chain.tip["aid".index(which)] if place == chain.links else getattr(chain.sections[place], which)
+    if place == chain.links:
+        value = chain.tip["aid".index(which)]
+    else:
+        value = getattr(chain.sections[place], which)
     return residue(value, point.prime)
 
 

@@ -1,0 +1,101 @@
+"""What a reader feels, in bounds for each room that only go down: one step per line, functions that fit in the head.
+
+A new capability may raise a bound of its room in the commit that adds it, which says why.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from functools import cache
+
+import pytest
+from sources import FILES, SOURCE, nodes
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp
+BRANCHES = ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler | ast.comprehension | ast.Assert
+
+CONDITIONAL, NESTED = 28, 11
+"""In the whole package, for each thousand statements: conditional expressions, comprehensions inside others."""
+
+BOUNDS: dict[str, tuple[int, int, int, int]] = {
+    ".": (36, 2, 5, 0), "aspects": (6, 11, 2, 0), "certify": (25, 5, 4, 0), "cli": (97, 8, 20, 0),
+    "designs": (59, 19, 7, 0), "exact": (175, 238, 75, 1), "families": (93, 35, 19, 0), "family": (31, 20, 10, 0),
+    "jobs": (3, 0, 2, 0), "local": (64, 17, 13, 0), "motion": (173, 27, 53, 3), "proof": (51, 46, 28, 1),
+    "report": (66, 9, 6, 0), "results": (27, 16, 6, 1), "robot": (91, 12, 25, 0), "schema": (11, 1, 0, 0),
+    "text": (227, 49, 38, 1), "verbs": (27, 7, 8, 1), "viewer": (40, 7, 3, 0),
+}  # fmt: skip
+"""Conditional expressions, nested comprehensions, functions of complexity above 10, and above 20, of each room."""
+
+
+def functions(tree: ast.AST) -> Iterator[Function]:
+    """All functions, inner ones as well."""
+    return (node for node in ast.walk(tree) if isinstance(node, Function))
+
+
+def complexity(function: Function) -> int:
+    """McCabe's number: one, and one more for each branch and each `and` or `or`."""
+    count = 1
+    for node in ast.walk(function):
+        if isinstance(node, BRANCHES):
+            count += 1
+        elif isinstance(node, ast.BoolOp):
+            count += len(node.values) - 1
+    return count
+
+
+def nested(node: ast.AST) -> bool:
+    """Whether it is a comprehension with several loops, or one around another."""
+    if not isinstance(node, COMPREHENSIONS):
+        return False
+    inner = sum(isinstance(other, COMPREHENSIONS) for other in ast.walk(node)) - 1
+    return len(node.generators) > 1 or inner > 0
+
+
+@cache
+def counted() -> tuple[dict[str, tuple[int, int, int, int]], Counter[str]]:
+    """What BOUNDS bounds, for each room; and the sums over the package, statements in functions among them."""
+    rooms: dict[str, Counter[str]] = defaultdict(Counter)
+    for path in FILES:
+        parts = path.relative_to(SOURCE).parts
+        room = rooms[parts[0] if len(parts) > 1 else "."]
+        for function in (node for node in nodes(path) if isinstance(node, Function)):
+            many = complexity(function)
+            room["above 10"] += many > 10
+            room["above 20"] += many > 20
+        for node in nodes(path):
+            room["statements"] += isinstance(node, ast.stmt)
+            room["conditional"] += isinstance(node, ast.IfExp)
+            room["nested"] += nested(node)
+    names = ("conditional", "nested", "above 10", "above 20")
+    return {room: tuple(one[name] for name in names) for room, one in rooms.items()}, sum(rooms.values(), Counter())
+
+
+@pytest.mark.parametrize("room", sorted(counted()[0]))
+def test_a_room_gets_no_harder_to_read(room: str) -> None:
+    found, bounds = counted()[0][room], BOUNDS.get(room, (0, 0, 0, 0))
+    names = ("conditional expressions", "nested comprehensions", "functions above 10", "functions above 20")
+    more = [f"{name}: {a} > {b}" for name, a, b in zip(names, found, bounds, strict=True) if a > b]
+    assert more == [], room
+
+
+def test_the_package_as_a_whole() -> None:
+    whole = counted()[1]
+    assert whole["conditional"] <= CONDITIONAL * whole["statements"] / 1000
+    assert whole["nested"] <= NESTED * whole["statements"] / 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("def f():\n  pass", 1), ("def f(a):\n  return 1 if a and a > 2 else 0", 3),
+     ("def f(a):\n  return [x for x in a if x]", 2), ("def f(a):\n  for x in a:\n    if x:\n      return x", 3)],
+)
+def test_complexity_counts_what_it_says(text: str, number: int) -> None:
+    assert complexity(next(functions(ast.parse(text)))) == number
+
+
+def test_a_comprehension_around_another_is_nested() -> None:
+    flat, deep = (ast.parse(text, mode="eval").body for text in ("[x for x in a]", "[[y for y in x] for x in a]"))
+    assert (nested(flat), nested(deep)) == (False, True)

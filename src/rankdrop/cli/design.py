@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 class SweepOptions(Options):
     """Where a sweep works, and the files of its result."""
 
+    example: Annotated[
+        str | None, option("Write a plan to try: eight variants of a UR5; nothing is measured", writes=(".toml",))
+    ] = None  # fmt: skip
     out: Annotated[
         str | None,
         option("Folder for finished parts, with a journal: after an interruption run the same command to continue"),
@@ -71,6 +74,7 @@ def sweep(
     to write the file: docs/howto/comparing-designs.md.
 
     For example:
+        rankdrop sweep --example designs.toml
         rankdrop sweep designs.toml
         rankdrop sweep designs.toml --out designs --parquet --html designs.html
         rankdrop sweep designs.toml --figure maps.svg --over upper_arm,offset
@@ -84,6 +88,8 @@ def sweep(
     if options.status is not None:
         write_text(f"{jobs.progress_of(options.status).sentence}\n", STDOUT)
         return exits.FINE
+    if options.example is not None:
+        return _example(spec, options.example, quiet=output.quiet)
     name = _checked(spec, options)
     try:
         found = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
@@ -112,6 +118,21 @@ def sweep(
     return Done(lambda: found.sections(every=options.every), files, holds=found.holds, last=tables)
 
 
+def _example(spec: str | None, target: str, *, quiet: bool) -> int:
+    """Write a plan to try.
+
+    Raises:
+        OptionError: a plan is named as well, or the ending names no format.
+    """
+    if spec is not None:
+        raise OptionError("no plan is measured with this option", where="--example", got=spec,
+                          mend=f"rankdrop sweep --example {target}")  # fmt: skip
+    write_text(designs.EXAMPLE, target)
+    if not quiet:
+        say(f"{target}: 8 variants; measure them: rankdrop sweep {target}")
+    return exits.FINE
+
+
 def _checked(spec: str | None, options: SweepOptions) -> str:
     """The specification, where the options agree.
 
@@ -119,7 +140,7 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
         OptionError: no specification, or no folder for what needs one.
     """
     if spec is None:
-        raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER")
+        raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER; --example FILE writes a plan to try")
     if options.out == STDOUT:
         raise OptionError("parts are not printed", where="--out", got=options.out, allowed="a folder")
     if options.parquet and options.out is None:

@@ -1,3 +1,4 @@
+from .example import EXAMPLE as EXAMPLE
 from .outcome import MEANINGS as MEANINGS
 from .outcome import UNITS as UNITS
 from .outcome import Designs as Designs

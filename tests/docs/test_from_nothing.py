@@ -15,8 +15,9 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 MADE = ("atlas", "commands", "gallery", "decisions")
 """Folders of pages that are made, or tell of the past."""
-PAGES = [ROOT / "README.md", *(page for page in sorted(DOCS.rglob("*.md")) if page.relative_to(DOCS).parts[0] not in MADE)]
-FILE = re.compile(r"\.(urdf|xacro|xml|mjcf|toml|csv|json|npz|npy|ya?ml|src|mod|script|ls|jbi|cover|h|html|svg|tex|txt)$")
+WRITTEN = [page for page in sorted(DOCS.rglob("*.md")) if page.relative_to(DOCS).parts[0] not in MADE]
+PAGES = [ROOT / "README.md", *WRITTEN]
+FILE = re.compile(r"\.(urdf|xacro|xml|mjcf|toml|csv|json|npz|npy|ya?ml|src|mod|script|ls|jbi|cover|h|html|svg|tex)$")
 WRITES = {"--json", "--out", "--example", "--fixed", "--certificate", "--latex", "--python", "--c", "--steps-out",
           "--history", "--figure", "--html", "--header", "--rows", "--csv", "--save"}  # fmt: skip
 SERVES = ("rankdrop view", "rankdrop completion", "python -m")

@@ -140,7 +140,8 @@ def _checked(spec: str | None, options: SweepOptions) -> str:
         OptionError: no specification, or no folder for what needs one.
     """
     if spec is None:
-        raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER; --example FILE writes a plan to try")
+        raise OptionError("no specification is named", where="SPEC",
+                          allowed="a .toml file, or --status FOLDER; --example FILE writes a plan to try")  # fmt: skip
     if options.out == STDOUT:
         raise OptionError("parts are not printed", where="--out", got=options.out, allowed="a folder")
     if options.parquet and options.out is None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi, radians
 from typing import Annotated, Literal
 
 from rankdrop.options import Options, option
-from rankdrop.tolerances import EVALUATIONS, MOST_EVALUATIONS, NEAR, SLOW, SLOW_TURN, SMALL, TIE
+from rankdrop.tolerances import EVALUATIONS, MOST_EVALUATIONS, NEAR, SLOW, SLOW_TURN, SMALL, SPAN, TIE
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,22 @@ class AnalyzeOptions(Options):
         ]
         | None
     ) = None
+    speed: (
+        Annotated[
+            float,
+            option("Report how far from each family every straight motion of the tool keeps this speed: 250mm/s",
+                   unit="m/s", gt=0),
+        ]
+        | None
+    ) = None  # fmt: skip
+    around: Annotated[
+        str | Sequence[float] | None,
+        option("With the speed: posture around which that is proven, as for explain --q, in rad; else a usual one"),
+    ] = None
+    span: Annotated[
+        float, option("With the speed: the region reaches so far from the posture in each joint: 20deg", unit="rad",
+                      gt=0, le=3.2)
+    ] = SPAN  # fmt: skip
     exact: Annotated[
         Literal["auto", "on", "off"], option("Derive the conditions exactly: auto within 30 s, on within 120 s")
     ] = "auto"

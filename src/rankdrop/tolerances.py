@@ -97,6 +97,8 @@ SLOW = 0.025
 """… or where some straight translation of the tool is slower than this within the joints' rate limits [m/s] …"""
 SLOW_TURN = 0.08726646259971647
 """… or some rotation about the tool point is: 5°/s [rad/s]."""
+SPAN = 0.3490658503988659
+"""Half the width, in each joint, of the region in which a speed is proven to be kept: 20° [rad]."""
 EVALUATIONS = 5_000
 """Enclosures spent on the certified radius: some 8 ms."""
 MOST_EVALUATIONS = 100_000_000

@@ -86,3 +86,22 @@ def test_the_example_of_a_controllers_message_is_near_a_singularity(
     page: str, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main.run(shlex.split(command)[1:]) in (3, 4), f"{page}: {capsys.readouterr().out[:200]}"
+
+
+SPEEDS = [
+    (page.stem, command)
+    for page in sorted(DOCS.glob("messages/*.md"))
+    for command in re.findall(r"^rankdrop analyze .* --speed .*$", page.read_text(encoding="utf-8"), re.MULTILINE)
+]
+
+
+@pytest.mark.by_hand
+@pytest.mark.shipped
+@pytest.mark.parametrize(("page", "command"), SPEEDS)
+def test_the_distance_of_a_page_is_the_one_that_is_proven(
+    page: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main.run([*shlex.split(command)[1:], "--quiet"]) == 0
+    printed = re.search(r"wrist +\S+ +([\d.]+)° from", capsys.readouterr().out)
+    assert printed is not None
+    assert f"from {printed[1]}° on" in (DOCS / "messages" / f"{page}.md").read_text(encoding="utf-8")

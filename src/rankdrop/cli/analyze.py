@@ -32,6 +32,7 @@ from rankdrop.cli.command import (
     near_line,
     of_ideal,
     open_ideal,
+    parse_configuration,
     starts_line,
     subject,
 )
@@ -85,6 +86,7 @@ def analyze(
         rankdrop analyze pa10
         rankdrop analyze pa10 --full
         rankdrop analyze arm.urdf --tip flange --json arm.json
+        rankdrop analyze ur5e --speed 250mm/s
         rankdrop analyze pa10 --latex pa10.tex
 
     Exit code 3: a singular point is not explained, a family is not sound, or the exact conditions differ.
@@ -94,7 +96,10 @@ def analyze(
     begun = monotonic()
     model, task, made = open_ideal(robot, arm, intended=True)
     within = radians(5.0) if options.within is None and options.limits else options.within
-    options = replace(options, within=within or None)
+    around = options.around
+    if isinstance(around, str):
+        around = tuple(parse_configuration(around, model, deg=False, option="--around"))
+    options = replace(options, within=within or None, around=around)
     analysis = run(model, task, options, progress=report)
     alone = made is not None and arm.ideal is None and not made.tolerance.angle
     if made is not None and alone:
@@ -142,6 +147,9 @@ def _brief(
     blocks += [lost] if lost is not None else []
     if own is not None:
         blocks.append([f"The arm with the file's own numbers ({OWN}): {own.answer}"])
+    speeds = text.speed_section(analysis)
+    if speeds is not None:
+        blocks.append(speeds)
     blocks.append([text.more_line(seconds)])
     return fitted(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
@@ -164,6 +172,9 @@ def _blocks(
         yield from (corank_section(console, own, summary, every=every) for summary in own.coranks)
     if analysis.near is not None and analysis.families:
         yield text.near_overview(analysis.near, analysis.families)
+    speeds = text.speed_section(analysis)
+    if speeds is not None:
+        yield speeds
     if analysis.families:
         yield [Text(text.legend(analysis.robot, analysis.families), style="dim")]
     if analysis.exact is not None:

@@ -61,6 +61,55 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True)
+class SpeedDistance:
+    """From which distance of one joint from its value on a family the tool keeps a speed.
+
+    Attributes:
+        family: its id.
+        number, joint: the joint that stands at a value on the family, from 1, and its name.
+        value: that value nearest to the middle of the region [rad, m].
+        end: of the region: the largest distance from the value in it [rad, m].
+        kept_from: proven for every configuration of the region at least so far from the value [rad, m]; None: for none.
+        slower_at: the largest distance at which a slower configuration was found [rad, m]; None: none was found.
+        slower_speed: of the tool there, in its slowest direction [m/s].
+        boxes: that were enclosed.
+        spent: the budget ended the work: a smaller distance may hold.
+    """
+
+    family: str
+    number: int
+    joint: str
+    value: float
+    end: float
+    kept_from: float | None
+    slower_at: float | None
+    slower_speed: float | None
+    boxes: int
+    spent: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedDistances:
+    """Distances from families that keep a speed of the tool, in a region around a posture.
+
+    Attributes:
+        tool_speed: of straight motions in any direction, the tool not turning [m/s].
+        around: (n,) middle of the region [rad, m].
+        span: half its width in each joint; slides divided by the length scale [rad].
+        free: numbers of the joints that may have any value: the speed does not depend on them.
+        distances: for each family with one joint at a value.
+        others: ids of the other families of the smallest corank.
+    """
+
+    tool_speed: float
+    around: tuple[float, ...]
+    span: float
+    free: tuple[int, ...]
+    distances: tuple[SpeedDistance, ...]
+    others: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Unseen:
     """Share of the search's convergence mass that lies on sets that no point has met.
 

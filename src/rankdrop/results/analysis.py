@@ -22,7 +22,7 @@ from rankdrop.codec import plain as plain
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import CorankSummary, Derivation, Family
+from rankdrop.family.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.family.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
 from rankdrop.results.old_files import freedoms_of_sentences
@@ -53,6 +53,7 @@ class Analysis(Result):
         notes: what the reader should be told.
         exact: the exact derivation of the families; None where it was not asked for.
         near: share of the joint space near each family; None where it was not asked for.
+        speeds: how far from each family the tool keeps a speed; None where it was not asked for.
     """
 
     robot: Robot
@@ -66,6 +67,7 @@ class Analysis(Result):
     notes: tuple[str, ...] = ()
     exact: Derivation | None = None
     near: Near | None = None
+    speeds: SpeedDistances | None = None
     FILE: ClassVar[str] = "analysis"
 
     @property
@@ -177,6 +179,7 @@ class Analysis(Result):
             notes=tuple(record["notes"]),
             exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
+            speeds=at("$.speeds", lambda: restored(SpeedDistances, record["speeds"])) if "speeds" in record else None,
         )
 
     def sections(self) -> tuple[Section, ...]:

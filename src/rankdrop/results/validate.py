@@ -15,7 +15,7 @@ from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.families.share import Near
 from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family, Pin
+from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family, Pin, SpeedDistances
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.results.settings import Residual, Settings
@@ -56,6 +56,8 @@ class _Analysed(Protocol):
     def exact(self) -> Derivation | None: ...
     @property
     def near(self) -> Near | None: ...
+    @property
+    def speeds(self) -> SpeedDistances | None: ...
 
     def residual_of(self, family: Family) -> Residual: ...
 

@@ -18,7 +18,7 @@ from rankdrop.families.searching import Outcome
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Term
 from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, Unseen
+from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
 from rankdrop.family.summary import FamilySummary, RankSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
@@ -143,6 +143,18 @@ ANALYSIS_NEAR = table(
     slow=(optional(NEAR_FAMILIES | None), "configurations inside the limits at which some straight motion of the tool "
         "is slower than 25 mm/s or 5°/s; null without rate limits"),
 )  # fmt: skip
+SPEED_DISTANCES = table(
+    "speed_distances", of=SpeedDistances, tool_speed=num("m/s", gt=0), around=many(num("joint")), span=num("rad", gt=0),
+    free=many(Positive),
+    distances=many(table(
+        "speed_distance", of=SpeedDistance, number=Positive, value=num("rad"),
+        end=(num("rad", ge=0), "the largest distance from the value in the region"),
+        kept_from=(num("rad", ge=0) | None, "proven for every configuration of the region at least so far from the "
+            "value; null for none"),
+        slower_at=(num("rad", ge=0) | None, "largest distance at which a slower configuration was found"),
+        slower_speed=(num("m/s", ge=0) | None, "of the tool there, in its slowest direction"), boxes=Count,
+    )),
+)  # fmt: skip
 SIGMA = table("sigma", least=num("1", ge=0), median=num("1", ge=0), most=num("1", ge=0))
 DISTANCE = table("distance", least=num("distance", ge=0), median=num("distance", ge=0), most=num("distance", ge=0))
 IDEAL_FAMILIES = table(
@@ -193,6 +205,8 @@ ANALYSIS_FILE = file(
     exact=(optional(EXACT), "where the families come from", lambda one: one.exact or UNSET),
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
         lambda one: one.near or UNSET),
+    speeds=(optional(SPEED_DISTANCES), "how far from each family the tool keeps a speed; absent where it was not asked "
+        "for", lambda one: one.speeds or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",
         _absent),
 )

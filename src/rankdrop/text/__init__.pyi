@@ -6,6 +6,7 @@ from .brief import compared_sentence as compared_sentence
 from .brief import conditions_table as conditions_table
 from .brief import lost_section as lost_section
 from .brief import more_line as more_line
+from .brief import speed_section as speed_section
 from .by_hand import conditions_text as conditions_text
 from .by_hand import notes_of as notes_of
 from .by_hand import steps_of as steps_of

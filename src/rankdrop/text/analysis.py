@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rankdrop.results.analysis import Analysis
 from rankdrop.sections import Section
+from rankdrop.text.brief import speed_section
 from rankdrop.text.conditions import of_analysis, opening, summary_of_analysis
 from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
@@ -18,7 +19,8 @@ def sections_of(analysis: Analysis) -> tuple[Section, ...]:
         analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families, analysis.exact,
         limits=analysis.settings.limits,
     )  # fmt: skip
-    return (Section(first, lines=(second,)), *tables)
+    speeds = speed_section(analysis)
+    return (Section(first, lines=(second,)), *tables, *([] if speeds is None else [speeds]))
 
 
 def latex_of(analysis: Analysis) -> str:

@@ -6,17 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import degrees
+from math import ceil, degrees, floor
 from typing import Any
 
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Family, Pin, short_name
+from rankdrop.family.record import Family, Pin, SpeedDistance, short_name
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import count
+from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.conditions import angles_text, condition_lines, shipped_line, values_in_degrees
@@ -227,3 +227,48 @@ def sigma_note(variants: int, wide: int, uncovered: int) -> str:
 def slow_poses_note(speed: float, width: float) -> str:
     """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
     return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"
+
+
+def speed_section(analysis: Any) -> Section | None:
+    """From which distance of a joint the tool keeps a speed: one line per family, and where it is proven."""
+    told = analysis.speeds
+    if told is None:
+        return None
+    names = {family.id: short_name(family.name) for family in analysis.families}
+    pace = f"{1000 * told.tool_speed:.4g} mm/s"
+    middle = degrees_text(told.around, (joint.unit for joint in analysis.robot.variables))
+    notes = [
+        "every straight motion of the tool, in any direction and without turning, at the joints' rate limits",
+        f"proven by intervals for every configuration within {degrees(told.span):.3g}° of {middle} in each joint",
+    ]
+    if told.free:
+        free = ", ".join(map(str, told.free))
+        notes.append(f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it")
+    if any(one.spent for one in told.distances):
+        notes.append("≤: the boxes allowed were spent, a smaller distance may hold")
+    if told.others:
+        others = ", ".join(f"{names.get(one, '')} ({one})" for one in told.others)
+        notes.append(f"{others}: not one joint at a value, so no distance of one joint")
+    rows = [(one.family, names.get(one.family, ""), one.joint, _kept(one), _slower(one)) for one in told.distances]
+    return Section(
+        f"Speed {pace}", "how far a joint has to stay from the value that is singular",
+        columns=("", "family", "joint", f"keeps {pace} from", "slower found"), rows=tuple(rows),
+        texts=(0, 1, 2, 3, 4), notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _kept(one: SpeedDistance) -> str:
+    """The proven distance, rounded up: "from 8.7° off 0°"."""
+    if one.kept_from is None:
+        return "nowhere proven"
+    if one.kept_from == 0.0:
+        return "everywhere in the region"
+    off = ceil(round(10 * degrees(one.kept_from), 6)) / 10
+    return f"{'≤ ' if one.spent else ''}{off:.1f}° from {degrees(one.value):.4g}°".replace("-", "−")
+
+
+def _slower(one: SpeedDistance) -> str:
+    """The slower configuration that is farthest: "248 mm/s at 8.5°"."""
+    if one.slower_at is None or one.slower_speed is None:
+        return ""
+    return f"{floor(10_000 * one.slower_speed) / 10:.1f} mm/s at {floor(10 * degrees(one.slower_at)) / 10:.1f}°"

@@ -634,6 +634,9 @@ def on_no_family_text(corank: int, many: int, tested: int, q: Iterable[float]) -
     )
 
 
+SPEEDS_INTERRUPTED = "interrupted: the distances that keep the speed are not done"
+
+
 def near_overview(near: Near, families: Sequence[Family]) -> Section:
     """Shares of the joint space near the families."""
     names = {family.id: family.name for family in families}

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rankdrop.errors import RankdropError
+from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.searching import search
@@ -22,6 +22,7 @@ from rankdrop.family.record import (
     Derivation,
     ExactRow,
     Family,
+    SpeedDistances,
     family_out_of_units,
 )
 from rankdrop.kinematics import check_robot
@@ -34,10 +35,13 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
-from rankdrop.text.families import mistaken_text
+from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
+
+if TYPE_CHECKING:
+    from rankdrop.certify.speed import SpeedRegion
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
@@ -192,6 +196,7 @@ def analyze(
     if how.within is not None:
         check_within(how.within)
     resolved = resolve_task(task, robot, length_scale=length_scale)
+    region = _region(robot, resolved, how)
     report = progress or _silent
     own = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
     rank = generic_rank(*own)
@@ -221,6 +226,7 @@ def analyze(
     if unfinished is None and how.within is not None:
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
                            progress=partial(report, "shares"))  # fmt: skip
+    speeds, unmade = _speeds(region, rows, report, complete=unfinished is None)
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
@@ -230,9 +236,61 @@ def analyze(
         families=rows,
         complete=unfinished is None,
         unfinished=unfinished,
-        notes=(*_rank_notes(robot, resolved, rank), *_mistakes(tables)),
+        notes=(*_rank_notes(robot, resolved, rank), *_mistakes(tables), *unmade),
         exact=None if unfinished is not None else derivation,
         near=near,
+        speeds=speeds,
+    )
+
+
+def _region(robot: Robot, task: Task, how: AnalyzeOptions) -> SpeedRegion | None:
+    """Where a speed is to be kept; None where none is asked for.
+
+    Raises:
+        OptionError: the posture is a text, which only the command line reads; or no speed can be kept.
+    """
+    if how.speed is None:
+        return None
+    from rankdrop.certify.speed import SpeedRegion  # with the enclosures, which no other analysis needs
+
+    if isinstance(how.around, str):
+        raise OptionError("a posture is a list of joint values", where="around", got=how.around,
+                          allowed="[q1, q2, …] [rad, m]")  # fmt: skip
+    return SpeedRegion(robot, task, how.speed, around=how.around, span=how.span)
+
+
+def _speeds(
+    region: SpeedRegion | None, families: Sequence[Family], report: Progress, *, complete: bool
+) -> tuple[SpeedDistances | None, tuple[str, ...]]:
+    """The distances that keep a speed, and a note where Ctrl-C ended that work."""
+    if region is None or not complete:
+        return None, ()
+    try:
+        return speed_distances(region, families, progress=partial(report, "speeds")), ()
+    except KeyboardInterrupt:
+        return None, (SPEEDS_INTERRUPTED,)
+
+
+def speed_distances(
+    region: SpeedRegion, families: Sequence[Family], progress: Callable[[int, int], None] | None = None
+) -> SpeedDistances:
+    """How far from each family of the smallest corank, at which one turning joint stands at a value, a speed is kept.
+
+    Families of several joints have no such distance of one joint; their ids are listed.
+    """
+    smallest = min((family.corank for family in families), default=0)
+    distances, others = [], []
+    largest = [family for family in families if family.corank == smallest]
+    for done, family in enumerate(largest):
+        if progress is not None:
+            progress(done, len(largest))
+        if len(family.pinned) == 1 and not family.coupled and region.turns(family.pinned[0].number):
+            pin = family.pinned[0]
+            distances.append(region.distance(family.id, pin.number, pin.values))
+        else:
+            others.append(family.id)
+    return SpeedDistances(
+        region.speed, tuple(map(float, region.given)), region.span, region.free, tuple(distances), tuple(others)
     )
 
 

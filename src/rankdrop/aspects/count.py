@@ -38,6 +38,7 @@ from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.aspects import SignedFactor, Signs, signed_factors
 from rankdrop.exact.tree import rank_tree
+from rankdrop.family.name import FamilyName
 from rankdrop.local.block import generic_rank
 
 MOST_JOINTS = 3
@@ -185,10 +186,9 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
     return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
 
 
-def _role(name: str) -> str:
+def _role(name: FamilyName | None) -> str:
     """The part of the arm that a family is named after."""
-    part, colon, _ = name.partition(":")
-    return part if colon else ""
+    return name.short if name is not None and name.parts else ""
 
 
 def _polynomial(factor: SignedFactor) -> Polynomial:

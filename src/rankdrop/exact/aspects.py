@@ -33,6 +33,7 @@ from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.writing import ratio, text_of
+from rankdrop.family.name import FamilyName
 from rankdrop.family.naming import name_family
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
@@ -203,11 +204,8 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
 _TENTH = 0.1  # [rad]; at round degrees axes are parallel by chance
 POINTS = 8
 """Real configurations at which the geometry of a part is looked at."""
-ROLES = ("shoulder", "elbow", "wrist")
-
-
-Seen = tuple[str, Array, tuple[str, ...]]
-"""(name, points, lost) of a part, as `analyze` names such a family, "" where no configuration is real, or singular of
+Seen = tuple[FamilyName | None, Array, tuple[str, ...]]
+"""(name, points, lost) of a part, as `analyze` names such a family, None where no configuration is real, or singular of
 corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 where there are such; one sentence on each
 direction lost, in a frame where it stands still or at the first point."""
 
@@ -229,17 +227,17 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Seen:
     robot, task = chain.own, chain.own_task
     points = zeros_of(chain, atoms, POINTS)
     if not len(points):
-        return "", points, ()
+        return None, points, ()
     rank = generic_rank(robot, task)
     sigma = singular_values(robot, points, task)
     simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
     if not simple.any():  # the part lies in a family of higher corank
-        return "", points, ()
+        return None, points, ()
     points = points[simple]
     try:
         name = name_family(robot, task, points)
     except ConfigurationError:
-        name = ""
+        return None, points, _lost(chain, points)
     return name, points, _lost(chain, points)
 
 
@@ -335,23 +333,30 @@ class Flag:
 
     Attributes:
         factor: the function, in s_j = sin θ_j and c_j = cos θ_j.
-        name: of the family where it is zero, as `analyze` names it; "" where no real configurations are on it.
+        called: the family where it is zero, as `analyze` names it; None where no real configurations are on it.
         sign: +1, −1, or 0 on the family; None where the factor has no sign on the torus.
         value: of the factor, scaled: |value| ≤ 1 without slides.
     """
 
     factor: str
-    name: str
+    called: FamilyName | None
     sign: int | None
     value: float
+
+    @property
+    def name(self) -> str:
+        """Name of the family in words; "" where there is none."""
+        return str(self.called or "")
 
     @property
     def label(self) -> str:
         """ "elbow +"; where the family is not named after a part, the factor, or the whole name if that is long."""
         mark = {None: "has no sign", 1: "+", -1: "−", 0: "0"}[self.sign]
-        head, colon, _ = self.name.partition(":")
-        long = len(self.factor) > _LONG and self.name
-        return f"{head if colon else self.name if long else self.factor} {mark}"
+        if self.called is not None and self.called.parts:
+            return f"{self.called.short} {mark}"
+        if self.called is not None and len(self.factor) > _LONG:
+            return f"{self.called} {mark}"
+        return f"{self.factor} {mark}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -449,7 +454,7 @@ class Signs:
     factors: tuple[SignedFactor, ...]
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
+    def names(self) -> tuple[FamilyName | None, ...]:
         """Of the factors' families, by real configurations on them."""
         return tuple(look(self.chain, factor.atoms)[0] for factor in self.factors)
 
@@ -580,4 +585,4 @@ def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Cross
         return factor.values(into_units(chain.robot, q) + chain.shifts, chain.numbers, chain.power)
 
     met = zeros_between(value, float(np.abs(end - start).sum()) / tau, DEFAULT.singular)
-    return [Crossing(at, factor.text, signs.names[index], kind) for at, kind in met]
+    return [Crossing(at, factor.text, str(signs.names[index] or ""), kind) for at, kind in met]

@@ -29,6 +29,7 @@ from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation, System
 from rankdrop.family.lost import LostFreedom
+from rankdrop.family.name import FamilyName
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
 from rankdrop.local.block import sampling_box, singular_values
@@ -432,9 +433,9 @@ def families(
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
-        names = distinct_names([one.name for one in here], [partial(_marks, one) for one in here])
+        names = distinct_names([one.called for one in here], [partial(_marks, one) for one in here])
         result += [
-            replace(family, id=f"k{corank}.f{number}", name=name)
+            replace(family, id=f"k{corank}.f{number}", called=name)
             for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
         ]
     return result
@@ -450,7 +451,7 @@ def _family(
     corank: int,
     row: Row,
     condition: str,
-    told: tuple[str, tuple[LostFreedom, ...], tuple[float, ...]],
+    told: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
     """One row of sets as a family, its number and final name still to come."""
@@ -459,7 +460,7 @@ def _family(
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
     return ExactFamily(
         id="",
-        name=told[0],
+        called=told[0],
         corank=corank,
         dimension=piece.dimension,
         codimension=piece.codimension,
@@ -479,7 +480,7 @@ def _family(
 
 def _described(
     chain: Chain, generic_rank: int, corank: int, parts: Sequence[Array], pins: Pins, coupled: Sequence[int]
-) -> tuple[str, tuple[LostFreedom, ...], tuple[float, ...]]:
+) -> tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]]:
     """(name, freedoms lost, witness) of a family, seen at real points of it.
 
     Args:

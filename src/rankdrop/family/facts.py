@@ -13,12 +13,11 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from rankdrop.family.name import ArmPart, Centre, Detail, Geometry, Plane
 from rankdrop.local.axes import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import TIP, Task
 
-NEARLY = "arm nearly stretched or folded"
-"""An elbow that is as long or as short as the offsets of its wrist allow."""
 _SAMPLES = 12  # random configurations at which a fact must hold to be structure
 
 
@@ -27,20 +26,20 @@ class Fact:
     """One statement about the axes.
 
     Attributes:
-        holds: tells at which configurations of a scene it is true.
-        kind: "aligned", "parallel", "perpendicular" (of `joints`), "against" (the first of `joints` parallel to the
-            rest), or "own" with its own `text`.
+        holds: at which configurations of a scene the statement is true.
+        geometry: ALIGNED, PARALLEL, PERPENDICULAR, AGAINST (the first of `joints` parallel to the rest) are facts that
+            a name joins with others of their kind; of any other one `detail` is what the name says.
         joints: indices from 0.
-        text: of an "own" fact.
-        roles: parts of the arm it concerns: "shoulder", "elbow", "wrist".
+        detail: of these others.
+        roles: parts of the arm it concerns.
         losses: by how much it lowers the rank of an arm without redundancy by itself.
     """
 
     holds: Callable[[Scene], Verdicts]
-    kind: str
+    geometry: Geometry
     joints: tuple[int, ...]
-    text: str = ""
-    roles: tuple[str, ...] = ()
+    detail: Detail | None = None
+    roles: tuple[ArmPart, ...] = ()
     losses: int = 1
 
 
@@ -76,11 +75,11 @@ class Structure:
         return None
 
     @property
-    def centre_name(self) -> str:
-        """What to call it."""
+    def centre_kind(self) -> Centre:
+        """Which point it is."""
         if self.tip_is_centre:
-            return "tip"
-        return "wrist centre"
+            return Centre.TIP
+        return Centre.WRIST
 
     def always(self, verdict: Callable[[Scene], Verdicts]) -> bool:
         """Is it true at every configuration?"""
@@ -131,12 +130,11 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
     """The reach cannot be changed: the arm is stretched or folded."""
     if structure.shoulder and structure.wrist:
         # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
-        yield Fact(lambda s: _reach_stationary(structure, s), "own", (), "arm stretched or folded", ("elbow",))
+        yield _own(lambda s: _reach_stationary(structure, s), Detail(Geometry.STRETCHED), (), _ELBOW)
     elif structure.shoulder and structure.wrist_point:
         # the same of the point that the wrist turns about, where its last axis passes it by
-        yield Fact(
-            lambda s: _reach_stationary(structure, s, structure.wrist_point), "own", (), NEARLY, ("elbow",), 0
-        )
+        nearly = Detail(Geometry.NEARLY_STRETCHED)
+        yield _own(lambda s: _reach_stationary(structure, s, structure.wrist_point), nearly, (), _ELBOW, 0)
     for bundle in structure.bundles:
         if structure.tight and (structure.tip_is_centre or structure.wrist):
             # two parallel axes both move the centre along the normal of that plane
@@ -146,13 +144,24 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
             yield _with_centre(structure, bundle)
         elif len(bundle) >= 3:
             # parallel lines of one plane span a screw system of rank 2, those of space 3
-            text = f"axes {listed(bundle)} coplanar"
-            yield Fact(_coplanar(bundle), "own", bundle, text, ("elbow",), 1 if len(bundle) == 3 else 0)
+            detail = Detail(Geometry.COPLANAR, (bundle,))
+            yield _own(_coplanar(bundle), detail, bundle, _ELBOW, 1 if len(bundle) == 3 else 0)
 
 
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
-    text = f"axes {listed(axes)} and {structure.centre_name} coplanar"
-    return Fact(lambda s: s.coplanar(axes, structure.centre(s)), "own", axes, text, ("elbow",))
+    detail = Detail(Geometry.COPLANAR_WITH_CENTRE, (axes,), centre=structure.centre_kind)
+    return _own(lambda s: s.coplanar(axes, structure.centre(s)), detail, axes, _ELBOW)
+
+
+_SHOULDER, _ELBOW, _WRIST = (ArmPart.SHOULDER,), (ArmPart.ELBOW,), (ArmPart.WRIST,)
+
+
+def _own(
+    holds: Callable[[Scene], Verdicts], detail: Detail, joints: tuple[int, ...], roles: tuple[ArmPart, ...] = (),
+    losses: int = 1,
+) -> Fact:  # fmt: skip
+    """A fact with a detail of its own."""
+    return Fact(holds, detail.geometry, joints, detail, roles, losses)
 
 
 def _aligned(structure: Structure, scene: Scene) -> Iterator[Fact]:
@@ -160,9 +169,9 @@ def _aligned(structure: Structure, scene: Scene) -> Iterator[Fact]:
     for group in groups(scene.axes, scene.aligned):
         in_shoulder, in_wrist = (len(set(group) & set(part)) for part in (structure.shoulder, structure.wrist))
         centre_on_axis_1 = structure.tight and group[0] == 0 and in_wrist > 0
-        told = (("shoulder", in_shoulder > 1 or centre_on_axis_1), ("wrist", in_wrist > 1))
+        told = ((ArmPart.SHOULDER, in_shoulder > 1 or centre_on_axis_1), (ArmPart.WRIST, in_wrist > 1))
         roles = tuple(role for role, concerned in told if concerned)
-        yield Fact(_all_pairs("aligned", group), "aligned", group, roles=roles, losses=len(group) - 1)
+        yield Fact(_all_pairs("aligned", group), Geometry.ALIGNED, group, roles=roles, losses=len(group) - 1)
 
 
 def _against_bundles(structure: Structure) -> Iterator[Fact]:
@@ -170,16 +179,17 @@ def _against_bundles(structure: Structure) -> Iterator[Fact]:
     last = structure.scene.robot.n - 1
     for bundle in structure.bundles:
         if len(bundle) >= 3:
-            for i, role in ((0, "shoulder"), (last, "wrist")):
+            for i, roles in ((0, _SHOULDER), (last, _WRIST)):
                 if i in structure.scene.axes and i not in bundle:
-                    yield Fact(_all_pairs("parallel", (i, bundle[0])), "against", (i, *bundle), roles=(role,))
+                    pair = _all_pairs("parallel", (i, bundle[0]))
+                    yield Fact(pair, Geometry.AGAINST, (i, *bundle), roles=roles)
 
 
 def _spherical(structure: Structure) -> Iterator[Fact]:
     """Three axes through one point and in one plane: rank 2. Two of them on one line is another fact."""
-    for role, joints in (("shoulder", structure.shoulder), ("wrist", structure.wrist)):
+    for roles, joints in ((_SHOULDER, structure.shoulder), (_WRIST, structure.wrist)):
         if joints:
-            yield Fact(_fan(joints), "own", joints, f"axes {listed(joints)} coplanar", (role,))
+            yield _own(_fan(joints), Detail(Geometry.COPLANAR, (joints,)), joints, roles)
 
 
 def _centre(structure: Structure) -> Iterator[Fact]:
@@ -192,29 +202,32 @@ def _centre(structure: Structure) -> Iterator[Fact]:
     if structure.wrist or structure.tip_is_centre:
         for i in axes:
             if i not in structure.wrist:  # a rotation about an axis through the centre does not move it
-                roles = ("shoulder",) if i == 0 else ()
-                yield Fact(_centre_on(structure, i), "own", (i,), f"{structure.centre_name} on axis {i + 1}", roles)
+                roles = _SHOULDER if i == 0 else ()
+                on_axis = Detail(Geometry.CENTRE_ON_AXIS, ((i,),), centre=structure.centre_kind)
+                yield _own(_centre_on(structure, i), on_axis, (i,), roles)
         if plane:
             # the line through the centre along axis 2 meets axis 1, and axes 2 and 3 (parallel, or in the same plane)
             holds = _in_shoulder_plane(structure.centre)
-            yield Fact(holds, "own", (0, 1), f"{structure.centre_name} in {plane}", ("shoulder",))
+            in_plane = Detail(Geometry.CENTRE_IN_PLANE, ((0, 1),), centre=structure.centre_kind, plane=plane)
+            yield _own(holds, in_plane, (0, 1), _SHOULDER)
     elif n == 6 and plane and _is_ur_type(structure):
         # the line through that point along axis 2 meets or is parallel to every axis
         holds = _in_shoulder_plane(lambda s: s.common_point((4, 5))[0])
-        yield Fact(holds, "own", (0, 1, 4, 5), f"axes 5, 6 meet in {plane}", ("shoulder",))
+        meet = Detail(Geometry.AXES_MEET_IN_PLANE, ((4, 5), (0, 1)), plane=plane)
+        yield _own(holds, meet, (0, 1, 4, 5), _SHOULDER)
 
 
 def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:
     for group in groups(scene.axes, scene.parallel):
         # four parallel axes are four screws of a system of rank 3
-        yield Fact(_all_pairs("parallel", group), "parallel", group, losses=max(0, len(group) - 3))
+        yield Fact(_all_pairs("parallel", group), Geometry.PARALLEL, group, losses=max(0, len(group) - 3))
         if len(group) > 2 and group not in structure.bundles:
-            yield Fact(_coplanar(group), "own", group, f"axes {listed(group)} parallel and coplanar", losses=0)
+            yield _own(_coplanar(group), Detail(Geometry.PARALLEL_AND_COPLANAR, (group,)), group, losses=0)
 
 
 def _perpendicular(scene: Scene) -> Iterator[Fact]:
     for i, j in zip(scene.axes, scene.axes[2:], strict=False):
-        yield Fact(_all_pairs("perpendicular", (i, j)), "perpendicular", (i, j), losses=0)
+        yield Fact(_all_pairs("perpendicular", (i, j)), Geometry.PERPENDICULAR, (i, j), losses=0)
 
 
 def _meet(scene: Scene, joints: tuple[int, ...]) -> bool:
@@ -227,15 +240,15 @@ def _is_ur_type(structure: Structure) -> bool:
     return triple and {4, 5} <= set(structure.scene.axes) and structure.always(lambda s: s.meeting(4, 5))
 
 
-def _shoulder_plane(structure: Structure) -> str:
+def _shoulder_plane(structure: Structure) -> Plane | None:
     """The plane through axis 1 along axis 2, where it decides: axes 1, 2 meet, or axes 2, 3 are parallel."""
     if not {0, 1} <= set(structure.scene.axes) or structure.always(lambda s: s.parallel[0, 1]):
-        return ""
+        return None
     if structure.always(lambda s: s.meeting(0, 1)):
-        return "plane of axes 1, 2"
+        return Plane.OF_BOTH
     if any({1, 2} <= set(bundle) for bundle in structure.bundles):
-        return "plane of 1 parallel to 2"
-    return ""
+        return Plane.PARALLEL
+    return None
 
 
 def _reach_stationary(structure: Structure, scene: Scene, at: tuple[int, ...] = ()) -> Verdicts:
@@ -282,8 +295,3 @@ def _in_shoulder_plane(point: Callable[[Scene], Array | None]) -> Callable[[Scen
         return scene.in_plane(at, 0, scene.z[1]) & ~scene.on_axis(at, 1)  # on axis 2 is a fact of its own
 
     return holds
-
-
-def listed(joints: Sequence[int]) -> str:
-    """Numbers from 1 of joints from 0: "1, 3"."""
-    return ", ".join(str(i + 1) for i in joints)

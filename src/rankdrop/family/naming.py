@@ -5,20 +5,30 @@ And the motions that a family takes away, as directions.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, listed, structure_of
+from rankdrop.family.facts import Fact, Structure, candidate_facts, structure_of
 from rankdrop.family.lost import LostFreedom, freedoms_at_witness, freedoms_of
+from rankdrop.family.name import (
+    ArmPart,
+    Detail,
+    FamilyName,
+    Geometry,
+    JointValues,
+    LowRank,
+    Shorter,
+    Variable,
+    is_right,
+)
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.axes import Scene, describe, line_meets_all, to_blame
+from rankdrop.local.axes import Common, Scene, dependence_of, line_meets_all, to_blame
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions, lost_over_family
 from rankdrop.problem import Problem
@@ -49,14 +59,13 @@ def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tup
 
 _POINTS = 12  # sample points looked at
 _AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
-_PARTS = ("shoulder", "elbow", "wrist")
 _LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
 
 
 def name_family(
     robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[int] = (), *, coupled: Sequence[int] | None = None
-) -> str:
-    """A short name for a family of singular configurations.
+) -> FamilyName:
+    """The name of a family of singular configurations.
 
     1. Joints that matter: those whose motion alone raises the rank at the samples, and the pinned ones.
     2. Facts about the axes that hold at every sample but not at every configuration (`candidate_facts`), the most
@@ -68,7 +77,8 @@ def name_family(
        "all axes meet one line" where the blocked wrench is a pure force, else the smallest dependent sets of joint
        screws ("screws 2–6 dependent").
 
-    What a name states is true at every sample point. Names are not unique: `distinct_names` makes them so.
+    What a name states is true at every sample point. Names are not unique, and may be long:
+    `distinct_names` mends both.
 
     Args:
         robot: the arm.
@@ -96,19 +106,21 @@ def name_family(
         name = _compose(facts, structure.tight, corank)
         if coupled is None:
             return name
-        return name + _open(robot, q, matter - covered, pinned, coupled)
+        return _with_open_joints(name, robot, q, matter - covered, pinned, coupled)
     return _systematic(scene, structure, task, corank, generic)
 
 
+_FEW = 2  # values of one joint that a name lists
 _ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
-_FEW = 2  # values of one joint that a name tells
-_DECIMALS = 5  # an angle that is nearly, but not quite, a right one is told with fewer
 
 
-def _open(robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], coupled: Sequence[int]) -> str:
-    """What a name's facts leave open: ", with a condition on θ3–θ6", " (θ4 = −26.8° or 153.2°)".
+def _with_open_joints(
+    name: FamilyName, robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], coupled: Sequence[int]
+) -> FamilyName:
+    """The name with what its facts leave open: joints with a condition, and values that tell the posture.
 
     Args:
+        name: with its facts.
         robot: the arm.
         q: (N, n) points of the family.
         uncovered: joints (from 0) that matter and break none of the facts.
@@ -118,16 +130,15 @@ def _open(robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], co
     values = {j: _values(q[:, j], turns=bool(robot.periodic[j])) for j in bound}
     few = {j: one for j, one in values.items() if len(one) <= _FEW}
     varying = [j for j in bound if j not in few]
-    needed = uncovered & set(varying)
-    if needed:
-        tail = f", with a condition on {_run(varying, robot)}"
+    if uncovered & set(varying):
+        conditions = tuple(_variable(robot, j) for j in varying)
     else:
-        tail = ""
-    told = [
-        f"{_letter(robot, j)} = {' or '.join(_value(robot, j, x) for x in one)}"
-        for j, one in few.items() if j in uncovered or not all(map(_simple, one))
-    ]  # fmt: skip
-    return tail + (f" ({', '.join(told)})" if told else "")
+        conditions = ()
+    told = tuple(
+        JointValues(_variable(robot, j), tuple(_as_given(robot, j, x) for x in one))
+        for j, one in few.items() if j in uncovered or not all(map(is_right, one))
+    )  # fmt: skip
+    return replace(name, bound=conditions, values=told)
 
 
 def _values(column: Array, *, turns: bool) -> list[float]:
@@ -142,177 +153,19 @@ def _values(column: Array, *, turns: bool) -> list[float]:
     return sorted(found)
 
 
-def _simple(value: float) -> bool:
-    """Whether a value is a multiple of a right angle."""
-    return abs(value / (np.pi / 2) - round(value / (np.pi / 2))) <= _ONE
+def _slides(robot: Robot, joint: int) -> bool:
+    return robot.variables[joint].unit != "rad"
 
 
-def _value(robot: Robot, joint: int, value: float) -> str:
-    if robot.variables[joint].unit != "rad":
-        return f"{as_given(robot, np.eye(robot.n)[joint] * value)[joint]:.3g} m".replace("-", "−")
-    if _simple(value):
-        return pretty_angle(round(value / (np.pi / 2)) * (np.pi / 2))
-    degrees = float(np.degrees(value))
-    for decimals in range(1, _DECIMALS):
-        if not _simple(np.radians(round(degrees, decimals))):  # 179.997° is not 180.0°
-            break
-    return f"{degrees:.{decimals}f}°".replace("-", "−")
+def _variable(robot: Robot, joint: int) -> Variable:
+    return Variable(joint + 1, _slides(robot, joint))
 
 
-def _letter(robot: Robot, joint: int) -> str:
-    return f"{'θ' if robot.variables[joint].unit == 'rad' else 'q'}{joint + 1}"
-
-
-def _run(joints: Sequence[int], robot: Robot) -> str:
-    """ "θ3–θ6" for a run of three or more, "θ2, θ4" otherwise."""
-    letters = [_letter(robot, j) for j in joints]
-    if len(joints) > 2 and joints[-1] - joints[0] == len(joints) - 1:
-        return f"{letters[0]}–{letters[-1]}"
-    return ", ".join(letters)
-
-
-def distinct_names(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
-    """Names made unique: of those that are the same each gets the first short condition that only it has; then short.
-
-    Args:
-        names: of the families of one corank, in their order.
-        conditions: of each, how to get its conditions for people; asked where it is needed only.
-
-    Returns:
-        The names; where no short condition tells them apart they are counted: "wrist (second)".
-
-    Example:
-        >>> distinct_names(["elbow", "wrist", "elbow"], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
-        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
-    """
-    result = list(names)
-    for name, count in Counter(names).items():
-        if count == 1:
-            continue
-        places = [place for place, other in enumerate(names) if other == name]
-        texts = [conditions[place]() for place in places]
-        for number, place in enumerate(places):
-            others = {text for k, one in enumerate(texts) if k != number for text in one}
-            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
-            if own:
-                mark = own[0]
-            else:
-                mark = _ORDINALS.get(number, f"{number + 1}th")
-            if name.endswith(")"):
-                result[place] = f"{name[:-1]}, {mark})"
-            else:
-                result[place] = f"{name} ({mark})"
-    return shortened(result)
-
-
-_SHORT = 24  # characters of a condition that stands in a name
-_ORDINALS = {0: "first", 1: "second", 2: "third", 3: "fourth", 4: "fifth", 5: "sixth"}
-
-
-LONGEST = 60
-"""Characters that a name should have at most."""
-
-
-def shortened(names: Sequence[str]) -> list[str]:
-    """Names of at most `LONGEST` characters that stay different; shorter ones keep every word.
-
-    A long one gives up as little as it must: first the way its values are written, then relations of single axes, then
-    other details and values. The part of the arm is always told. One that cannot be that short is the shortest that no
-    other has.
-
-    Example:
-        >>> shortened(["shoulder and wrist, axes 1, 4, 6 aligned (θ2 = −112.8° or 112.8°, θ3 = −157.2° or −22.8°)"])
-        ['shoulder and wrist (θ2 = ±112.8°, θ3 = −157.2° or −22.8°)']
-    """
-    result = list(names)
-    for place, name in enumerate(names):
-        if len(name) > LONGEST:
-            others = {*result[:place], *names[place + 1 :]}
-            tried = [one for one in _shorter(name) if one not in others]
-            fitting = [one for one in tried if len(one) <= LONGEST]
-            if fitting:
-                result[place] = fitting[0]
-            else:
-                result[place] = min(tried, key=len, default=name)
-    return result
-
-
-_HEAD = re.compile(rf"((?:{'|'.join(_PARTS)})(?:(?:, | and )(?:{'|'.join(_PARTS)}))*)(: |, |$)")
-_DETAIL = re.compile(r"(, |; )(?=axes? |screws? |joints? |\d+ [∥⟂]|arm |with a |a line|all axes)")
-_REWORDED: tuple[tuple[int, str, str | Callable[[re.Match[str]], str]], ...] = (
-    (1, r"(θ\d+) = −([\d.]+°) or \2", r"\1 = ±\2"),
-    (2, r"axes \d+, \d+ and wrist centre coplanar", "arm stretched or folded"),
-    (4, "with a condition on", "a condition on"),
-    (8, r"(concurrent|parallel) and coplanar", r"\1"),
-    (12, r"\d+\.\d+(?=°)", lambda found: _whole_degrees(found[0])),
-    (14, r"with a condition on [^(]*\b(?= \(|$)", "with a condition"),
-)
-"""(cost, words, what says nearly as much in fewer characters)."""
-_RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
-"""Cost of leaving out "4 ⟂ 6", another fact, a value, and that there is a condition."""
-
-
-def _shorter(name: str) -> list[str]:
-    """What a name may become, what it loses least by first."""
-    if name.endswith(")"):
-        body, mark, inside = name.partition(" (")
-    else:
-        body, mark, inside = (name, "", "")
-    if mark:
-        values = re.split(r", (?=[θq]\d)", inside[:-1])
-    else:
-        values = []
-    head = _HEAD.match(body)
-    if head:
-        part, colon = (head[1], head[2])
-    else:
-        part, colon = ("", "")
-    rest = body[head.end() :] if head else body
-    pieces = _DETAIL.split(rest)
-    if rest:
-        details = list(zip(["", *pieces[1::2]], pieces[::2], strict=True))
-    else:
-        details = []
-    found: list[tuple[int, str]] = []
-    for kept, told in product(_subsets([text for _, text in details], bool(part)), range(len(values) + 1)):
-        lost = [text for place, (_, text) in enumerate(details) if place not in kept]
-        joined = "".join(details[place][0] * (number > 0) + details[place][1] for number, place in enumerate(kept))
-        text = part + colon * bool(kept) + joined + (f" ({', '.join(values[:told])})" if told else "")
-        cost = sum(map(_cost, lost)) + _VALUE * (len(values) - told)
-        for chosen in product((False, True), repeat=len(_REWORDED)):
-            worded, spent = text, cost
-            for (price, old, new), wanted in zip(_REWORDED, chosen, strict=True):
-                if wanted:
-                    worded, spent = re.sub(old, new, worded), spent + price
-            found.append((spent, worded))
-    return list(dict.fromkeys(text for _, text in sorted(found, key=lambda one: one[0])))
-
-
-def _whole_degrees(degrees: str) -> str:
-    """In whole degrees, unless that would be a right angle."""
-    whole = round(float(degrees))
-    return str(whole) if whole % 90 else degrees
-
-
-def _cost(detail: str) -> int:
-    """Of leaving out a detail."""
-    if detail.startswith("with a"):
-        return _BOUND
-    if detail[0].isdigit():
-        return _RELATION
-    return _FACT
-
-
-_MANY = 6  # details of which every choice is tried
-
-
-def _subsets(details: Sequence[str], parted: bool) -> list[tuple[int, ...]]:
-    """Which details may be kept, in their order: with a fact, if there is one; none where a part of the arm is told."""
-    count = len(details)
-    every = range(2**count) if count <= _MANY else [2**first - 1 for first in range(count + 1)]
-    chosen = [tuple(i for i in range(count) if number >> i & 1) for number in every]
-    facts = {i for i, text in enumerate(details) if _cost(text) == _FACT} or set(range(count))
-    return [one for one in chosen if facts & set(one) or (parted and not one)]
+def _as_given(robot: Robot, joint: int, value: float) -> float:
+    """A value in the unit that the arm was given in."""
+    if _slides(robot, joint):
+        return float(as_given(robot, np.eye(robot.n)[joint] * value)[joint])
+    return value
 
 
 def _joints_that_matter(scene: Scene, task: Task, rank: int) -> set[int]:
@@ -358,83 +211,185 @@ def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) ->
     return chosen
 
 
-def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
-    """ "elbow: …"; the parts alone ("elbow and wrist") where each of several independent facts is one part's own."""
+def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> FamilyName:
+    """Parts and details; the parts are `independent` where each of several facts is one part's own."""
     named = {role for fact in facts for role in fact.roles}
-    parts = [part for part in _PARTS if part in named]
-    if len(parts) > 1:
-        head = " and ".join([", ".join(parts[:-1]), parts[-1]])
-    else:
-        head = "".join(parts)
+    parts = tuple(part for part in ArmPart if part in named)
     if tight and corank > 1 and len(parts) == corank:
-        body = _details([fact for fact in facts if len(fact.roles) != 1])
-        return f"{head}, {body}" if body else head
-    body = _details(facts)
-    return f"{head}: {body}" if head else body
+        return FamilyName(parts, True, _details([fact for fact in facts if len(fact.roles) != 1]))
+    return FamilyName(parts, False, _details(facts))
 
 
-def _details(facts: Sequence[Fact]) -> str:
-    """The facts in words; the first in full, later ones with ∥ and ⟂."""
-    own = [fact for fact in facts if fact.kind == "own"]
-    parallel = _parallel_to_bundles(facts, own)
+def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
+    """The facts as a name lists them; the first in full, later relations in brief."""
+    own = [(fact, fact.detail) for fact in facts if fact.detail is not None]
+    parallel = _parallel_to_bundles(facts, [fact for fact, _ in own])
     if len(own) < len(facts):  # the word "elbow" says it
-        own = [fact for fact in own if fact.roles != ("elbow",) or fact.text == NEARLY]
-    details = [fact.text for fact in own if fact.roles]
-    details += [*_aligned(facts), *parallel, *(fact.text for fact in own if not fact.roles)]
-    relations = _relations(facts, {fact.joints for fact in own})
+        own = [
+            (fact, detail) for fact, detail in own
+            if fact.roles != (ArmPart.ELBOW,) or fact.geometry is Geometry.NEARLY_STRETCHED
+        ]  # fmt: skip
+    details = [detail for fact, detail in own if fact.roles]
+    details += [*_aligned(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
+    relations = _relations(facts, {fact.joints for fact, _ in own})
     if relations and not details:
         first = relations.pop(0)
-        details.append(f"axes {_join_groups([first.joints])} {first.kind}")
-    details += [_SIGNS[fact.kind].join(str(i + 1) for i in fact.joints) for fact in relations]
-    return ", ".join(details)
+        details.append(Detail(first.geometry, (first.joints,)))
+    details += [Detail(fact.geometry, (fact.joints,), brief=True) for fact in relations]
+    return tuple(details)
 
 
-def _aligned(facts: Sequence[Fact]) -> list[str]:
-    groups = [fact.joints for fact in facts if fact.kind == "aligned"]
+def _aligned(facts: Sequence[Fact]) -> list[Detail]:
+    groups = tuple(fact.joints for fact in facts if fact.geometry is Geometry.ALIGNED)
     if groups:
-        return [f"axes {_join_groups(groups)} aligned"]
+        return [Detail(Geometry.ALIGNED, groups)]
     return []
 
 
 def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
     """What is parallel, then what is perpendicular, but for joints of which more is told."""
-    return [fact for kind in _SIGNS for fact in facts if fact.kind == kind and fact.joints not in told]
+    kinds = (Geometry.PARALLEL, Geometry.PERPENDICULAR)
+    return [fact for kind in kinds for fact in facts if fact.geometry is kind and fact.joints not in told]
 
 
-_SIGNS = {"parallel": " ∥ ", "perpendicular": " ⟂ "}
-
-
-def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[str]:
+def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[Detail]:
     """Axes parallel to a bundle, bundle by bundle, but for what other facts tell."""
     firsts: dict[tuple[int, ...], list[int]] = {}
-    for first, *bundle in (fact.joints for fact in facts if fact.kind == "against"):
+    for first, *bundle in (fact.joints for fact in facts if fact.geometry is Geometry.AGAINST):
         if not any({first, *bundle} <= set(other.joints) for other in own):
             firsts.setdefault(tuple(bundle), []).append(first)
-    return [
-        f"{'axis' if len(first) == 1 else 'axes'} {listed(first)} parallel to {listed(bundle)}"
-        for bundle, first in firsts.items()
-    ]
+    return [Detail(Geometry.AGAINST, (tuple(first), bundle)) for bundle, first in firsts.items()]
 
 
-def _join_groups(groups: Sequence[Sequence[int]]) -> str:
-    """ "1 and 3" for one pair, "1, 3, 5" for one group, "1, 3 and 5, 7" for two."""
-    if len(groups) == 1 and len(groups[0]) == 2:
-        groups = [[joint] for joint in groups[0]]
-    return " and ".join(map(listed, groups))
+_PATTERNLESS = (Common.DEPENDENT_SCREWS, Common.DEPENDENT_JOINTS)
 
 
-def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> str:
+def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> FamilyName:
     """A name from the smallest dependent sets of joint screws."""
     usual = task_jacobian(scene.robot, structure.scene.q, task)
     blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
-    texts = [describe(scene, circuit, task) for circuit in blame]
-    if len(blame) == corank and all("dependent" not in text for text in texts):
-        return "; ".join(texts)
+    found = tuple(dependence_of(scene, circuit, task) for circuit in blame)
+    if len(blame) == corank and all(one.common not in _PATTERNLESS for one in found):
+        return FamilyName(details=found)
     if corank == 1 and generic == task.m and line_meets_all(scene, task):
         if structure.tip_is_centre:
-            return "a line through the tip meets all axes"
-        return "all axes meet one line"
+            return FamilyName(details=(Detail(Geometry.LINE_THROUGH_TIP),))
+        return FamilyName(details=(Detail(Geometry.LINE_MEETS_ALL),))
     if len(blame) == corank and (structure.tight or min(len(circuit) for circuit in blame) < generic):
-        return "; ".join(texts)
-    what = "screws" if task.m == 6 else "joints"
-    return f"{what} 1–{scene.robot.n} of rank {generic - corank}"
+        return FamilyName(details=found)
+    return FamilyName(details=(LowRank(scene.robot.n, generic - corank, task.m == 6),))
+
+
+_SHORT = 24  # characters of a condition that stands in a name
+
+
+def distinct_names(
+    names: Sequence[FamilyName], conditions: Sequence[Callable[[], Sequence[str]]]
+) -> list[FamilyName]:
+    """Names made unique: of those with the same words each gets the first short condition that only it has; then short.
+
+    Args:
+        names: of the families of one corank, in their order.
+        conditions: of each, how to get its conditions for people; asked where it is needed only.
+
+    Returns:
+        The names; where no short condition tells them apart they are counted: "wrist (second)".
+
+    Example:
+        >>> from rankdrop.family.name import ArmPart
+        >>> elbow, wrist = FamilyName((ArmPart.ELBOW,)), FamilyName((ArmPart.WRIST,))
+        >>> found = distinct_names([elbow, wrist, elbow], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
+        >>> [str(name) for name in found]
+        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
+    """
+    result = list(names)
+    words = [str(name) for name in names]
+    for same, count in Counter(words).items():
+        if count == 1:
+            continue
+        places = [place for place, other in enumerate(words) if other == same]
+        texts = [conditions[place]() for place in places]
+        for number, place in enumerate(places):
+            others = {text for k, one in enumerate(texts) if k != number for text in one}
+            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
+            if own:
+                result[place] = replace(names[place], condition=own[0])
+            else:
+                result[place] = replace(names[place], ordinal=number + 1)
+    return shortened(result)
+
+
+LONGEST = 60
+"""Characters that a name should have at most."""
+
+
+def shortened(names: Sequence[FamilyName]) -> list[FamilyName]:
+    """Names of at most `LONGEST` characters that stay different; shorter ones keep every word.
+
+    A long one gives up as little as it must: first the way its values are written, then relations of single axes, then
+    other details and values. The part of the arm is always told. One that cannot be that short is the shortest that no
+    other has.
+    """
+    result = list(names)
+    words = [str(name) for name in names]
+    for place, name in enumerate(names):
+        if len(words[place]) > LONGEST:
+            others = {*words[:place], *words[place + 1 :]}
+            best = name
+            for tried in _shorter(name):
+                text = str(tried)
+                if text not in others:
+                    if best is name or len(text) < len(words[place]):
+                        best, words[place] = tried, text
+                    if len(text) <= LONGEST:
+                        break
+            result[place] = best
+    return result
+
+
+_COSTS = {
+    Shorter.PLUS_MINUS: 1, Shorter.STRETCHED: 2, Shorter.CONDITION_WITHOUT_WITH: 4, Shorter.FIRST_OF_TWO: 8,
+    Shorter.WHOLE_DEGREES: 12, Shorter.CONDITION_WITHOUT_JOINTS: 14,
+}  # fmt: skip
+_RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
+"""Cost of leaving out "4 ⟂ 6", another fact, a value, and that there is a condition."""
+
+
+def _shorter(name: FamilyName) -> Iterator[FamilyName]:
+    """What a name may become, what it loses least by first."""
+    costs = [_RELATION if isinstance(one, Detail) and one.brief else _FACT for one in name.details]
+    costs += [_BOUND] * bool(name.bound)
+    marks = (name.condition != "") + (name.ordinal > 0 and not name.values)  # a number goes with the value before it
+    many = len(name.values) + marks
+    choices = []
+    for kept, told in product(_subsets(costs, bool(name.parts)), range(many + 1)):
+        lost = sum(cost for place, cost in enumerate(costs) if place not in kept) + _VALUE * (many - told)
+        for chosen in product((False, True), repeat=len(_COSTS)):
+            spent = sum(price for price, wanted in zip(_COSTS.values(), chosen, strict=True) if wanted)
+            choices.append((lost + spent, kept, told, chosen))
+    for _, kept, told, chosen in sorted(choices, key=lambda one: one[0]):
+        shorter = Shorter.NOTHING
+        for flag, wanted in zip(_COSTS, chosen, strict=True):
+            if wanted:
+                shorter |= flag
+        yield replace(
+            name,
+            details=tuple(one for place, one in enumerate(name.details) if place in kept),
+            bound=name.bound if len(name.details) in kept else (),
+            values=name.values[:told],
+            condition=name.condition if told > len(name.values) else "",
+            ordinal=name.ordinal if told == many else 0,
+            shorter=shorter,
+        )
+
+
+_MANY = 6  # details of which every choice is tried
+
+
+def _subsets(costs: Sequence[int], parted: bool) -> list[tuple[int, ...]]:
+    """Which details may be kept, in their order: with a fact, if there is one; none where a part of the arm is told."""
+    count = len(costs)
+    every = range(2**count) if count <= _MANY else [2**first - 1 for first in range(count + 1)]
+    chosen = [tuple(i for i in range(count) if number >> i & 1) for number in every]
+    facts = {i for i, cost in enumerate(costs) if cost == _FACT} or set(range(count))
+    return [one for one in chosen if facts & set(one) or (parted and not one)]

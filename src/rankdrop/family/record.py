@@ -11,7 +11,6 @@ on; what is printed of it stands in `text/families.py`. `families_at` says on wh
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation, System
 from rankdrop.family.lost import LostFreedom
+from rankdrop.family.name import FamilyName
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -130,7 +130,7 @@ class Family:
 
     Attributes:
         id: "k1.f1": corank 1, first row; empty for a family that stands in no table.
-        name: "elbow", "wrist" …, or what the joints do; "meeting point of families: …" where several meet.
+        called: its name as facts.
         named: False for a family whose points were found but whose conditions were not.
         corank: rank lost on the family.
         dimension: of the family in joint space; for a family that is not named an upper bound (dim ker D).
@@ -155,7 +155,7 @@ class Family:
     """
 
     id: str
-    name: str
+    called: FamilyName
     named: bool = field(default=True, kw_only=True)
     corank: int
     dimension: int
@@ -179,6 +179,11 @@ class Family:
         object.__setattr__(self, "lost_directions", directions)
 
     @cached_property
+    def name(self) -> str:
+        """Its name in words: "wrist: axes 4 and 6 aligned"."""
+        return str(self.called)
+
+    @cached_property
     def system(self) -> System:
         """The equations, as they are solved: made once."""
         return System(self.equations)
@@ -187,11 +192,6 @@ class Family:
         """For notebooks: what the family asks, what is lost, how it was tested."""
         sections: tuple[Section, ...] = words_of(self).sections_of(self)
         return html(sections)
-
-
-def short_name(name: str) -> str:
-    """A family without the part that says which axes: "shoulder" of "shoulder: axes 1 and 3 aligned"."""
-    return re.split(r":| \(|, (?:axes|with) ", name)[0]
 
 
 @dataclass(frozen=True, slots=True)

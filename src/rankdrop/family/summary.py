@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import short_name
+from rankdrop.family.name import FamilyName
 
 _ON = 1e-6  # |f| / Σ|coefficients| up to which a witness lies on a family: the gap is from 1e-8 to 1e-3
 
@@ -33,8 +33,8 @@ class Summarised(Protocol):
     """What a summary needs to know about a family."""
 
     @property
-    def name(self) -> str:
-        """Name, with the part that says which axes."""
+    def called(self) -> FamilyName:
+        """Its name."""
 
     @property
     def corank(self) -> int:
@@ -156,7 +156,7 @@ def summarised(
         mine = [one for one in families if one.corank == corank]
         names: dict[str, int] = {}
         for one in mine:
-            name = short_name(one.name)
+            name = one.called.short
             names[name] = names.get(name, 0) + 1
         if corank == coranks[0]:
             combined = 0

@@ -22,6 +22,7 @@ from rankdrop.codec import plain as plain
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.equation import Equation
+from rankdrop.family.name import FamilyName
 from rankdrop.family.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.family.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
@@ -284,6 +285,7 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
+    given["called"] = FamilyName.of_words(record["name"])
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

@@ -36,6 +36,7 @@ from rankdrop.exact.notation import Step
 from rankdrop.exact.writing import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.lost import LostFreedom, freedoms_at_witness
+from rankdrop.family.name import FamilyName
 from rankdrop.family.record import Check, Family, family_from_metres
 from rankdrop.local.directions import lost_directions
 from rankdrop.questions import ConditionsOptions
@@ -328,7 +329,7 @@ def _family(
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
-        name=record["name"],
+        called=FamilyName.of_words(record["name"]),
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
-from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
+from rankdrop.exact.aspects import Between, Crossing, Flags
 from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.lint import Difference, Example, LintResult
@@ -291,8 +291,21 @@ EXAMPLE = table(
 )
 MISSING = table("missing", of=Difference)
 TEST = table("test", of=LintResult, verdict=Literal["exact", "too small", "too large", "both"])
-FLAGS = table("flags", of=Flag, sign=Literal[-1, 0, 1] | None, value=num("1"))
-CONDITIONS_FLAGS = table("conditions_flags", of=Flags, q=some(num("joint")), tolerance=num("1", ge=0))
+FLAGS = table(
+    "flags",
+    factor=(str, "the function, in s_j = sin θ_j and c_j = cos θ_j."),
+    name=(str, 'of the family where it is zero, as `analyze` names it; "" where no real configurations are on it.'),
+    sign=(Literal[-1, 0, 1] | None,
+        "+1, −1, or 0 on the family; None where the factor has no sign on the torus."),
+    value=(num("1"), "of the factor, scaled: |value| ≤ 1 without slides."),
+)
+CONDITIONS_FLAGS = table(
+    "conditions_flags",
+    of=Flags,
+    q=some(num("joint")),
+    flags=many(FLAGS),
+    tolerance=num("1", ge=0),
+)
 CROSSINGS = table(
     "crossings",
     of=Crossing,

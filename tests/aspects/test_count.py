@@ -215,7 +215,7 @@ def whole(ring: Ring, p: Polynomial) -> SignedFactor:
 def regions(*factors: Polynomial, ring: Ring = RING) -> AspectCount:
     """The regions that the zeros of these functions leave of the torus."""
     chain = SimpleNamespace(ring=ring, numbers={})
-    signs = SimpleNamespace(factors=[whole(ring, p) for p in factors], chain=chain, names=("",) * len(factors))
+    signs = SimpleNamespace(factors=[whole(ring, p) for p in factors], chain=chain, names=(None,) * len(factors))
     return count_aspects(signs)  # type: ignore[arg-type]
 
 

@@ -318,8 +318,8 @@ BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), o
 def _exact_families(conditions: Any) -> list[dict[str, Any]]:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
     return [
-        {**vars(family), "conditions": family.texts, "latex": family.latex, "equations": family.equations,
-         "lost_words": lost_sentences(family.lost_freedoms),
+        {**vars(family), "name": family.name, "conditions": family.texts, "latex": family.latex,
+         "equations": family.equations, "lost_words": lost_sentences(family.lost_freedoms),
          "terms": _terms(family),
          "pinned": [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned(conditions.robot)]}
         for family in conditions.families

@@ -37,8 +37,8 @@ from rankdrop.task import Frame, Task
 from rankdrop.tolerances import SPAN
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
-BUDGET = 200_000
-"""Boxes for each distance, some 10 to 40 μs each."""
+BUDGET = 100_000
+"""Boxes for each distance, some 50 to 130 μs each."""
 
 _ROWS_OF_TRANSLATION = 3
 _BATCH = 512  # boxes halved at one time

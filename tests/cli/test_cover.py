@@ -127,7 +127,7 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     file = tmp_path / "two.json"
     code, text, _ = run("ur5", "--width", 0.4, "--corank", 2, "--json", file)
     assert code == 0
-    assert text.count("a configuration of corank 2 or more is explained") == 2
+    assert text.count("Every configuration of corank 2 or more of ur5 is within") == 2
     record = json.loads(file.read_text())
     Draft202012Validator(load_schema("cover")).validate(record)
     assert record["settings"]["corank"] == 2
@@ -150,7 +150,7 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     assert run("ur5", "--width", 0.8, "--corank", 2, "--analysis", tmp_path / "part.json")[0] == 0
     code, text, _ = run("planar3r", "--corank", 2)
     assert code == 0
-    assert text.strip().startswith("There is no configuration of corank 2 or more: all of the joint space is proven")
+    assert text.strip().startswith("There is no configuration of corank 2 or more of planar3r (proven).")
     assert "is in one" not in text
     assert "proven to hold one" not in text
 

@@ -286,7 +286,9 @@ def test_command_page_figure_and_tables(
     assert code == 0, errors
     assert text.split() != []
     assert re.match(r"  (Variant \d is the best of|\d of) 4 variants of planar3r", text)
-    assert json.loads(result.read_text()) == json.loads(json.dumps(found.to_dict()))
+    written, here = json.loads(result.read_text()), json.loads(json.dumps(found.to_dict()))
+    assert written.pop("summary")[:-1] == here.pop("summary")[:-1]  # the last line names an option, or a keyword
+    assert written == here
     html = page.read_text()
     assert html.count("<circle") == 4 * len(found.measures)
     assert "http://" not in html.replace("http://www.w3.org", "")

@@ -68,7 +68,7 @@ MEANINGS = {
     "families": "number of families of every corank",
     "near": "share of the joint space near any family",
     "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
-    "sigma": "over the region: smallest, over its poses, of the σ of the best posture, with its proven bounds",
+    "sigma": "smallest, over the poses of the region, of the σ of the best posture, with proven bounds",
     "reached": "share of the region's poses for which a posture was found",
     "slow_poses": "share of the region's poses reached at which some straight motion of the tool is slow, in every "
     "posture found",

@@ -217,7 +217,7 @@ def more_line(seconds: float | None = None) -> str:
 
 def sigma_note(variants: int, wide: int, uncovered: int) -> str:
     """What the proven bounds of σ over a region say of a comparison: how many are wide, or have no lower bound."""
-    note = "; a variant is worse only where its upper bound is below the lower bound of another"
+    note = "; worse only if wholly below another"
     if wide:
         note += f"; {wide:,} of {variants:,} intervals stayed wide within their budget and exclude little"
     if uncovered:

@@ -665,15 +665,14 @@ _DONE = {
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
 }
 _CHANGES = {
-    "null-space": "joint motion that leaves the tool where it is along the whole path: the arm has no spare joint",
+    "null-space": "joint motion that leaves the tool where it is along the whole path: the arm has no redundant joint",
     "flip": "other posture at the first pose",
     "tool tilt": "rotation in the task", "base shift": "translation in the task",
 }  # fmt: skip
 _BLENDS = {None: "only paths that are straight between their rows have corners",
            0: "no corner is near enough for the tool to stay within the bound"}  # fmt: skip
 _OBSTACLES = {
-    "side": "goes to the other side of the singularity and does not come back; every joint path between the two sides "
-    "crosses it",
+    "side": "the path ends beyond the singularity, which every joint path there crosses",
     "end": "the path begins or ends too near to the singularity",
     "height": "no joint motion within {bound} avoids it",
     "rate": "no bump keeps the joint limits of rates and accelerations",
@@ -741,15 +740,21 @@ def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
     for place, obstacle, needed in missing[:_NAMED]:
         words = _OBSTACLES[obstacle].format(bound=_bound("bump", bound))
         if isfinite(needed):
-            wider = f"; {_wider('bump', needed)} does"
-        else:
-            wider = ""
-        parts.append(f"{_when(place)} {words}{wider}" if obstacle == "side" else f"{_when(place)}: {words}{wider}")
+            words += f"; {_wider('bump', needed)} does"
+        parts.append((_when(place), words))
     if len(missing) > _NAMED:
         more = f"; and {len(missing) - _NAMED} more"
     else:
         more = ""
-    return f"bump: {'; '.join(parts)}{more}"
+    return f"bump: {_by_reason(parts)}{more}"
+
+
+def _by_reason(parts: Iterable[tuple[str, str]]) -> str:
+    """Places with the reason of each, a reason of several places once: "at 1 s, at 3 s: no joint motion avoids it"."""
+    places: dict[str, list[str]] = {}
+    for place, reason in parts:
+        places.setdefault(reason, []).append(place)
+    return "; ".join(f"{', '.join(each)}: {reason}" for reason, each in places.items())
 
 
 def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
@@ -762,11 +767,9 @@ def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
     for place, hindrance, needed in missing[:_NAMED]:
         words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
         if isfinite(needed):
-            wider = f"; {_wider('detour', needed)} does"
-        else:
-            wider = ""
-        parts.append(f"{_when(place)}: {words}{wider}")
-    return f"detour: {'; '.join(parts)}"
+            words += f"; {_wider('detour', needed)} does"
+        parts.append((_when(place), words))
+    return f"detour: {_by_reason(parts)}"
 
 
 def _bound(name: str, bound: float) -> str:
@@ -889,7 +892,8 @@ def _local_lines(mending: Any) -> list[str]:
     if mending.best is not None:
         return [f"Remedy: {best_words(mending)}."]
     if mending.notes:
-        return [f"Local remedy: none: {'; '.join(mending.notes)}."]
+        reasons = " ".join(f"{note[:1].upper()}{note[1:]}." for note in mending.notes)
+        return [f"No local remedy. {reasons}"]
     return []
 
 

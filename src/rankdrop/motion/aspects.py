@@ -30,11 +30,12 @@ from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, T
 from rankdrop.exact.algebra.work import OutOfTime, Work, watched
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
-from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
+from rankdrop.exact.posture_changes import CUSPS, OPEN, Decision
 from rankdrop.kinematics import check_robot, one_configuration, pose
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box
 from rankdrop.motion.curve import Index, curve
 from rankdrop.motion.inverse import apart, check_square, determinants, near_and_within, regular, solutions
+from rankdrop.motion.postures import decided
 from rankdrop.motion.prove import prove
 from rankdrop.motion.trajectory import csv_text
 from rankdrop.options import takes
@@ -234,7 +235,7 @@ def aspects_of(
     if start is not None and not regular(there, there_task, start):
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
-    decision, signs, notes = _decided(robot, resolved)
+    decision, signs, notes = decided(robot, resolved)
     count, numeric = _counted(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
@@ -322,16 +323,6 @@ def _grouped(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
     return group
 
 
-def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[str, ...]]:
-    """What is known without a search, the signs that tell solutions apart, and remarks."""
-    try:
-        chain = exact_chain(robot, task)
-        decision = decide_postures(chain)
-    except (RobotError, TaskError, MissingExtraError) as error:
-        return Decision(OPEN, f"not decided exactly: {error}"), None, ()
-    return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
-
-
 COUNTING = 20.0
 """Work that counting the aspects may take [s of an idle machine]."""
 
@@ -364,23 +355,6 @@ def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits
         return replace(solved, flags=flags)
     numbers = list(dict.fromkeys(flags))
     return replace(solved, flags=flags, aspect=tuple(numbers.index(row) + 1 for row in flags))
-
-
-def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:
-    """The posture of each configuration (N, n): the signs of the factors of det J where they tell solutions apart.
-
-    Returns:
-        For each row such as ("elbow +", "wrist −"); else the sign of det J; empty for arms that have no determinant.
-    """
-    if not len(q) or robot.n != task.m:
-        return ((),) * len(q)
-    _, signs, _ = _decided(robot, task)
-    if signs is None:
-        there = in_metres(robot), task_in_metres(task, robot)
-        values = determinants(*there, np.stack([into_metres(robot, row) for row in q]))
-        return tuple((f"det J {'+' if value > 0 else '−'}",) for value in values)
-    flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
-    return tuple(tuple(flag.label for flag in some) for some in flags)
 
 
 def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:

@@ -28,8 +28,8 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import check_robot
 from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.block import joint_scale, sampling_box, singular_values
-from rankdrop.motion.aspects import posture_names
 from rankdrop.motion.inverse import Aim, apart, distinct, wrapped
+from rankdrop.motion.postures import posture_names
 from rankdrop.options import takes
 from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions

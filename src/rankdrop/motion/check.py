@@ -28,12 +28,12 @@ from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singul
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import asked_task
 from rankdrop.local.posture import by_habit
-from rankdrop.motion.aspects import posture_names
 from rankdrop.motion.certificate import margin
 from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
 from rankdrop.motion.follow import Followed, ToolBranch, follow
 from rankdrop.motion.inverse import Aim, apart, distinct, near_and_within
+from rankdrop.motion.postures import posture_names
 from rankdrop.motion.prove import prove
 from rankdrop.motion.record import (
     CROSSING,

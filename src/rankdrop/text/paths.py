@@ -662,6 +662,7 @@ _DONE = {
     "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
     "blend": "the corner at row {0} cut by a parabola",
     "blends": "the corners at row {0} cut by a parabola",
+    "slow-down": "the same path, slower around the places where a joint is too fast; the rest as fast as it was",
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
 }
 _CHANGES = {
@@ -716,6 +717,10 @@ def remedy_note(kind: str, fact: Any) -> str:
         return _detour_note(*fact)
     if kind == "path":
         return f"the tool's path cannot be followed: {fact}"
+    if kind == "slow-down":
+        if fact:
+            return f"{kind}: the limits cannot be kept without making nearly all of the path slower"
+        return f"{kind}: only for paths that are straight between their rows"
     if kind == "retime":
         return f"{kind}: the limits could not be kept everywhere"
     if kind == "blend":
@@ -826,7 +831,7 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
             lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
     lines.append(f"    checked again: {remedy.check.sentence}")
     if remedy.usage is not None:
-        if remedy.retimed and remedy.kind != "retime":
+        if remedy.retimed and remedy.kind not in ("retime", "slow-down"):
             retimed = "new time law; "
         else:
             retimed = ""
@@ -849,6 +854,8 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
     when, off = _between(change.start, change.end), _off(change.off, robot)
+    if change.longer > 0.0:
+        return f"slower {when}, which takes {short(change.longer, 2)} s longer"
     if not change.at_end.any():
         return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
     return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.at_end, robot)}"
@@ -903,6 +910,11 @@ def best_words(mending: Any) -> str:
     if best is None:
         return ""
     robot = best.check.robot
+    kind = best.kind.replace(" ", "-")
+    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
+    if best.kind == "slow-down":
+        where = _slower_words(best.changes)
+        return f"{where} keeps the joint limits and is free (proven), the tool on its path. {options} writes it"
     change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
     if change is None:
         what = best.words
@@ -920,10 +932,19 @@ def best_words(mending: Any) -> str:
         slower = " in a new time law"
     else:
         slower = ""
-    kind = best.kind.replace(" ", "-")
-    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
     off = _off(best.deviation, robot)
     return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
+
+
+def _slower_words(changes: Sequence[Any]) -> str:
+    """Where a path is made slower, the longest part first, and how much longer all of it takes."""
+    longest = max(changes, key=attrgetter("longer"))
+    if len(changes) == 1:
+        more = ""
+    else:
+        more = f" and at {len(changes) - 1} more {plural('place', len(changes) - 1)}"
+    total = sum(one.longer for one in changes)
+    return f"slower {_between(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:

@@ -38,6 +38,7 @@ from rankdrop.motion.candidates import (
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve
 from rankdrop.motion.detours import Detour, Detourer, NoDetour
+from rankdrop.motion.pose_detours import Blocked, PoseDetourer
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.slow_down import slowed_down
@@ -345,7 +346,7 @@ class _Mender:
         """A remedy of each kind, or what was tried."""
         if not self.found.clear:
             yield from self._changed_paths(most)
-        if not self.breaks(self.found):
+        if not self.breaks(self.found) or (self.found.tool is not None and not self.found.tool.complete):
             return
         if SLOW in self.kinds and self.found.clear:
             slower = self._slower()
@@ -362,6 +363,15 @@ class _Mender:
 
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
+        if self.found.poses is not None and DETOUR in self.kinds and most.detour > 0.0:
+            led = self._poses_detour(most.detour)
+            yield led
+            if isinstance(led, Remedy):
+                return
+        if self.found.tool is not None and not self.found.tool.complete:
+            if self.kinds - {DETOUR, SLOW}:
+                yield "unfinished", self.found.tool.reached
+            return
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
         yield from self._local(tool, most)
         if most.blend > 0.0 and BLEND in self.kinds:
@@ -384,6 +394,24 @@ class _Mender:
             found, ended = rank(partial(self._report, kind))
             yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
 
+    def _clearance(self) -> float:
+        asked = SPARE * self.found.options.min_distance
+        return asked if asked > 0.0 else CLEARANCE
+
+    def _poses_detour(self, most: float) -> Remedy | Failure:
+        """The poses moved around each singularity that they lead through, and the joints along them."""
+        work = PoseDetourer(self.found, most, self._clearance())
+        windows = work.found(partial(self._report, DETOUR))
+        if isinstance(windows, Blocked):
+            return DETOUR, (most, [(work.at(windows.place), windows.hindrance, windows.needed)], 0)
+        if not windows:
+            return DETOUR, (most, [], 0)
+        still = np.zeros(self.found.robot.n)
+        changes = tuple(Change(work.at(one.low), work.at(one.high), still, one.off, still) for one in windows)
+        off = max(one.off[0] for one in windows), max(one.off[1] for one in windows)
+        proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
+        return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         found = self.found
@@ -392,14 +420,13 @@ class _Mender:
             return
         families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
         bumper = Bumper(found, tool, families, most.bump, *self.limits)
-        asked = SPARE * found.options.min_distance
-        clearance = asked if asked > 0.0 else CLEARANCE
+        clearance = self._clearance()
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper, clearance)
             yield result
             if isinstance(result, Remedy):
                 return
-        if DETOUR in self.kinds and most.detour > 0.0:
+        if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
             if most.bump > 0.0:
                 bumps, failed = self._bumps(bumper, clearance)
             else:

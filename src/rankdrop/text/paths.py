@@ -709,6 +709,8 @@ def remedy_note(kind: str, fact: Any) -> str:
     """
     if kind == "local":
         return f"bump and detour: not tried, more than {fact} places need one"
+    if kind == "unfinished":
+        return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
     if kind == "bump":
         return _bump_note(*fact)
     if kind == "detour":
@@ -854,6 +856,8 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
     when, off = _between(change.start, change.end), _off(change.off, robot)
+    if not (change.longer > 0.0 or change.way.any()):
+        return f"the tool moves by {off} {when}"
     if change.longer > 0.0:
         return f"slower {when}, which takes {short(change.longer, 2)} s longer"
     if not change.at_end.any():
@@ -918,7 +922,7 @@ def best_words(mending: Any) -> str:
     change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
     if change is None:
         what = best.words
-    elif change.at_end.any():
+    elif change.at_end.any() or not change.way.any():
         what = f"the tool led around it {_between(change.start, change.end)}"
     else:
         what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"

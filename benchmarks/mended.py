@@ -200,12 +200,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--programs", type=int, default=4 if measure.quick() else 100)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--step", type=int, default=1, help="every how many-th of the programs")
     parser.add_argument("--rows", type=int, default=3_000 if measure.quick() else 50_000)
     asked, left = parser.parse_known_args()
     sys.argv[1:] = left
     out = []
     with tempfile.TemporaryDirectory() as folder:
-        for number in range(asked.first, asked.first + asked.programs):
+        for number in range(asked.first, asked.first + asked.programs * asked.step, asked.step):
             out.append(one(number, asked.rows, Path(folder)))
             print(f"{number}: " + ", ".join(f"{key} {measure.text(value)}" for key, value in out[-1].items()),
                   file=sys.stderr, flush=True)  # fmt: skip

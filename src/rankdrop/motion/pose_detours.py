@@ -36,6 +36,9 @@ _FINER = 5  # … and so many between the least that does and the one before
 _LOOKED, _JUMP = 120, 0.6  # places of a first look on each side; joint motion between two of them at most [rad]
 _CONFIRMED = 8  # looks that are followed in full
 _NEARER = 0.9  # share of the clearance that is kept
+_BESIDE = 15.0  # times the clearance: a joint that reaches its limit after coming so near turned because of that
+_SHORTEST = 0.02  # half of a core at least, by the clock
+_INSTANT = 1e-9  # rows nearer in time are one [s]
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
 _ROWS = 40  # of a window at least
 _MOST = 12  # windows
@@ -144,9 +147,14 @@ class PoseDetourer:
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
                 return windows
-            if len(windows) == _MOST or run.reason == "limit" and end == len(run.q) - 1 and not self._near(run.q[-1]):
-                hindrance = Hindrance.LIMIT if run.reason == "limit" else Hindrance.REST
-                return Blocked(float(self._places(at, run)[-1]) if len(run.q) else place, hindrance)
+            if len(windows) == _MOST:
+                return Blocked(float(self._places(at, run)[-1]), Hindrance.REST)
+            if run.reason == "limit" and end == len(run.q) - 1:
+                # a joint turned too far while the tool passed by: the other way round may do
+                room = self.tool.room(run.q)
+                end = int(room.argmin())
+                if room[end] > _BESIDE * self.clearance:
+                    return Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT)
             made = self._around(at, run, end)
             if isinstance(made, Blocked):
                 return made
@@ -170,9 +178,6 @@ class PoseDetourer:
     def _places(self, at: Array, run: Followed) -> Array:
         """(K,) places of the rows of a run along places."""
         return np.asarray(np.interp(run.place - 1.0, np.arange(len(at)), at))
-
-    def _near(self, q: Array) -> bool:
-        return bool(self.tool.room(q[None])[0] < self.clearance)
 
     def _ends(self, run: Followed) -> int | None:
         """The first row of a run that is at a singularity, or its last one; None where it is free to the end."""
@@ -230,7 +235,7 @@ class PoseDetourer:
     def _span(self, places: Array, core: float, met: float, longer: float) -> Span | None:
         """Where a window begins and ends around a core; None where there is no room for it."""
         full, middle = (float(x) for x in self._time(np.array([core, met])))
-        half = longer * max(middle - full, 1e-6)
+        half = longer * max(middle - full, _SHORTEST)
         back, ramp = middle + half, max(_RAMP, half)
         kept = int(np.searchsorted(self._time(places), full - ramp, side="right")) - 1
         if kept < 0 or back + ramp > self.clock[-1]:
@@ -321,7 +326,7 @@ class PoseDetourer:
     def trajectory(self) -> Trajectory:
         """The joint path along the moved poses."""
         place, q = (np.concatenate(parts) for parts in zip(*self.rows, strict=True))
-        distinct = np.concatenate([[True], np.diff(place) > 0.0])
+        distinct = np.concatenate([[True], np.diff(self._time(place)) > _INSTANT])
         place, q = place[distinct], q[distinct]
         given = self.check.poses
         timed = given is not None and given.times is not None

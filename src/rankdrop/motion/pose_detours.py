@@ -11,7 +11,7 @@ the window led to. All other poses stay as they are, to the last bit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,11 +66,15 @@ class Blocked:
         place: counted in poses from 0.
         hindrance: why.
         needed: the size that would do where it is above the bound, else nan [rad; lengths by the length scale].
+        joint: number from 1 of the one that reached its limit, where without limits the rest is followed; 0: none.
+        beyond: how far it goes beyond its range there [rad, m].
     """
 
     place: float
     hindrance: Hindrance
     needed: float = np.nan
+    joint: int = 0
+    beyond: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,14 +158,23 @@ class PoseDetourer:
                 room = self.tool.room(run.q)
                 end = int(room.argmin())
                 if room[end] > _BESIDE * self.clearance:
-                    return Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT)
+                    return self._beyond(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
             made = self._around(at, run, end)
             if isinstance(made, Blocked):
-                return made
+                return self._beyond(made, at, start) if run.reason == "limit" else made
             window, place, start = made
             windows.append(window)
             report(len(windows), len(windows) + 1)
         return windows
+
+    def _beyond(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
+        """With the joint whose range would have to be wider for the branch to go on, and by how much."""
+        free = follow(self.robot, poses_at(self.poses, at), start, self.task, limits=False)
+        if not free.complete:
+            return blocked
+        excess = np.maximum(free.q - self.robot.upper, self.robot.lower - free.q).max(axis=0)
+        joint = int((excess / self.aim.joints).argmax())
+        return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
 
     def _from(self, place: float) -> Array:
         """Places from one on: it, and all poses after it."""

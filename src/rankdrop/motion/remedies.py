@@ -364,12 +364,12 @@ class _Mender:
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
         if self.found.poses is not None and DETOUR in self.kinds and most.detour > 0.0:
-            led = self._poses_detour(most.detour)
-            yield led
-            if isinstance(led, Remedy):
-                return
+            for led in self._poses_detour(most.detour):
+                yield led
+                if isinstance(led, Remedy):
+                    return
         if self.found.tool is not None and not self.found.tool.complete:
-            if self.kinds - {DETOUR, SLOW}:
+            if self.kinds - set(LOCAL):
                 yield "unfinished", self.found.tool.reached
             return
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
@@ -398,19 +398,24 @@ class _Mender:
         asked = SPARE * self.found.options.min_distance
         return asked if asked > 0.0 else CLEARANCE
 
-    def _poses_detour(self, most: float) -> Remedy | Failure:
+    def _poses_detour(self, most: float) -> Iterator[Remedy | Failure]:
         """The poses moved around each singularity that they lead through, and the joints along them."""
         work = PoseDetourer(self.found, most, self._clearance())
         windows = work.found(partial(self._report, DETOUR))
         if isinstance(windows, Blocked):
-            return DETOUR, (most, [(work.at(windows.place), windows.hindrance, windows.needed)], 0)
+            place = work.at(windows.place)
+            yield DETOUR, (most, [(place, windows.hindrance, windows.needed)], 0)
+            if windows.joint:
+                yield "range", (windows.joint, windows.beyond, self.found.robot)
+            return
         if not windows:
-            return DETOUR, (most, [], 0)
+            yield DETOUR, (most, [], 0)
+            return
         still = np.zeros(self.found.robot.n)
         changes = tuple(Change(work.at(one.low), work.at(one.high), still, one.off, still) for one in windows)
         off = max(one.off[0] for one in windows), max(one.off[1] for one in windows)
         proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
-        return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+        yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""

@@ -705,10 +705,15 @@ def remedy_note(kind: str, fact: Any) -> str:
         kind: of the remedy; "path": of every kind that keeps the tool's path.
         fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
             how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
-            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed.
+            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed;
+            of "range" a joint, how much wider its range would have to be, and the arm.
     """
     if kind == "local":
         return f"bump and detour: not tried, more than {fact} places need one"
+    if kind == "range":
+        joint, beyond, robot = fact
+        amount = _amount(beyond, robot.variables[joint - 1].unit)
+        return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
     if kind == "unfinished":
         return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
     if kind == "bump":

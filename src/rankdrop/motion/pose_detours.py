@@ -97,11 +97,12 @@ class Span:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """A size ε, a window and a way û along the lost direction."""
+    """A size ε, a window and a way û along the lost direction, and (n,) how far joints go beyond their limits."""
 
     size: float
     span: Span
     way: Array
+    excess: Array
 
 
 @dataclass(eq=False)
@@ -146,7 +147,7 @@ class PoseDetourer:
         place, start, windows = 0.0, tool.q[0], list[Window]()
         for _ in range(_MOST + 1):
             at = self._from(place)
-            run = self._followed(at, start)
+            run = self._as_checked(tool) if not windows else self._followed(at, start)
             end = self._ends(run)
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
@@ -161,7 +162,7 @@ class PoseDetourer:
                     return self._beyond(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
             made = self._around(at, run, end)
             if isinstance(made, Blocked):
-                return self._beyond(made, at, start) if run.reason == "limit" else made
+                return self._beyond(made, at, start) if run.reason == "limit" and not made.joint else made
             window, place, start = made
             windows.append(window)
             report(len(windows), len(windows) + 1)
@@ -175,6 +176,13 @@ class PoseDetourer:
         excess = np.maximum(free.q - self.robot.upper, self.robot.lower - free.q).max(axis=0)
         joint = int((excess / self.aim.joints).argmax())
         return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
+
+    def _as_checked(self, tool: Followed) -> Followed:
+        """The branch as it was followed already, up to the first singularity that it goes through."""
+        if not tool.passed:
+            return tool
+        kept = tool.place < tool.passed[0].place
+        return replace(tool, q=tool.q[kept], place=tool.place[kept], complete=False, reason="singular")
 
     def _from(self, place: float) -> Array:
         """Places from one on: it, and all poses after it."""
@@ -224,12 +232,17 @@ class PoseDetourer:
         sizes = self._sizes()
         usual = self._looks(windows, own, lost, sizes)
         if not usual:
-            return Blocked(met, Hindrance.TOOL)
+            beyond = [one for one in self._looks(windows, own, lost, sizes, limits=False) if one.size <= self.bound]
+            if not beyond:
+                return Blocked(met, Hindrance.TOOL)
+            least_beyond = min(beyond, key=lambda one: float((one.excess / self.aim.joints).max()))
+            joint = int((least_beyond.excess / self.aim.joints).argmax())
+            return Blocked(met, Hindrance.LIMIT, np.nan, joint + 1, float(least_beyond.excess[joint]))
         least = usual[0].size
         if least > self.bound * (1 + 1e-9):
             return Blocked(met, Hindrance.TOOL, least)
         before = max((size for size in sizes if size < least), default=least / _GROWING)
-        finer = self._looks(windows, own, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
+        finer = self._looks([usual[0].span], own, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
         for look in [*finer, *usual][:_CONFIRMED]:
             made = self._confirmed(look, own)
             if look.size <= self.bound * (1 + 1e-9) and made is not None:
@@ -266,20 +279,23 @@ class PoseDetourer:
         old = poses_at(self.poses, place)
         return old, moved_along(self.aim, old, share[:, None] * twist)
 
-    def _looks(self, windows: list[Span], q: Array, lost: Array, sizes: Array) -> list[Look]:
+    def _looks(
+        self, windows: list[Span], q: Array, lost: Array, sizes: Array, *, limits: bool = True
+    ) -> list[Look]:
         """Sizes, windows and ways that the joints can follow with room, the least first: all of them followed side by
         side, at places that are close together where the singularity is met.
         """
         u = np.linspace(-1.0, 1.0, 2 * _LOOKED + 1)
         x = np.sign(u) * u * u
         looks, poses, starts, steps = [], [], [], []
+        still = np.zeros(self.robot.n)
         for span in windows:
             begin, *_, end = span.ends
             time = span.middle + np.where(x < 0.0, span.middle - begin, end - span.middle) * x
             place = self._place(time).clip(span.low, span.high)
             for size in sizes.tolist():
                 for way in (lost, -lost):
-                    looks.append(Look(size, span, way))
+                    looks.append(Look(size, span, way, still))
                     poses.append(self._moved(span, place, size * way)[1])
                     starts.append(q[span.kept])
                     steps.append(np.diff(time))
@@ -293,7 +309,9 @@ class PoseDetourer:
             if k > 1:
                 guess = here + (here - found[k - 2, alive]) * (lasts[k - 1, alive] / lasts[k - 2, alive])[:, None]
             solved, arrived = self.aim.solve(target[k, alive], guess)
-            good = arrived & (np.abs((solved - here) / self.aim.joints).max(axis=1) < _JUMP) & self._inside(solved)
+            good = arrived & (np.abs((solved - here) / self.aim.joints).max(axis=1) < _JUMP)
+            if limits:
+                good &= self._inside(solved)
             rows = np.flatnonzero(alive)
             found[k, rows[good]] = solved[good]
             alive[rows[~good]] = False
@@ -301,7 +319,8 @@ class PoseDetourer:
                 return []
         kept = np.flatnonzero(alive)
         room = self.tool.room(found[:, kept].reshape(-1, self.robot.n)).reshape(len(target), len(kept)).min(axis=0)
-        clear = [looks[i] for i in kept[room >= _NEARER * self.clearance]]
+        excess = np.maximum(found - self.robot.upper, self.robot.lower - found).max(axis=0)
+        clear = [replace(looks[i], excess=excess[i]) for i in kept[room >= _NEARER * self.clearance]]
         return sorted(clear, key=lambda one: (one.size, one.span.high - one.span.low))
 
     def _inside(self, q: Array) -> Mask:

@@ -20,6 +20,7 @@ from rankdrop.motion.record import PathCheck
 from rankdrop.motion.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
+from rankdrop.text.paths import remedy_note, short
 
 STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0)}
 JOINT = {"kr6r900": 4, "pa10": 3}
@@ -84,3 +85,44 @@ def test_where_no_window_does_the_bound_is_named() -> None:
     assert found.hindrance == Hindrance.TOOL
     assert 2e-4 < found.needed < np.radians(2.0)
     assert abs(found.place - 60) < 10
+
+
+@cache
+def planar() -> tuple[Array, Array, PathCheck]:
+    """Poses 0.3 mm beyond the reach of the first two of three links in the middle."""
+    arm, t = open_robot("planar3r"), np.linspace(0.0, 2.4, 60)
+    q = np.stack([0.2 + 0.1 * t, 0.5 * np.cos(np.pi * t / 2.4), 0.4 + 0.1 * t], axis=1)
+    poses = pose(arm, q)
+    out = poses[30, :3, 3] / np.linalg.norm(poses[30, :3, 3])
+    poses[:, :3, 3] += 3e-4 * np.exp(-(((t - 1.2) / 0.1) ** 2))[:, None] * out
+    return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
+
+
+def test_a_file_that_is_not_followed_to_its_end_is_not_mended_by_other_kinds() -> None:
+    """They would mend the part up to there, and write a file cut short."""
+    _, _, check = planar()
+    assert check.tool is not None
+    assert not check.tool.complete
+    found = mend_path(check, kinds=("null-space", "flip", "bump", "retime"))
+    assert found.remedies == ()
+    reached = short(check.tool.reached)
+    assert found.notes == (f"other kinds: not tried, the poses are followed up to pose {reached} only",)
+    assert remedy_note("range", (2, float(np.radians(13.0)), check.robot)) == (
+        "joint limits: with 13° more range of joint 2 the poses are followed to the end")  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_planar_arm_stays_inside_its_reach() -> None:
+    """Led inside, by as much as the poses are beyond it at least."""
+    poses, t, check = planar()
+    (one,) = mend_path(check, kinds=("detour",)).remedies
+    assert (one.kind, one.check.verdict) == ("detour", "free")
+    assert 2e-4 < one.deviation[0] < 2e-3
+    (change,) = one.changes
+    now = pose(check.robot, one.trajectory.q)
+    early, late = t < change.start.time - 1e-9, t > change.end.time + 1e-9
+    assert early.any()
+    assert late.any()
+    for row in np.flatnonzero(early | late):
+        assert np.abs(now - poses[row]).max(axis=(1, 2)).min() < 1e-9
+    assert np.abs(np.sin(one.trajectory.q[:, 1])).min() > 1e-3

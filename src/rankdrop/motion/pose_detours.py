@@ -1,9 +1,9 @@
 """Local changes of a tool path that was given as poses: the tool led around each singularity that ends its branch.
 
 The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a window
-are moved, T′ = exp(ε B û) T (`motion.detours`), u the direction lost, and the branch goes on along them: past a wrist
-whose joints turn half around, or inside the edge of reach, which the poses leave. Of both ways along u, windows of
-some lengths and sizes, all looked at side by side, the least is taken that the joints can follow with room to the
+are moved, T′ = exp(ε B û) T (`motion.detours`), u the direction lost, and the branch goes on along them: past a wrist,
+where two joints turn half around, or inside the edge of reach, which the poses leave. Of both ways along u, windows of
+some lengths and sizes, all followed side by side, the least is taken that the joints can follow with room to the
 singularity. After the window the poses are as they were, and the joints on whichever branch
 the window led to. All other poses stay as they are, to the last bit.
 """
@@ -85,7 +85,7 @@ class Span:
         kept: row of the branch at which it begins.
         low, high: its ends, places counted in poses from 0.
         ends: (4,) of the clock: where its ramps begin, where they end, and the same on the way back.
-        middle: by the clock, where the singularity is met.
+        middle: by the clock, where the branch comes nearest to the singularity.
     """
 
     kept: int
@@ -169,7 +169,7 @@ class PoseDetourer:
         return windows
 
     def _beyond(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
-        """With the joint whose range would have to be wider for the branch to go on, and by how much."""
+        """With the joint that needs a wider range for the branch to go on, and by how much."""
         free = follow(self.robot, poses_at(self.poses, at), start, self.task, limits=False)
         if not free.complete:
             return blocked
@@ -283,7 +283,7 @@ class PoseDetourer:
         self, windows: list[Span], q: Array, lost: Array, sizes: Array, *, limits: bool = True
     ) -> list[Look]:
         """Sizes, windows and ways that the joints can follow with room, the least first: all of them followed side by
-        side, at places that are close together where the singularity is met.
+        side, at places that are close together near the singularity.
         """
         u = np.linspace(-1.0, 1.0, 2 * _LOOKED + 1)
         x = np.sign(u) * u * u

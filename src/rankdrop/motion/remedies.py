@@ -528,7 +528,7 @@ class _Mender:
         return self._first(BLEND, proposals) or (BLEND, len(proposals))
 
     def _within_limits(self, path: Curve) -> Trajectory:
-        """A changed path slower around what is too fast, or else all of it in a new time."""
+        """A changed path slower around the rows that are too fast, or else all of it in a new time."""
         made = slowed_down(path, *self.limits)
         if made is not None:
             return made[0]

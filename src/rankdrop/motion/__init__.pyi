@@ -32,6 +32,7 @@ from .program import check_any_file as check_any_file
 from .program_record import is_program as is_program
 from .record import CROSSING as CROSSING
 from .record import FREE as FREE
+from .record import TOO_FAST as TOO_FAST
 from .record import TOO_NEAR as TOO_NEAR
 from .record import TOUCHING as TOUCHING
 from .record import UNDECIDED as UNDECIDED

@@ -13,20 +13,24 @@ import numpy as np
 from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.certify.certificates import file_hash, record_of
 from rankdrop.certify.setting import Setting, enclose, regular, settings_for
-from rankdrop.motion.curve import Curve, Place, boxes
+from rankdrop.errors import OptionError
+from rankdrop.kinematics import pose, task_jacobian
+from rankdrop.motion.curve import Curve, Place, boxes, curve
 from rankdrop.motion.files import holds_poses, read_poses, read_trajectory
+from rankdrop.motion.inverse import Aim
 from rankdrop.motion.prove import centred, chosen, first_open
 from rankdrop.motion.record import CROSSING as CROSSES
 from rankdrop.motion.record import FREE
 from rankdrop.problem import Mask
 from rankdrop.proof.curves import AskedPath
-from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
+from rankdrop.proof.record import CHANGE, CLEAR, CROSSING, OPEN, PATH, Record
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
+    from rankdrop.motion.aspects import Postures
     from rankdrop.motion.record import PathCheck
 
 EVALUATIONS = 500_000
@@ -35,6 +39,8 @@ _BALL = 20_000  # enclosures of branch and bound for one ball
 _SHORT = 0.5  # pieces with ρ below this share of the distance get branch and bound
 _GIVEN_UP = 0.05  # … and below this are given up
 _OUTRIGHT = 1e-9  # of a radius: what bisection leaves open
+_NEAR = 1e-9  # how far from the last row a solution is claimed at least [rad, m]
+_FARTHER = 4.0  # … and so many times what is measured
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
@@ -86,6 +92,29 @@ def path_certificate(
     if file is not None:
         claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+
+
+def change_certificate(found: Postures) -> Record:
+    """What shows that an arm is cuspidal: a path without singularity between two solutions of one pose.
+
+    The first row is one solution exactly, next to the last one lies another: the checker proves that it exists.
+
+    Args:
+        found: from `aspects_of`, with a path.
+
+    Raises:
+        OptionError: there is no path, or the task cannot be certified.
+    """
+    if found.change is None:
+        raise OptionError("there is no path to certify", where="certificate", got=found.verdict,
+                          allowed="the result for a cuspidal arm with a path")  # fmt: skip
+    robot, task, q = found.robot, found.task, found.change.q
+    setting = chosen(robot, settings_for(robot, task), curve(q, None))
+    error = Aim(robot, task).error(pose(robot, q[0]), q[-1:])[0]
+    step = np.linalg.solve(task_jacobian(robot, q[-1:], task)[0], error)
+    radius = max(_NEAR, _FARTHER * float(np.abs(step).max()))
+    claim = {"degree": 1, "points": q.tolist(), "radius": radius, "limits": found.options.limits}
+    return record_of(robot, task, CHANGE, setting, claim, {})
 
 
 def path_asked(

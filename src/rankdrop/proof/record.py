@@ -1,6 +1,7 @@
 """A certificate as a file: a closed record, read with budgets, and what is wrong with one that cannot be read.
 
-    {"schema": "rankdrop/certificate/1", "kind": "ball" | "path" | "covering" | "existence", "version": …, "units": …,
+    {"schema": "rankdrop/certificate/1", "kind": "ball" | "path" | "covering" | "existence" | "posture change",
+     "version": …, "units": …,
      "arm": {"name", "joints": [{"name", "kind", "screw", "variable", "follows", "multiplier", "offset", "lower",
                                  "upper"}], "home", "last", "fingerprint"},
      "task": {"name", "rows", "frame": {"axes", "origin", "point"}}, "rank": 6,
@@ -30,7 +31,7 @@ Reader = Callable[[Any, str], Any]
 """reader(value, where): the value, checked; ValueError else."""
 
 SCHEMA = "rankdrop/certificate/1"
-BALL, PATH, COVERING, EXISTENCE = "ball", "path", "covering", "existence"
+BALL, PATH, COVERING, EXISTENCE, CHANGE = "ball", "path", "covering", "existence", "posture change"
 SLIDE, TURN, SCREW = "prismatic", "revolute", "helical"
 OPEN, CROSSING, CLEAR = "open", "crossing", "free"
 """Kinds of a span of a path."""
@@ -93,7 +94,7 @@ class Claim:
     """What a certificate states, with everything of the right shape.
 
     Attributes:
-        kind: "ball", "path", "covering" or "existence".
+        kind: "ball", "path", "covering", "existence" or "posture change".
         record: the certificate as it was read.
         links: joints of the arm.
         variables: n.
@@ -299,6 +300,10 @@ _KINDS = {
         _nothing,
     ),
     EXISTENCE: (entries({"q": _joints, "radius": number(0.0, 1.0)}), _nothing),
+    CHANGE: (
+        entries({"degree": whole(1, 1), "points": numbers, "radius": number(0.0, 1.0, above=0.0), "limits": _flag}),
+        _nothing,
+    ),
 }  # fmt: skip
 _certificate = entries(
     {

@@ -121,6 +121,17 @@ def aspects_sentence(found: Any) -> str:
     return f"No change of posture without a singularity was found in {poses}; that is no proof of absence."
 
 
+def no_certificate(found: Any) -> str:
+    """Why no certificate is written of an arm for which no path was found."""
+    if found.shared is not None:
+        return ("that it is cuspidal rests on the number of aspects, which no certificate states; a path may be found "
+                "with other poses (--seed, --poses)")  # fmt: skip
+    if found.decision.impossible:
+        return ("that an arm is not cuspidal rests on its exact lengths and twists, of which no certificate is written; "
+                "one states a path of a cuspidal arm")  # fmt: skip
+    return "there is no path, and nothing is proven"
+
+
 def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     """Changes of posture: the number of aspects and the verdict first."""
     yield Section(f"{aspects_number(found)} {found.sentence}")

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference import region
+from reference import cuspidal, region
 from reference.coverings import covering
 
 from rankdrop.certify import ModelTolerance, asked_about, verify, write_certificate
@@ -41,7 +41,7 @@ Record = dict[str, Any]
 NO_CLAIM = {"schema", "version", "units", "view", "proof", "sha256"}
 WORK = 400  # enclosures of one check
 WORDS = ("revolute", "prismatic", "helical", "free", "open", "crossing", "met", "path", "ball", "covering", "existence",
-         "", "another", "planar", "0" * 64)  # fmt: skip
+         "posture change", "", "another", "planar", "0" * 64)  # fmt: skip
 
 
 def slide_arm() -> Robot:
@@ -83,6 +83,12 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Re
         "covering of corank 2": covering_of(folder, "c.cover", planar, 0.8, corank=2),
         "existence": existence_certificate(planar, [0.3, 0.0, 0.2]),
     }
+
+
+@pytest.fixture(scope="module")
+def honest_changes(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Record]]:
+    """Certificates of cuspidal arms."""
+    return tmp_path_factory.mktemp("changes"), cuspidal.certificates()
 
 
 def printed(found: Verified) -> tuple[str, ...]:
@@ -178,7 +184,8 @@ def forge(folder: Path, original: Record, rng: np.random.Generator, place: tuple
 def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, int]:
     """Judge forgeries: how many are refused, and how many hold under another claim."""
     rng = np.random.default_rng(seed)
-    rows = original["claim"].get("points")
+    changes = original["kind"] == "posture change"  # that holds without a file
+    rows = None if changes else original["claim"].get("points")
     first = judged(folder, original, rows)
     assert first is not None
     assert first.holds, first.reason
@@ -192,12 +199,31 @@ def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, in
             refused += 1
         elif claims:
             assert printed(found) != printed(first), json.dumps(record)
+            assert not changes or cuspidal.true(record), json.dumps(record)
             other += 1
     return refused, other
 
 
 KINDS = ("ball", "ball of a point", "ball with a slide", "near arms", "free path", "crossing path", "covering",
          "covering within limits", "covering of corank 2", "existence")  # fmt: skip
+CHANGES = ("posture change", "posture change within limits")
+
+
+@pytest.mark.slow_at("posture change within limits")
+@pytest.mark.parametrize("kind", CHANGES)
+def test_a_forged_change_of_posture_is_refused_or_true(honest_changes, kind):
+    folder, records = honest_changes
+    refused, _ = hold(folder, records[kind], 100, 1)
+    assert refused > 50
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("kind", CHANGES)
+def test_none_of_ten_thousand_forged_changes_of_posture_passes(honest_changes, kind):
+    folder, records = honest_changes
+    refused, other = hold(folder, records[kind], 5000, 2)
+    assert refused > 2500
+    assert other > 50
 
 
 @pytest.mark.by_hand_at("ball")

@@ -278,8 +278,8 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
     elif claim.kind == CHANGE:
         apart = verify_change(check)
         sentence = (f"{claim.name!r} is cuspidal: on the path it goes from one solution of a pose to another and keeps "
-                    f"rank {claim.rank}; the second solution, within {claim.entries['radius']!r} of the last row, joint "
-                    "by joint [rad, m], has exactly the pose of the first row")  # fmt: skip
+                    f"rank {claim.rank}; the other solution, of exactly the pose of the first row, is within "
+                    f"{claim.entries['radius']!r} of the last row, joint by joint [rad, m]")  # fmt: skip
         if claim.entries["limits"]:
             sentence += "; all of it is inside the joint limits"
         lines += [*_state_path(claim, []), f"the poses of its two ends agree within {apart}"]

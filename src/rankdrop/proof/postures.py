@@ -6,9 +6,10 @@ rounding; that an exact one q* lies next to it is proven by Krawczyk's test on
     F(q) = (R(q) x + p(q) − R(q0) x − p(q0),   ½ vee(M − M^T)) = 0,   M = R(q) R(q0)^T
 
 with x the point of the task at q = 0, and the derivatives v + ω × (R x + p) and ½ (tr M − M) ω. A rotation M that is
-symmetric is the identity or half a turn, of trace −1. The box of the claimed radius around the last row holds q*, and
-the rank is kept in all of it: q0, the path and q* lie in one aspect. A joint in which q0 and q* differ, whole turns left
-out, makes them two postures.
+symmetric is the identity or half a turn; of half a turn tr M − M is singular, and the test, which proves F′ regular,
+fails. The box of the claimed radius around the last row holds q*, and
+the rank is kept in all of it: q0, the path and q* lie in one aspect. A joint in which q0 and q* differ, whole turns
+left out, makes them two postures.
 """
 
 from __future__ import annotations
@@ -117,8 +118,8 @@ class _Pose:
         turn, place = carried(self._links, q)
         return turn * self._turn.transpose(), turn * self._point + place
 
-    def _equations(self, q: list[Interval]) -> tuple[Matrix, Matrix, bool]:
-        """(n, 1) F, (n, n) F′ over a box, and whether no M in it is half a turn."""
+    def _equations(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
+        """(n, 1) F and (n, n) F′ over a box."""
         f = self._f
         turned, place = self._seen(q)
         m, at = turned.tolist(), place.entries()
@@ -141,7 +142,7 @@ class _Pose:
                 moved += [(trace * a - b) / 2 for a, b in zip(w, by, strict=True)]
             for row, value in zip(slope, moved, strict=True):
                 row[link.driver] += link.multiplier * value
-        return f.arb_mat([[x] for x in values]), f.arb_mat(slope), bool(trace > 0)
+        return f.arb_mat([[x] for x in values]), f.arb_mat(slope)
 
     def solution(self, end: Array) -> float:
         """How far from a configuration an exact solution is, at most, in the largest of the joints.
@@ -152,7 +153,7 @@ class _Pose:
         f = self._f
         start = x = [f.arb(float(value)) for value in end]
         for _ in range(_ROUNDS):
-            value, slope, _ = self._equations(x)
+            value, slope = self._equations(x)
             try:
                 step = slope.mid().solve(value.mid())
             except ZeroDivisionError as error:
@@ -166,15 +167,15 @@ class _Pose:
     def _inside(self, x: list[Interval], width: float) -> bool:
         """Krawczyk's operator maps the box of this half-width around x into its inside."""
         f, n = self._f, self._n
-        value, _, _ = self._equations(x)
-        _, slope, near = self._equations([one + f.arb(0, width) for one in x])
+        value, _ = self._equations(x)
+        _, slope = self._equations([one + f.arb(0, width) for one in x])
         try:
             inverse = slope.mid().inv().mid()
         except ZeroDivisionError:
             return False
         unit = f.arb_mat(n, n, [int(r == c) for r in range(n) for c in range(n)])
         moved = (unit - inverse * slope) * f.arb_mat(n, 1, [f.arb(0, width)] * n) - inverse * value
-        return near and all(abs(one) < width for one in moved.entries())
+        return all(abs(one) < width for one in moved.entries())
 
     def apart(self, end: Array) -> str:
         """How far the pose of a configuration is from that of q0 at most: "1e-15 m and 2e-15 rad"."""

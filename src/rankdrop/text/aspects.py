@@ -127,8 +127,8 @@ def no_certificate(found: Any) -> str:
         return ("that it is cuspidal rests on the number of aspects, which no certificate states; a path may be found "
                 "with other poses (--seed, --poses)")  # fmt: skip
     if found.decision.impossible:
-        return ("that an arm is not cuspidal rests on its exact lengths and twists, of which no certificate is written; "
-                "one states a path of a cuspidal arm")  # fmt: skip
+        return ("that an arm is not cuspidal rests on its exact lengths and twists, of which no certificate is "
+                "written; one states a path of a cuspidal arm")  # fmt: skip
     return "there is no path, and nothing is proven"
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.certify.certificates import file_hash, record_of
-from rankdrop.certify.setting import Setting, enclose, regular, settings_for
+from rankdrop.certify.setting import Setting, enclose, regular, settings_for, viewed
 from rankdrop.errors import OptionError
+from rankdrop.exact.posture_changes import SIGNS as DECIDED_BY_SIGNS
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.motion.curve import Curve, Place, boxes, curve
 from rankdrop.motion.files import holds_poses, read_poses, read_trajectory
@@ -23,7 +24,19 @@ from rankdrop.motion.record import CROSSING as CROSSES
 from rankdrop.motion.record import FREE
 from rankdrop.problem import Mask
 from rankdrop.proof.curves import AskedPath
-from rankdrop.proof.record import CHANGE, CLEAR, CROSSING, OPEN, PATH, Record
+from rankdrop.proof.record import (
+    CHANGE,
+    CLEAR,
+    CROSSING,
+    OPEN,
+    PATH,
+    SIGNS,
+    STRUCTURES,
+    Record,
+    Unproven,
+    claim_of,
+)
+from rankdrop.proof.signs import verify_signs
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -92,6 +105,29 @@ def path_certificate(
     if file is not None:
         claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+
+
+def sign_certificate(found: Postures) -> Record:
+    """What shows that an arm is not cuspidal: its structure, which gives each solution of a pose signs of its own.
+
+    Args:
+        found: from `aspects_of`, decided by signs.
+
+    Raises:
+        OptionError: the proof is another one, the numbers of the arm do not have the structure exactly, or the task
+            cannot be certified.
+    """
+    robot, task, decision = found.robot, found.task, found.decision
+    if decision.kind != DECIDED_BY_SIGNS or decision.why not in STRUCTURES:
+        raise OptionError("the checker does not know this proof", where="certificate", got=decision.why or decision.kind,
+                          allowed=", ".join(STRUCTURES))  # fmt: skip
+    record = record_of(robot, task, SIGNS, viewed(robot, task), {"structure": decision.why}, {})
+    try:
+        verify_signs(claim_of(record, Path()))
+    except Unproven as error:
+        raise OptionError(f"the arm has this structure to rounding only: {error}", where="certificate",
+                          got=decision.why) from error  # fmt: skip
+    return record
 
 
 def change_certificate(found: Postures) -> Record:

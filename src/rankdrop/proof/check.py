@@ -25,6 +25,7 @@ from rankdrop.proof.record import (
     EXISTENCE,
     PATH,
     SCREW,
+    SIGNS,
     SLIDE,
     Array,
     Claim,
@@ -36,6 +37,7 @@ from rankdrop.proof.record import (
     seal,
 )
 from rankdrop.proof.regions import Check, verify_ball, verify_distance, verify_path
+from rankdrop.proof.signs import verify_signs
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 _TRIED = 3  # configurations at which a higher rank is looked for
@@ -69,7 +71,8 @@ class Verdict:
 
     Attributes:
         holds: the claim is proven.
-        kind: "ball", "path", "covering", "existence" or "posture change"; "" of a file that is damaged.
+        kind: "ball", "path", "covering", "existence", "posture change" or "sign proof"; "" of a file that is
+            damaged.
         arm: name of the arm, as the certificate has it.
         claim: what holds, in one sentence; "" where it does not.
         reason: why it is not confirmed, in one sentence; "" where it is. A proof that fails refutes nothing.
@@ -283,6 +286,9 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         if claim.entries["limits"]:
             sentence += "; all of it is inside the joint limits"
         lines += [*_state_path(claim, []), f"the poses of its two ends agree within {apart}"]
+    elif claim.kind == SIGNS:
+        sentence = (f"{claim.name!r} is not cuspidal: no path without a singularity leads from one solution of a pose to "
+                    f"another, as each has signs of its own: {verify_signs(claim)}")  # fmt: skip
     else:
         others = verify_path(check)
         verify_distance(check)

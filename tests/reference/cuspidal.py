@@ -5,14 +5,16 @@ The judge multiplies the joints' motions out as 4 × 4 matrices and looks at det
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from rankdrop.aspects.count import AspectCount
-from rankdrop.exact.posture_changes import OPEN, Decision
-from rankdrop.motion import change_certificate
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.posture_changes import OPEN, Decision, decide_postures
+from rankdrop.motion import change_certificate, posture_certificate
 from rankdrop.motion.aspects import Change, Postures
 from rankdrop.questions import AspectsOptions
 from rankdrop.robot.dh import from_dh
@@ -50,6 +52,39 @@ def postures(robot: Robot, q: Any, *, limits: bool = False, task: str | None = N
                     change, (), True)  # fmt: skip
 
 
+STRUCTURED = {
+    "axes 1, 2 meet": [(0.3, 0, H), (0.4, 0.7, 0.4), (0.2, 0.9, 0)],
+    "axes 1, 2 parallel": [(0.3, 0.8, 0), (0.4, 0.7, 0.6), (0.2, 0.9, 0)],
+    "axes 2, 3 parallel": [(0.3, 0.2, H), (0.4, 0.7, 0), (0.2, 0.9, 0)],
+    "axes 2, 3 meet": [(0.3, 0.2, 0.7), (0, 0, H), (0.2, 0.9, 0)],
+}
+"""Rows (d, a, α) of three turning joints that move a point: each of these has that structure and no other."""
+
+
+def structured(structure: str) -> Robot:
+    """Three turning joints of a structure, its axes in base coordinates so as the file of a certificate has them."""
+    rows, task = STRUCTURED.get(structure, [(0.3, 0.2, 0.7), (0.1, 0.4, 0.9), (0.2, 0.9, 0)]), "position"
+    if structure == "orientation":
+        task = "orientation"
+    table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
+    return from_dh(table, convention="standard", task=task, name="arm")
+
+
+def decided(robot: Robot) -> Postures:
+    """As `aspects_of` returns them, without a path."""
+    task = resolve_task(None, robot)
+    return replace(postures(robot, None), decision=decide_postures(exact_chain(robot, task)))
+
+
+def sign_proofs() -> dict[str, dict[str, Any]]:
+    """Of an arm with three parallel axes, of one with a spherical wrist, and of one that moves a point."""
+    return {
+        "sign proof": posture_certificate(decided(open_robot("ur5e"))),
+        "sign proof with a wrist": posture_certificate(decided(open_robot("irb120"))),
+        "sign proof of a point": posture_certificate(decided(structured("axes 2, 3 parallel"))),
+    }
+
+
 def certificates() -> dict[str, dict[str, Any]]:
     """One of a point and one of a pose, the latter inside the joint limits."""
     return {
@@ -82,7 +117,32 @@ def _seen(arm: dict[str, Any], rows: list[int], q: Array) -> tuple[Array, Array]
 
 
 def true(record: dict[str, Any]) -> bool:
-    """Does a certificate state what is so: one pose at both ends, and det J of one sign along the path?"""
+    """Does a certificate state what is so?"""
+    if record["kind"] == "sign proof":
+        return _has_structure(record)
+    return _changes_posture(record)
+
+
+def _has_structure(record: dict[str, Any]) -> bool:
+    """Axes meet and are parallel to 1e-12."""
+    screws = [np.array(joint["screw"]) for joint in record["arm"]["joints"]]
+    structure = record["claim"]["structure"]
+
+    def parallel(i: int, j: int) -> bool:
+        return bool(np.abs(np.cross(screws[i - 1][3:], screws[j - 1][3:])).max() < 1e-12)
+
+    def meet(i: int, j: int) -> bool:
+        return not parallel(i, j) and abs(float(screws[i - 1] @ np.roll(screws[j - 1], 3))) < 1e-12
+
+    if structure == "three parallel":
+        return parallel(2, 3) and parallel(3, 4) and meet(5, 6)
+    first, second = (1, 2) if "1" in structure else (2, 3)
+    centre = len(screws) == 3 or (meet(4, 5) and meet(5, 6))
+    return centre and (parallel if structure.endswith("parallel") else meet)(first, second)
+
+
+def _changes_posture(record: dict[str, Any]) -> bool:
+    """One pose at both ends, and det J of one sign along the path."""
     arm, rows = record["arm"], record["task"]["rows"]
     points = np.array(record["claim"]["points"], dtype=np.float64)
     share = np.linspace(0, 1, 25)[:, None]

@@ -288,7 +288,8 @@ class AspectsOutput(MotionOutput):
     """Where aspects, a path and its proof go."""
 
     certificate: Annotated[
-        str | None, option("Write the proof that the arm is cuspidal to this file, for `rankdrop verify`", writes=())
+        str | None, option("Write the proof that the arm is cuspidal, or that it is not, to this file, for "
+                    "`rankdrop verify`", writes=())
     ] = None  # fmt: skip
 
 
@@ -329,10 +330,11 @@ def aspects(
         rankdrop path crx10ia change.csv
         rankdrop aspects crx10ia --certificate cuspidal.json
         rankdrop verify cuspidal.json --robot crx10ia
+        rankdrop aspects ur5e --certificate ur5e.json
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
     change of posture was found, which is no proof, or the number of aspects is not
-    proven where only that is asked, or there is no path for --certificate; 2: bad input.
+    proven where only that is asked, or no certificate could be written; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -352,10 +354,12 @@ def aspects(
     done = _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
     if output.certificate is None:
         return done
-    if found.change is None:
-        refused = partial(say, f"{output.certificate} is not written: {text.no_certificate(found)}")
+    try:
+        record = motion.posture_certificate(found)
+    except OptionError as error:
+        refused = partial(say, f"{output.certificate} is not written: {error.what}")
         return replace(done, holds=False, last=partial(_both, done.last, refused))
-    return replace(done, files={**done.files, "certificate": partial(motion.change_certificate, found)})
+    return replace(done, files={**done.files, "certificate": lambda: record})
 
 
 def _both(first: Callable[[], object] | None, second: Callable[[], object]) -> None:

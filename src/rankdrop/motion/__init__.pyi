@@ -7,8 +7,8 @@ from .aspects import aspects_of as aspects_of
 from .certificate import change_certificate as change_certificate
 from .certificate import path_asked as path_asked
 from .certificate import path_certificate as path_certificate
+from .certificate import posture_certificate as posture_certificate
 from .certificate import proven_for_near_arms as proven_for_near_arms
-from .certificate import sign_certificate as sign_certificate
 from .check import PathQuestion as PathQuestion
 from .check import check_file as check_file
 from .check import check_path as check_path

@@ -40,6 +40,7 @@ from rankdrop.proof.signs import verify_signs
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.text import no_certificate
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
@@ -107,25 +108,26 @@ def path_certificate(
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
 
 
-def sign_certificate(found: Postures) -> Record:
-    """What shows that an arm is not cuspidal: its structure, which gives each solution of a pose signs of its own.
+def posture_certificate(found: Postures) -> Record:
+    """What shows that an arm is cuspidal, or that it is not: a path, or signs of its own for each solution of a pose.
 
     Args:
-        found: from `aspects_of`, decided by signs.
+        found: from `aspects_of`.
 
     Raises:
-        OptionError: the proof is another one, the numbers of the arm do not have the structure exactly, or the task
-            cannot be certified.
+        OptionError: nothing is proven, the proof is none that the checker knows, the numbers of the arm have the
+            structure to rounding only, or the task cannot be certified.
     """
     robot, task, decision = found.robot, found.task, found.decision
+    if found.change is not None:
+        return change_certificate(found)
     if decision.kind != DECIDED_BY_SIGNS or decision.why not in STRUCTURES:
-        raise OptionError("the checker does not know this proof", where="certificate", got=decision.why or decision.kind,
-                          allowed=", ".join(STRUCTURES))  # fmt: skip
+        raise OptionError(no_certificate(found), where="certificate", got=found.verdict)
     record = record_of(robot, task, SIGNS, viewed(robot, task), {"structure": decision.why}, {})
     try:
         verify_signs(claim_of(record, Path()))
     except Unproven as error:
-        raise OptionError(f"the arm has this structure to rounding only: {error}", where="certificate",
+        raise OptionError(f"the numbers of the arm do not have its structure exactly: {error}", where="certificate",
                           got=decision.why) from error  # fmt: skip
     return record
 

@@ -287,8 +287,8 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
             sentence += "; all of it is inside the joint limits"
         lines += [*_state_path(claim, []), f"the poses of its two ends agree within {apart}"]
     elif claim.kind == SIGNS:
-        sentence = (f"{claim.name!r} is not cuspidal: no path without a singularity leads from one solution of a pose to "
-                    f"another, as each has signs of its own: {verify_signs(claim)}")  # fmt: skip
+        sentence = (f"{claim.name!r} is not cuspidal: no path without a singularity leads from one solution of a pose "
+                    f"to another, as each has signs of its own: {verify_signs(claim)}")  # fmt: skip
     else:
         others = verify_path(check)
         verify_distance(check)

@@ -19,7 +19,9 @@ p have one factor more, ω4·(ω5 × ω6): ω4·ω6 leaves θ5. And with O where
                                         axis 4 the elbow leaves θ3      ω2·u1(O)   ω4·(ω5 × ω6)   ω2·(u2(o4) × u3(o4))
 
 That axes meet or are parallel is decided in rational numbers: those of the file, exactly, as axes of neighbours stay as
-they are. That the factors multiply to ± det J is looked at besides, in intervals at some configurations.
+they are. Where joint 3 slides, |p − O|² is quadratic in it, with derivatives of opposite signs at its two zeros, and
+ω1·p leaves one place of it: the first two structures are known then too. That the factors multiply to ± det J is looked
+at besides, in intervals at some configurations.
 """
 
 from __future__ import annotations
@@ -36,8 +38,9 @@ from rankdrop.proof.record import (
     ORIENTATION,
     PARALLEL_12,
     PARALLEL_23,
+    SCREW,
+    SLIDE,
     THREE_PARALLEL,
-    TURN,
     Claim,
     Link,
     Unproven,
@@ -54,7 +57,7 @@ _WORDS = {
 Vector = list[Any]
 """Three intervals, or three rational numbers (`flint.fmpq`)."""
 Line = tuple[Vector, Vector]
-"""Direction ω and moment o × ω of an axis, rational."""
+"""Direction ω and moment o × ω of an axis, rational; of a slide, which has none, 0 and its direction."""
 
 
 def verify_signs(claim: Claim) -> str:
@@ -69,9 +72,12 @@ def verify_signs(claim: Claim) -> str:
     if claim.tolerance is not None:
         raise Unproven("axes meet and are parallel for the numbers of the arm, not for arms near it")
     count, rows = len(claim.links), list(claim.rows)
-    if claim.variables != count or any(one.kind != TURN for one in claim.links):
-        raise Unproven("signs of each solution are known of turning joints of which none follows another")
     structure = claim.entries["structure"]
+    slides = {place for place, one in enumerate(claim.links) if one.kind == SLIDE}
+    known = not slides or (slides == {2} and structure in (MEET_12, PARALLEL_12))
+    if claim.variables != count or not known or any(one.kind == SCREW for one in claim.links):
+        raise Unproven("signs of each solution are known of turning joints, or joint 3 sliding where axes 1 and 2 meet "
+                       "or are parallel, and of arms in which none follows another")  # fmt: skip
     wanted = {6: [0, 1, 2, 3, 4, 5], 3: [3, 4, 5] if structure == ORIENTATION else [0, 1, 2]}
     fits = {THREE_PARALLEL: (6,), ORIENTATION: (3,)}.get(structure, (3, 6))
     if count not in fits or rows != wanted[count] or claim.rank != count:
@@ -188,6 +194,8 @@ def _rational(value: float) -> Any:
 def _line(link: Link) -> Line:
     """The axis at q = 0: the part of v along ω is no part of it."""
     v, w = ([_rational(x) for x in part] for part in (link.screw[:3], link.screw[3:]))
+    if link.kind == SLIDE:
+        return w, v
     pitch = dot(v, w) / dot(w, w)
     return w, [a - pitch * b for a, b in zip(v, w, strict=True)]
 

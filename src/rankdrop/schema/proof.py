@@ -79,6 +79,9 @@ CLAIM = table(
     upper=optional(many(num("joint"))),
     turns=optional(many(bool)),
     limits=(optional(bool), "the boxes are within the joint limits; the posture change is"),
+    structure=(optional(Literal["axes 1, 2 meet", "axes 1, 2 parallel", "axes 2, 3 parallel", "axes 2, 3 meet",
+            "three parallel", "orientation"]),
+        "of a sign proof: which axes meet or are parallel"),
     corank=(optional(Positive), "every configuration of this corank or more is in a box"),
 )
 CERTIFICATE_FILE = file(
@@ -86,7 +89,7 @@ CERTIFICATE_FILE = file(
     "Written with --certificate by `rankdrop nearest`, `explain`, `path`, `cover` and `aspects`, checked by `rankdrop "
     "verify`: a claim, the numbers of the arm it is about, and what a checker needs to prove it again. Joints are"
     " numbered from 1; angles in rad, lengths in the arm's unit (m).",
-    kind=Literal["ball", "path", "covering", "existence", "posture change"],
+    kind=Literal["ball", "path", "covering", "existence", "posture change", "sign proof"],
     version=(str, "of rankdrop that wrote it"),
     arm=ARM,
     task=TASK,
@@ -162,7 +165,7 @@ VERIFIED_FILE = file(
     "Written by `rankdrop verify --json`: whether a certificate holds.",
     units=None,
     holds=bool,
-    kind=(Literal["ball", "path", "covering", "existence", "posture change", ""],
+    kind=(Literal["ball", "path", "covering", "existence", "posture change", "sign proof", ""],
         "empty: the file is damaged"),
     arm=str,
     claim=(str, "what holds; empty where it does not"),

@@ -122,13 +122,14 @@ def aspects_sentence(found: Any) -> str:
 
 
 def no_certificate(found: Any) -> str:
-    """Why no certificate is written of an arm for which no path was found."""
+    """Why no certificate is written of an arm without a path and without a proof that the checker knows."""
+    if found.robot.n != found.task.m:
+        return "postures are compared for arms with as many joints as rows only"
     if found.shared is not None:
-        return ("that it is cuspidal rests on the number of aspects, which no certificate states; a path may be found "
-                "with other poses (--seed, --poses)")  # fmt: skip
+        return ("that it is cuspidal rests on the number of aspects, which no certificate states; other poses may give "
+                "a path (--seed, --poses)")  # fmt: skip
     if found.decision.impossible:
-        return ("that an arm is not cuspidal rests on its exact lengths and twists, of which no certificate is "
-                "written; one states a path of a cuspidal arm")  # fmt: skip
+        return f"the checker does not know this proof that it is not cuspidal: {decision_text(found.decision)}"
     return "there is no path, and nothing is proven"
 
 

@@ -157,7 +157,7 @@ def test_lies_about_the_arm_and_the_task_are_refused(honest: dict[str, Record], 
     lies: list[tuple[Any, str]] = [
         (near_arms, "not for arms near it"),
         (slides, "turning joints"),
-        (lambda record: (record["task"].update(rows=[3, 4, 5]), record.update(rank=3)), "as many rows"),
+        (lambda record: (record["task"].update(rows=[3, 4, 5]), record.update(rank=3)), "as many joints as rows"),
         (lambda record: record.update(rank=5), "above 5"),
         (lambda record: record["claim"].update(structure="planar"), ""),
     ]

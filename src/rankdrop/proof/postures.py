@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.proof.arm import Arm, Interval, Matrix, Region, cross, flint
+from rankdrop.proof.arm import Arm, Interval, Matrix, Region, flint
 from rankdrop.proof.record import TURN, Array, Claim, Unproven
 from rankdrop.proof.regions import Check, CurvePath
-from rankdrop.proof.tip import carried
+from rankdrop.proof.tip import carried, unit, velocity
 
 _ROUNDS = 8  # of Newton's iteration
 _WIDTHS = (1e-16, 1e-13, 1e-10)  # half-widths of the box around the solution that are tried
@@ -36,13 +36,7 @@ def verify_change(check: Check) -> str:
         Unproven: it is not confirmed.
     """
     claim = check.claim
-    if claim.tolerance is not None:
-        raise Unproven("two solutions of one pose are shown for the numbers of the arm, not for arms near it")
-    if claim.blocks != list(claim.rows):
-        raise Unproven("a change of posture is proven for tasks that take all rows of a translation or a rotation")
-    if not len(claim.rows) == claim.rank == claim.variables:
-        raise Unproven(f"postures are solutions of a pose, a list only with as many joints as rows: {claim.variables} "
-                       f"joints, {len(claim.rows)} rows, rank {claim.rank}")  # fmt: skip
+    _check_task(claim)
     path = CurvePath(check)
     points, radius = claim.entries["points"], claim.entries["radius"]
     if claim.entries["limits"]:
@@ -60,6 +54,21 @@ def verify_change(check: Check) -> str:
         raise Unproven(f"the box of radius {radius:.3g} around the last row is not proven to be free of singularities")
     path.prove((0, 0.0), (path.count - 1, 1.0))
     return pose.apart(points[-1])
+
+
+def _check_task(claim: Claim) -> None:
+    """Postures are solutions of a pose, of the arm itself.
+
+    Raises:
+        Unproven: they are not.
+    """
+    if claim.tolerance is not None:
+        raise Unproven("two solutions of one pose are shown for the numbers of the arm, not for arms near it")
+    if claim.blocks != list(claim.rows):
+        raise Unproven("a change of posture is proven for tasks that take all rows of a translation or a rotation")
+    if not len(claim.rows) == claim.rank == claim.variables:
+        raise Unproven(f"postures are solutions of a pose, a list only with as many joints as rows: {claim.variables} "
+                       f"joints, {len(claim.rows)} rows, rank {claim.rank}")  # fmt: skip
 
 
 def _check_limits(claim: Claim, points: Array, radius: float) -> None:
@@ -122,27 +131,29 @@ class _Pose:
         """(n, 1) F and (n, n) F′ over a box."""
         f = self._f
         turned, place = self._seen(q)
-        m, at = turned.tolist(), place.entries()
-        trace = m[0][0] + m[1][1] + m[2][2]
+        twists = [one.entries() for one in self._arm.seen([x.mid() for x in q], [x.rad() for x in q])[0]]
         values: list[Interval] = []
+        moved: list[list[Interval]] = [[] for _ in twists]
         if self._moves:
             values += (place - self._place).entries()
+            for one, twist in zip(moved, twists, strict=True):
+                one += velocity(twist, place.entries())
         if self._turns:
+            m = turned.tolist()
             values += [(m[2][1] - m[1][2]) / 2, (m[0][2] - m[2][0]) / 2, (m[1][0] - m[0][1]) / 2]
-        slope = [[f.arb(0)] * self._n for _ in values]
-        columns = self._arm.seen([x.mid() for x in q], [x.rad() for x in q])[0]
-        for link, column in zip(self._links, columns, strict=True):
-            twist = column.entries()
-            v, w = twist[:3], twist[3:]
-            moved: list[Interval] = []
-            if self._moves:
-                moved += [a + b for a, b in zip(v, cross(w, at), strict=True)]
-            if self._turns:
-                by = (turned * f.arb_mat([[x] for x in w])).entries()
-                moved += [(trace * a - b) / 2 for a, b in zip(w, by, strict=True)]
-            for row, value in zip(slope, moved, strict=True):
+            half = (unit(3) * (m[0][0] + m[1][1] + m[2][2]) - turned) / 2
+            for one, twist in zip(moved, twists, strict=True):
+                one += (half * f.arb_mat(3, 1, twist[3:])).entries()
+        return f.arb_mat(len(values), 1, values), self._by_variable(moved)
+
+    def _by_variable(self, moved: list[list[Interval]]) -> Matrix:
+        """(n, n) columns of the joints of one variable together."""
+        f = self._f
+        slope = [[f.arb(0)] * self._n for _ in moved[0]]
+        for link, column in zip(self._links, moved, strict=True):
+            for row, value in zip(slope, column, strict=True):
                 row[link.driver] += link.multiplier * value
-        return f.arb_mat([[x] for x in values]), f.arb_mat(slope)
+        return f.arb_mat(slope)
 
     def solution(self, end: Array) -> float:
         """How far from a configuration an exact solution is, at most, in the largest of the joints.
@@ -173,8 +184,7 @@ class _Pose:
             inverse = slope.mid().inv().mid()
         except ZeroDivisionError:
             return False
-        unit = f.arb_mat(n, n, [int(r == c) for r in range(n) for c in range(n)])
-        moved = (unit - inverse * slope) * f.arb_mat(n, 1, [f.arb(0, width)] * n) - inverse * value
+        moved = (unit(n) - inverse * slope) * f.arb_mat(n, 1, [f.arb(0, width)] * n) - inverse * value
         return all(abs(one) < width for one in moved.entries())
 
     def apart(self, end: Array) -> str:
@@ -185,8 +195,7 @@ class _Pose:
         if self._moves:
             parts.append(f"{_length((place - self._place).entries()) * _UP:.3g} m")
         if self._turns:  # |M − 1| of Frobenius is 2 √2 sin(angle/2)
-            unit = f.arb_mat(3, 3, [int(r == c) for r in range(3) for c in range(3)])
-            sine = min(1.0, _length((turned - unit).entries()) / 8**0.5)
+            sine = min(1.0, _length((turned - unit(3)).entries()) / 8**0.5)
             parts.append(f"{2 * float(np.arcsin(sine)) * _UP:.3g} rad")
         return " and ".join(parts)
 

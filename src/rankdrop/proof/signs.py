@@ -12,20 +12,21 @@ the velocity of x for a unit of joint i (unit vectors ω, o on the axis):
     axes 2, 3 meet in O      |p − O|² leaves θ1, then ω2·(p − O) leaves θ3   (p − O)·u1(p)   (p − O)·(ω2 × ω3)
     orientation              ω1·ω3 leaves θ2                                 ω1·(ω2 × ω3)
 
-The joint that is left is determined: where p is on its axis the arm is singular. Six joints whose axes 4, 5, 6 meet in
-p have one factor more, ω4·(ω5 × ω6): ω4·ω6 leaves θ5. And with O where axes 5 and 6 meet
+The joint that is left is determined: where p is on its axis the arm is singular. Six joints with axes 4, 5, 6 that meet
+in p have one factor more, ω4·(ω5 × ω6): ω4·ω6 leaves θ5. And with O where axes 5 and 6 meet
 
     axes 2, 3, 4 parallel, 5, 6 meet    ω2·O leaves θ1, ω4·ω6 leaves θ5, the sum of θ2, θ3, θ4 and θ6 follow, and with
                                         axis 4 the elbow leaves θ3      ω2·u1(O)   ω4·(ω5 × ω6)   ω2·(u2(o4) × u3(o4))
 
 That axes meet or are parallel is decided in rational numbers: those of the file, exactly, as axes of neighbours stay as
 they are. Where joint 3 slides, |p − O|² is quadratic in it, with derivatives of opposite signs at its two zeros, and
-ω1·p leaves one place of it: the first two structures are known then too. That the factors multiply to ± det J is looked
-at besides, in intervals at some configurations.
+ω1·p leaves one place of it: the first two structures are known then too. That the factors multiply to ± det J is
+compared besides, in intervals at some configurations.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import prod
 from typing import Any
 
@@ -38,21 +39,18 @@ from rankdrop.proof.record import (
     ORIENTATION,
     PARALLEL_12,
     PARALLEL_23,
-    SCREW,
     SLIDE,
     THREE_PARALLEL,
+    TURN,
     Claim,
     Link,
     Unproven,
 )
-from rankdrop.proof.tip import carried
+from rankdrop.proof.tip import carried, velocity
 
+_POSE, _PLACE, _TURN = [0, 1, 2, 3, 4, 5], [0, 1, 2], [3, 4, 5]  # rows of a task
 _TRIED = 4  # configurations at which the factors are multiplied out
-_WORDS = {
-    MEET_12: "axes 1 and 2 meet", PARALLEL_12: "axes 1 and 2 are parallel", PARALLEL_23: "axes 2 and 3 are parallel",
-    MEET_23: "axes 2 and 3 meet", THREE_PARALLEL: "axes 2, 3 and 4 are parallel, 5 and 6 meet",
-    ORIENTATION: "the angle between axes 1 and 3 leaves two values of joint 2",
-}  # fmt: skip
+_WORDS = {THREE_PARALLEL: "axes 2, 3, 4 parallel; 5, 6 meet", ORIENTATION: "two values of θ2"}
 
 Vector = list[Any]
 """Three intervals, or three rational numbers (`flint.fmpq`)."""
@@ -71,23 +69,22 @@ def verify_signs(claim: Claim) -> str:
     """
     if claim.tolerance is not None:
         raise Unproven("axes meet and are parallel for the numbers of the arm, not for arms near it")
-    count, rows = len(claim.links), list(claim.rows)
-    structure = claim.entries["structure"]
-    slides = {place for place, one in enumerate(claim.links) if one.kind == SLIDE}
-    known = not slides or (slides == {2} and structure in (MEET_12, PARALLEL_12))
-    if claim.variables != count or not known or any(one.kind == SCREW for one in claim.links):
+    count, structure = len(claim.links), claim.entries["structure"]
+    kinds = [link.kind for link in claim.links]
+    if structure in (MEET_12, PARALLEL_12) and kinds[2:3] == [SLIDE]:
+        kinds[2] = TURN
+    if claim.variables != count or set(kinds) != {TURN}:
         raise Unproven("signs of each solution are known of turning joints, or joint 3 sliding where axes 1 and 2 meet "
                        "or are parallel, and of arms in which none follows another")  # fmt: skip
-    wanted = {6: [0, 1, 2, 3, 4, 5], 3: [3, 4, 5] if structure == ORIENTATION else [0, 1, 2]}
-    fits = {THREE_PARALLEL: (6,), ORIENTATION: (3,)}.get(structure, (3, 6))
-    if count not in fits or rows != wanted[count] or claim.rank != count:
-        raise Unproven(f"the structure {structure!r} is that of {' or '.join(map(str, fits))} joints and as many rows: "
-                       "the whole pose, the place of a point, or the orientation")  # fmt: skip
-    factors = _Factors(claim, structure)
-    factors.check()
+    fits = {THREE_PARALLEL: (_POSE,), ORIENTATION: (_TURN,)}.get(structure, (_PLACE, _POSE))
+    if list(claim.rows) not in fits or not claim.rank == count == len(claim.rows):
+        raise Unproven(f"the structure {structure!r} needs as many joints as rows, and rows "
+                       f"{' or '.join(map(str, fits))}")  # fmt: skip
+    _Factors(claim, structure).check()
+    words = _WORDS.get(structure, structure)
     if count == 6 and structure != THREE_PARALLEL:
-        return f"{_WORDS[structure]}, 4, 5 and 6 meet in one point"
-    return _WORDS[structure]
+        return f"{words}; axes 4, 5, 6 meet"
+    return words
 
 
 class _Factors:
@@ -119,8 +116,8 @@ class _Factors:
         """The point of the task at q = 0."""
         _, origin, local = self._claim.frame
         home = self._claim.poses.get(origin, self._claim.home)
-        number = [[_rational(x) for x in row] for row in home[:3].tolist()]
-        return [dot(row[:3], [_rational(x) for x in local]) + row[3] for row in number]
+        number, point = [_rational(row) for row in home[:3].tolist()], _rational(local)
+        return [dot(row[:3], point) + row[3] for row in number]
 
     def check(self) -> None:
         """They multiply to ± det J, of one sign, at some configurations.
@@ -148,52 +145,54 @@ class _Factors:
 
     def values(self, arm: Arm, q: list[Interval]) -> list[Interval]:
         """The factors at a configuration; `arm` is seen from the base."""
-        f, structure = self._f, self._structure
-        columns = [one.entries() for one in arm.seen(q, [f.arb(0)] * arm.variables)[0]]
+        columns = [one.entries() for one in arm.seen(q, [self._f.arb(0)] * arm.variables)[0]]
         w = [column[3:] for column in columns]
-
-        def u(i: int, x: Vector) -> Vector:
-            return [a + b for a, b in zip(columns[i][:3], cross(w[i], x), strict=True)]
-
-        def on(i: int) -> Vector:
-            return cross(w[i], columns[i][:3])
-
-        def triple(i: int, j: int, k: int) -> Interval:
-            return dot(w[i], cross(w[j], w[k]))
-
-        def at(point: Vector | None, joints: int) -> Vector:
-            assert point is not None
-            turn, shift = carried(self._claim.links[:joints], q)
-            return list((turn * f.arb_mat([[f.arb(x)] for x in point]) + shift).entries())
-
-        if structure == ORIENTATION:
-            return [triple(0, 1, 2)]
-        if structure == THREE_PARALLEL:
-            o, foot = at(self._meeting, 4), on(3)
-            return [dot(w[1], u(0, o)), triple(3, 4, 5), dot(w[1], cross(u(1, foot), u(2, foot)))]
-        p = at(self._point, 3)
-        if structure == MEET_12:
-            away = _minus(p, at(self._meeting, 0))
-            found = [dot(away, u(2, p)), dot(w[0], u(1, p))]
-        elif structure == PARALLEL_12:
-            found = [dot(w[0], u(2, p)), dot(_minus(p, on(0)), u(1, p))]
-        elif structure == PARALLEL_23:
-            found = [dot(w[1], u(0, p)), dot(w[1], cross(u(1, p), u(2, p)))]
+        if self._structure == ORIENTATION:
+            return [dot(w[0], cross(w[1], w[2]))]
+        if self._structure == THREE_PARALLEL:
+            first = self._of_three_parallel(columns, w, q)
         else:
-            away = _minus(p, at(self._meeting, 1))
-            found = [dot(away, u(0, p)), dot(away, cross(w[1], w[2]))]
-        if self._wrist:
-            found.append(triple(3, 4, 5))
-        return found
+            first = self._of_a_point(columns, w, q)
+        if len(w) == 6:
+            first.append(dot(w[3], cross(w[4], w[5])))
+        return first
+
+    def _of_three_parallel(self, columns: list[Vector], w: list[Vector], q: list[Interval]) -> list[Interval]:
+        o, foot = self._at(self._meeting, 4, q), _foot(columns[3])
+        elbow = cross(velocity(columns[1], foot), velocity(columns[2], foot))
+        return [dot(w[1], velocity(columns[0], o)), dot(w[1], elbow)]
+
+    def _of_a_point(self, columns: list[Vector], w: list[Vector], q: list[Interval]) -> list[Interval]:
+        p = self._at(self._point, 3, q)
+        u = [velocity(column, p) for column in columns[:3]]
+        if self._structure == MEET_12:
+            return [dot(_minus(p, self._at(self._meeting, 0, q)), u[2]), dot(w[0], u[1])]
+        if self._structure == PARALLEL_12:
+            return [dot(w[0], u[2]), dot(_minus(p, _foot(columns[0])), u[1])]
+        if self._structure == PARALLEL_23:
+            return [dot(w[1], u[0]), dot(w[1], cross(u[1], u[2]))]
+        away = _minus(p, self._at(self._meeting, 1, q))
+        return [dot(away, u[0]), dot(away, cross(w[1], w[2]))]
+
+    def _at(self, point: Vector | None, joints: int, q: list[Interval]) -> Vector:
+        """Where so many joints carry a point."""
+        assert point is not None
+        turn, shift = carried(self._claim.links[:joints], q)
+        return list((turn * self._f.arb_mat([[self._f.arb(x)] for x in point]) + shift).entries())
 
 
-def _rational(value: float) -> Any:
-    return flint().fmpq(*float(value).as_integer_ratio())
+def _foot(column: Vector) -> Vector:
+    """A point of the axis of a unit twist."""
+    return cross(column[3:], column[:3])
+
+
+def _rational(values: Iterable[float]) -> Vector:
+    return [flint().fmpq(*float(value).as_integer_ratio()) for value in values]
 
 
 def _line(link: Link) -> Line:
     """The axis at q = 0: the part of v along ω is no part of it."""
-    v, w = ([_rational(x) for x in part] for part in (link.screw[:3], link.screw[3:]))
+    v, w = _rational(link.screw[:3]), _rational(link.screw[3:])
     if link.kind == SLIDE:
         return w, v
     pitch = dot(v, w) / dot(w, w)

@@ -126,8 +126,7 @@ def no_certificate(found: Any) -> str:
     if found.robot.n != found.task.m:
         return "postures are compared for arms with as many joints as rows only"
     if found.shared is not None:
-        return ("that it is cuspidal rests on the number of aspects, which no certificate states; other poses may give "
-                "a path (--seed, --poses)")  # fmt: skip
+        return "that it is cuspidal rests on the number of aspects, which no certificate states; try other poses"
     if found.decision.impossible:
         return f"the checker does not know this proof that it is not cuspidal: {decision_text(found.decision)}"
     return "there is no path, and nothing is proven"

@@ -81,7 +81,7 @@ def verify_signs(claim: Claim) -> str:
         raise Unproven(f"the structure {structure!r} needs as many joints as rows, and rows "
                        f"{' or '.join(map(str, fits))}")  # fmt: skip
     _Factors(claim, structure).check()
-    words = _WORDS.get(structure, structure)
+    words = _WORDS.get(structure, str(structure))
     if count == 6 and structure != THREE_PARALLEL:
         return f"{words}; axes 4, 5, 6 meet"
     return words

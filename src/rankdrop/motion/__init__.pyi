@@ -4,10 +4,8 @@ from .aspects import NOT_CUSPIDAL as NOT_CUSPIDAL
 from .aspects import NOT_FOUND as NOT_FOUND
 from .aspects import Postures as Postures
 from .aspects import aspects_of as aspects_of
-from .certificate import change_certificate as change_certificate
 from .certificate import path_asked as path_asked
 from .certificate import path_certificate as path_certificate
-from .certificate import posture_certificate as posture_certificate
 from .certificate import proven_for_near_arms as proven_for_near_arms
 from .check import PathQuestion as PathQuestion
 from .check import check_file as check_file
@@ -29,6 +27,8 @@ from .follow import ToolBranch as ToolBranch
 from .inverse import Aim as Aim
 from .many import check_files as check_files
 from .many import paths_to_dict as paths_to_dict
+from .posture_certificate import change_certificate as change_certificate
+from .posture_certificate import posture_certificate as posture_certificate
 from .program import ProgramCheck as ProgramCheck
 from .program import check_any_file as check_any_file
 from .program_record import is_program as is_program

@@ -117,6 +117,26 @@ def test_a_budget_that_is_spent_is_said_and_what_it_gives_is_larger() -> None:
     assert short.kept_from is None or short.kept_from >= whole.kept_from
 
 
+def test_a_region_on_both_sides_of_the_value_is_proven_on_both(rng) -> None:
+    around = np.array([0.5, -1.0, 1.4, 0.3, 0.05, 0.1])
+    region = region_of("ur5e", 0.2, around=around, span=np.radians(20.0))
+    found = region.distance("k1.f1", 5, (0.0, np.pi))
+    assert found.kept_from is not None
+    one_side = region._search(4, 0.05, 1.0, 0.05 + region.span)
+    other = region._search(4, 0.05, -1.0, region.span - 0.05)
+    assert found.kept_from == pytest.approx(max(one_side.distance, other.distance or other.end), rel=1e-9)
+    q = around + rng.uniform(-1, 1, (4000, 6)) * region.span
+    q = q[np.abs(q[:, 4]) >= found.kept_from]
+    assert (q[:, 4] < 0).any()
+    assert speeds(region.robot, q).min() >= 0.2
+
+
+def test_a_region_around_a_singular_posture_has_no_speed_that_is_kept() -> None:
+    region = region_of("ur5e", around=np.zeros(6), span=0.05)
+    assert region.least(region.around[None], np.zeros((1, 6)))[0] == 0.0
+    assert region.distance("", 5, (0.0,)).kept_from is None
+
+
 def test_a_speed_beyond_the_region_is_kept_nowhere() -> None:
     found = region_of("irb120", 5.0, span=0.05).distance("", 5, (0.0,))
     assert found.kept_from is None
@@ -142,6 +162,10 @@ def test_analyze_has_a_table_and_a_file_keeps_it(tmp_path) -> None:
     assert found.speeds.free == (1, 6)
     found.save(tmp_path / "arm.json")
     assert Analysis.load(tmp_path / "arm.json").speeds == found.speeds
+    forged = found.to_dict()
+    forged["speeds"]["others"] = ["k1.f9"]
+    with pytest.raises(rankdrop.RankdropError, match=r"a distance is of no family"):
+        Analysis.from_dict(forged)
     assert rankdrop.analyze(open_robot("irb120"), starts=100).speeds is None
     with pytest.raises(OptionError, match="around"):
         rankdrop.analyze(open_robot("irb120"), speed=0.25, around="0,0,0,0,0,0")

@@ -97,7 +97,7 @@ class SpeedRegion:
         self.matters = np.asarray(self.setting.matters)
         bound = float(self.least(self.around[None], np.zeros((1, robot.n)))[0])
         slowest = float(self.slowest(self.around[None])[0])
-        if robot.n == task.m and abs(bound - slowest) > _EQUAL * (slowest + _EQUAL):
+        if robot.n == task.m and bound > 0.0 and abs(bound - slowest) > _EQUAL * slowest:
             raise OptionError("speeds are proven for tasks with all rotations or none", where="speed", got=task.name,
                               allowed="pose, position")  # fmt: skip
 
@@ -123,15 +123,27 @@ class SpeedRegion:
         nearest = int(np.argmin(np.abs(gaps)))
         gap = gaps[nearest]
         side = 1.0 if gap >= 0.0 else -1.0
+        near = self._search(j, gap, side, abs(gap) + self.span)
+        searches = [near]
+        kept = near.distance
+        if abs(gap) < self.span:  # the region goes on beyond the value
+            beyond = self._search(j, gap, -side, self.span - abs(gap))
+            searches.append(beyond)
+            if kept is not None:
+                kept = max(kept, beyond.kept)
+        slowest = max(searches, key=lambda one: one.slower or 0.0)
+        return SpeedDistance(
+            family, number, self.robot.variables[j].name, values[nearest], near.end, kept, slowest.slower,
+            slowest.speed, sum(one.boxes for one in searches), any(one.spent for one in searches),
+        )  # fmt: skip
+
+    def _search(self, j: int, gap: float, side: float, end: float) -> _Search:
+        """The search on one side of the value of joint j, which is `gap` before the middle of the region."""
         low, high = self._bounds()
-        # joint j is measured from its value towards the middle of the region, and on to its end
-        low[j], high[j] = 0.0, abs(gap) + self.span
+        low[j], high[j] = 0.0, end
         found = _Search(self, j, float(self.around[j]) - gap, side, low, high)
         found.run()
-        return SpeedDistance(
-            family, number, self.robot.variables[j].name, values[nearest], float(high[j]), found.distance,
-            found.slower, found.speed, found.boxes, found.spent,
-        )  # fmt: skip
+        return found
 
     def least(self, centre: Array, half: Array) -> Array:
         """(M,) proven lower bounds of the slowest speed [m/s] in boxes (M, n) [rad, m]; 0 where there is none."""
@@ -146,7 +158,7 @@ class SpeedRegion:
         inverse = np.linalg.inv(matrix)
         inverse += _SLACK * inverse.sum(axis=2)[:, :, None]
         known &= np.asarray((matrix @ inverse >= np.eye(rank)).all(axis=(1, 2)))  # so it is no less than the inverse
-        middle = 1.0 / np.maximum(sigma, 1e-300)
+        middle = 1.0 / np.where(known[:, None], sigma, 1.0)  # Σ⁻¹, where it is asked for
         wide = half / np.asarray(setting.scale) * _OUTWARDS
         along = u[:, [row < _ROWS_OF_TRANSLATION for row in setting.rows]].swapaxes(1, 2)  # (M, r, 3)
         rows = middle[:, :, None] * along  # Σ⁻¹ U₁ᵀ S ℓ
@@ -216,6 +228,13 @@ class _Search:
             self._halve(open_, far)
         if self.distance is not None and self.distance >= self.end:
             self.distance = None
+
+    @property
+    def kept(self) -> float:
+        """From which distance the speed is kept in the region: nothing of it lies beyond its end."""
+        if self.distance is None:
+            return self.end
+        return self.distance
 
     def _halve(self, open_: NDArray[np.intp], far: Array) -> None:
         chosen = open_[np.argsort(-far[open_], kind="stable")[:_BATCH]]

@@ -95,7 +95,7 @@ class SpeedDistances:
     Attributes:
         tool_speed: of straight motions in any direction, the tool not turning [m/s].
         around: (n,) middle of the region [rad, m].
-        span: half its width in each joint; slides divided by the length scale [rad].
+        span: half its width in each joint, inside the joint limits; slides divided by the length scale [rad].
         free: numbers of the joints that may have any value: the speed does not depend on them.
         distances: for each family with one joint at a value.
         others: ids of the other families of the smallest corank.

@@ -131,6 +131,7 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
             *((row.near <= row.samples, "more configurations are near than there are", "$.near", row.near,
                f"up to {row.samples}") for row in (*analysis.near.families, analysis.near.any)),
         )  # fmt: skip
+    _check_speeds(analysis, ids)
     if analysis.exact is not None:
         _check_exact(analysis, analysis.exact, ids)
 
@@ -307,6 +308,20 @@ def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: fl
         q[pin.number - 1] = value
         satisfied = all(abs(float(equation(q))) <= tolerance for equation in own)
         require((satisfied, "the value does not satisfy the equations", f"{where}.values", value, None))
+
+
+def _check_speeds(analysis: _Analysed, ids: Sequence[str]) -> None:
+    """Distances that keep a speed are of families of the analysis, around a posture of its arm."""
+    told = analysis.speeds
+    if told is None:
+        return
+    named = [*(one.family for one in told.distances), *told.others]
+    require(
+        (set(named) <= set(ids), "a distance is of no family of the analysis", "$.speeds", ", ".join(named),
+         ", ".join(ids)),
+        (len(told.around) == analysis.robot.n, "the posture has another number of joints", "$.speeds.around",
+         len(told.around), analysis.robot.n),
+    )  # fmt: skip
 
 
 def _check_exact(analysis: _Analysed, exact: Derivation, ids: Sequence[str]) -> None:

@@ -239,7 +239,8 @@ def speed_section(analysis: Any) -> Section | None:
     middle = degrees_text(told.around, (joint.unit for joint in analysis.robot.variables))
     notes = [
         "every straight motion of the tool, in any direction and without turning, at the joints' rate limits",
-        f"proven by intervals for every configuration within {degrees(told.span):.3g}° of {middle} in each joint",
+        f"proven by intervals for every configuration inside the joint limits and within {degrees(told.span):.3g}° of "
+        f"{middle} in each joint",
     ]
     if told.free:
         free = ", ".join(map(str, told.free))

@@ -7,6 +7,7 @@ import os
 import re
 import signal
 from collections.abc import Generator
+from pathlib import Path
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # small matrices, a test process for each core: threads of a BLAS only wait
@@ -27,12 +28,17 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+_CROSS = Path(__file__).parent / "cross"
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the cases that `slow_at` and `by_hand_at` name, and `slow` what is run by hand or in a browser."""
+    """Marks the cases that `slow_at` and `by_hand_at` name; `slow` what is run by hand, in a browser, or needs a peer."""
     for item in items:
         if named_by("by_hand_at", item):
             item.add_marker(pytest.mark.by_hand)
-        if named_by("slow_at", item) or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
+        if item.path.is_relative_to(_CROSS):
+            item.add_marker(pytest.mark.cross)
+        if named_by("slow_at", item) or any(item.get_closest_marker(name) for name in ("by_hand", "browser", "cross")):
             item.add_marker(pytest.mark.slow)
 
 
@@ -49,15 +55,20 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-REQUIRED = bool(os.environ.get("RANKDROP_REQUIRE_ALL"))
-"""In the checks every program and package that a test needs is there: a skip for want of one is a failure."""
+REQUIRED = os.environ.get("RANKDROP_REQUIRE_ALL", "")
+"""In the checks every program and package that a test needs is there: a skip for want of one is a failure.
+
+"test": but for packages of other extras than `test`.
+"""
 _MISSING = re.compile(r"installed|could not import|No module named|needs the extra")
+_ELSEWHERE = re.compile(r'extra "(cross|docs|browser|dev)"')
 
 
 def required(report: Report) -> Report:
     """A report; one of a test that was skipped for want of a program or a package tells of a failure."""
     reason = str(report.longrepr[2]) if report.skipped and isinstance(report.longrepr, tuple) else ""
-    if REQUIRED and _MISSING.search(reason):
+    optional = REQUIRED == "test" and _ELSEWHERE.search(reason)
+    if REQUIRED and _MISSING.search(reason) and not optional:
         report.outcome = "failed"
         report.longrepr = f"{reason}: RANKDROP_REQUIRE_ALL asks for it"
     return report

@@ -175,8 +175,9 @@ def test_the_law_on_the_grid_holds_where_joints_turn_back(seed: int) -> None:
     assert (np.abs(alpha * y[1:, None] - beta * y[:-1, None]) <= limits * (1 + 1e-9))[~flat].all()
 
 
+@pytest.mark.cross
 def test_toppra_is_not_faster_by_much_nor_we_faster_than_it() -> None:
-    toppra = pytest.importorskip("toppra")
+    toppra = pytest.importorskip("toppra", reason='the extra "cross" is not installed')
     one = bow(15, 0.2, 5)
     rates, limits = np.full(6, 2.0), np.full(6, 8.0)
     path = path_of(one, "cubic")

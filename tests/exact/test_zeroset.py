@@ -307,7 +307,11 @@ def test_conditions_on_two_variables_have_no_real_zero_where_a_resultant_has_non
     """An ellipse, and others that meet it in complex points alone, or in real ones."""
     x, y, z = ring.t[1], ring.t[2], ring.t[3]
     ellipse, empty, other = x**2 + x * y + y**2 - 3, x**2 - x * y + 2 * y**2 + 4, x**2 - x * y + 2 * y**2 - 4
-    assert without_real_zero(ring, [ellipse, empty, x * ellipse + (y + 1) * empty])
+    system = [ellipse, empty, x * ellipse + (y + 1) * empty]
+    assert without_real_zero(ring, system)
+    work = Work()
+    assert steps._several(ring, {}, system, 2, work) == []
+    assert not work.unresolved
     assert not without_real_zero(ring, [ellipse, other, x * ellipse + (y + 1) * other])
     assert not without_real_zero(ring, [ellipse, empty + z])
     assert not without_real_zero(ring, [ellipse, ellipse * empty])  # no two of them without a common factor

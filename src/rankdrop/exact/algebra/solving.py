@@ -162,7 +162,7 @@ def without_real_zero(ring: Ring, system: Sequence[Polynomial]) -> bool:
     """Whether conditions on two variables, with numbers for lengths, are proven to have no real zero in common.
 
     At a common zero the resultants of any two of them in one variable vanish, and so does the greatest common divisor
-    of these: where that has no real root there is no such zero. Resultants that would be long are not looked at.
+    of these: where that has no real root there is no such zero. Resultants that would be long are not computed.
     """
     places = sorted({place for f in system for place in used(f)})
     if len(places) != 2 or places[1] >= ring.moving:

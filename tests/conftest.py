@@ -32,7 +32,7 @@ _CROSS = Path(__file__).parent / "cross"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the cases that `slow_at` and `by_hand_at` name; `slow` what is run by hand, in a browser, or needs a peer."""
+    """Marks the cases that `slow_at` and `by_hand_at` name; as slow what is run by hand, in a browser, with a peer."""
     for item in items:
         if named_by("by_hand_at", item):
             item.add_marker(pytest.mark.by_hand)

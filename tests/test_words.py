@@ -56,7 +56,7 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 SENTENCES = {
     "certify": 2, "designs": 49, "exact": 85, "families": 13, "family": 8, "jobs": 7, "local": 73,
-    "motion": 1, "proof": 37, "results": 19, "robot": 57, "units": 2, "verbs": 40,
+    "motion": 1, "proof": 41, "results": 19, "robot": 57, "units": 2, "verbs": 40,
 }  # fmt: skip
 """Room -> sentences in it today."""
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference import region
+from reference import cuspidal, region
 from reference.coverings import covering
 
 from rankdrop.certify import ModelTolerance, asked_about, verify, write_certificate
@@ -41,7 +41,8 @@ Record = dict[str, Any]
 NO_CLAIM = {"schema", "version", "units", "view", "proof", "sha256"}
 WORK = 400  # enclosures of one check
 WORDS = ("revolute", "prismatic", "helical", "free", "open", "crossing", "met", "path", "ball", "covering", "existence",
-         "", "another", "planar", "0" * 64)  # fmt: skip
+         "posture change", "sign proof", "axes 2, 3 parallel", "three parallel", "",
+         "another", "planar", "0" * 64)  # fmt: skip
 
 
 def slide_arm() -> Robot:
@@ -83,6 +84,12 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Re
         "covering of corank 2": covering_of(folder, "c.cover", planar, 0.8, corank=2),
         "existence": existence_certificate(planar, [0.3, 0.0, 0.2]),
     }
+
+
+@pytest.fixture(scope="module")
+def honest_changes(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Record]]:
+    """Certificates of cuspidal arms, and of others."""
+    return tmp_path_factory.mktemp("changes"), cuspidal.certificates() | cuspidal.sign_proofs()
 
 
 def printed(found: Verified) -> tuple[str, ...]:
@@ -178,7 +185,8 @@ def forge(folder: Path, original: Record, rng: np.random.Generator, place: tuple
 def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, int]:
     """Judge forgeries: how many are refused, and how many hold under another claim."""
     rng = np.random.default_rng(seed)
-    rows = original["claim"].get("points")
+    postures = original["kind"] in ("posture change", "sign proof")  # that hold without a file
+    rows = None if postures else original["claim"].get("points")
     first = judged(folder, original, rows)
     assert first is not None
     assert first.holds, first.reason
@@ -192,12 +200,32 @@ def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, in
             refused += 1
         elif claims:
             assert printed(found) != printed(first), json.dumps(record)
+            assert not postures or cuspidal.true(record), json.dumps(record)
             other += 1
     return refused, other
 
 
 KINDS = ("ball", "ball of a point", "ball with a slide", "near arms", "free path", "crossing path", "covering",
          "covering within limits", "covering of corank 2", "existence")  # fmt: skip
+CHANGES = ("posture change", "posture change within limits", "sign proof", "sign proof with a wrist",
+           "sign proof of a point")  # fmt: skip
+
+
+@pytest.mark.slow_at("posture change within limits", "sign proof", "sign proof with a wrist")
+@pytest.mark.parametrize("kind", CHANGES)
+def test_a_forged_proof_about_postures_is_refused_or_true(honest_changes, kind):
+    folder, records = honest_changes
+    refused, _ = hold(folder, records[kind], 100, 1)
+    assert refused > 50
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("kind", CHANGES)
+def test_none_of_ten_thousand_forged_proofs_about_postures_passes(honest_changes, kind):
+    folder, records = honest_changes
+    refused, other = hold(folder, records[kind], 2000, 2)
+    assert refused > 1000
+    assert other > 50
 
 
 @pytest.mark.by_hand_at("ball")

@@ -154,7 +154,7 @@ def asked_about(
         q: (n,) the place [rad, m].
         path: the file of a path as its reader read it (`motion.path_asked`), or its name, with `rows`.
         rows: (M, n) the rows of a path, joined by straight lines [rad, m].
-        limits: a covering within the joint limits (True), or of the whole joint space (False).
+        limits: a covering or a change of posture within the joint limits (True), or of the whole joint space (False).
 
     Raises:
         OptionError: a task without an arm.
@@ -218,7 +218,7 @@ def verify(
     cut a region into boxes; a bad choice of these proves nothing, and never something wrong.
 
     Args:
-        file: written by `rankdrop nearest`, `path`, `cover` or `explain` with --certificate.
+        file: written by `rankdrop nearest`, `path`, `cover`, `explain` or `aspects` with --certificate.
         about: the arm that the certificate must be about, or all that is asked (`asked_about`); None: the arm whose
             numbers are in it.
         enclosures: to be spent at most, about a millisecond each.

@@ -60,7 +60,9 @@ class Remedies(RemedyOptions):
         float, option("Limit of joint accelerations [rad/s², m/s²], for new time laws; arms state none", gt=0)
     ] | None = None  # fmt: skip
     remedy: Annotated[
-        Literal["null-space", "flip", "bump", "detour", "blend", "tool-tilt", "base-shift", "retime"] | None,
+        Literal[
+            "null-space", "flip", "bump", "detour", "blend", "tool-tilt", "base-shift", "slow-down", "retime"
+        ] | None,
         option("Compute this kind of remedy alone"),
     ] = None  # fmt: skip
     fixed: Annotated[
@@ -74,11 +76,19 @@ class Remedies(RemedyOptions):
         return replace(self, bump=NO_REMEDIES.bump, detour=NO_REMEDIES.detour) != NO_REMEDIES
 
     @property
-    def kinds(self) -> tuple[str, ...]:
-        """Those that are computed: without a question for remedies the quick ones, for the advice below the verdict."""
+    def kinds(self) -> tuple[tuple[str, ...], ...]:
+        """Those that are computed, the next where the ones before have no remedy.
+
+        Without a question for remedies the local ones, for the advice below the verdict. Where a mended file is all
+        that is asked for, the local ones first: the rest of the file stays as it is.
+        """
         if self.remedy is not None:
-            return (self.remedy if self.remedy in motion.KINDS else self.remedy.replace("-", " "),)
-        return tuple(motion.KINDS if self.wanted else motion.LOCAL)
+            return ((self.remedy if self.remedy in motion.KINDS else self.remedy.replace("-", " "),),)
+        if not self.wanted:
+            return (motion.LOCAL,)
+        if replace(self, fixed=None, acceleration=None).wanted:
+            return (motion.KINDS,)
+        return motion.LOCAL, tuple(kind for kind in motion.KINDS if kind not in motion.LOCAL)
 
 
 @dataclass(frozen=True)
@@ -190,10 +200,10 @@ def path(
     near = model_tolerance(output.model_tolerance)
     if output.rows is not None:
         motion.check_format(output.rows)
-    name, found = _files(robot, files)
-    if any(map(motion.is_program, found)):
+    name, named = _files(robot, files)
+    if any(map(motion.is_program, named)):
         _check_program(output, mend)
-    several = len(found) > 1 or many.out is not None or many.scheduler is not None
+    several = len(named) > 1 or many.out is not None or many.scheduler is not None
     if several:
         _check_several(output, mend)
     model, task = open_arm(name, arm, source)
@@ -210,20 +220,24 @@ def path(
     question = motion.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
-            checked = motion.check_files(model, found, question, out=many.out, workers=many.workers,
+            checked = motion.check_files(model, named, question, out=many.out, workers=many.workers,
                                          scheduler=many.scheduler, report=report)  # fmt: skip
-            return _of_several(model, checked, len(found), many.out)
-        progress = partial(report, f"{found[0].name}: stretches decided")
-        result, remedies = motion.check_any_file(model, found[0], question, say=say, progress=progress), None
+            return _of_several(model, checked, len(named), many.out)
+        progress = partial(report, f"{named[0].name}: stretches decided")
+        result, remedies = motion.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, motion.ProgramCheck):
             return _of_program(result, output)
-        if result.complete and (mend.wanted or not result.clear):
-            remedies = motion.mend_path(
-                result, analysis=families, acceleration=mend.acceleration, kinds=mend.kinds,
-                options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
-                progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
-            )  # fmt: skip
-    return _of_one(result, remedies, near, families, output, mend, found[0])
+        if result.complete and (mend.wanted or not result.clear or result.verdict == motion.TOO_FAST):
+            for kinds in mend.kinds:
+                found = motion.mend_path(
+                    result, analysis=families, acceleration=mend.acceleration, kinds=kinds,
+                    options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
+                    progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
+                )  # fmt: skip
+                remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
+                if remedies.best is not None or not remedies.complete:
+                    break
+    return _of_one(result, remedies, near, families, output, mend, named[0])
 
 
 def _example(

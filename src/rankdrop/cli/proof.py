@@ -171,7 +171,7 @@ def verify(
 
     Code that shares nothing with what made it, by interval arithmetic, on the
     arm's numbers in the file; the whole claim is printed.
-    nearest, explain, path and cover write certificates with --certificate. The
+    nearest, explain, path, cover and aspects write certificates with --certificate. The
     claim is compared with --robot, --task (without it the arm's default), --q,
     --path and --limits; the rest is printed: compare it yourself. A
     path holds for the file of --path alone.

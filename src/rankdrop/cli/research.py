@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import partial
 from math import degrees
 from time import monotonic
@@ -283,6 +283,16 @@ class MotionOutput(Output):
     ] = None  # fmt: skip
 
 
+@dataclass(frozen=True)
+class AspectsOutput(MotionOutput):
+    """Where aspects, a path and its proof go."""
+
+    certificate: Annotated[
+        str | None, option("Write the proof that the arm is cuspidal, or that it is not, to this file, for "
+                    "`rankdrop verify`", writes=())
+    ] = None  # fmt: skip
+
+
 def _with_path(
     found: motion.Postures | motion.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
 ) -> Done:
@@ -303,7 +313,7 @@ def aspects(
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
     search: AspectsOptions = AspectsOptions(),
-    output: MotionOutput = MotionOutput(),
+    output: AspectsOutput = AspectsOutput(),
     report: PROGRESS,
 ) -> Done:
     """Count the aspects of an arm, and find changes of posture without a singularity.
@@ -318,10 +328,13 @@ def aspects(
         rankdrop aspects crx10ia
         rankdrop aspects crx10ia --deg --q 10,50,20,-30,50,0 --path change.csv
         rankdrop path crx10ia change.csv
+        rankdrop aspects crx10ia --certificate cuspidal.json
+        rankdrop verify cuspidal.json --robot crx10ia
+        rankdrop aspects ur5e --certificate ur5e.json
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
     change of posture was found, which is no proof, or the number of aspects is not
-    proven where only that is asked; 2: bad input.
+    proven where only that is asked, or no certificate could be written; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -338,7 +351,21 @@ def aspects(
         decided = found.count.exact
     else:
         decided = found.verdict != motion.NOT_FOUND
-    return _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
+    done = _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
+    if output.certificate is None:
+        return done
+    try:
+        record = motion.posture_certificate(found)
+    except OptionError as error:
+        refused = partial(say, f"{output.certificate} is not written: {error.what}")
+        return replace(done, holds=False, last=partial(_both, done.last, refused))
+    return replace(done, files={**done.files, "certificate": lambda: record})
+
+
+def _both(first: Callable[[], object] | None, second: Callable[[], object]) -> None:
+    if first is not None:
+        first()
+    second()
 
 
 @command

@@ -4,8 +4,10 @@ from .aspects import NOT_CUSPIDAL as NOT_CUSPIDAL
 from .aspects import NOT_FOUND as NOT_FOUND
 from .aspects import Postures as Postures
 from .aspects import aspects_of as aspects_of
+from .certificate import change_certificate as change_certificate
 from .certificate import path_asked as path_asked
 from .certificate import path_certificate as path_certificate
+from .certificate import posture_certificate as posture_certificate
 from .certificate import proven_for_near_arms as proven_for_near_arms
 from .check import PathQuestion as PathQuestion
 from .check import check_file as check_file
@@ -32,6 +34,7 @@ from .program import check_any_file as check_any_file
 from .program_record import is_program as is_program
 from .record import CROSSING as CROSSING
 from .record import FREE as FREE
+from .record import TOO_FAST as TOO_FAST
 from .record import TOO_NEAR as TOO_NEAR
 from .record import TOUCHING as TOUCHING
 from .record import UNDECIDED as UNDECIDED

@@ -125,6 +125,7 @@ class Change:
         off: how far the tool is from the old path at most [m], [rad].
         at_end: (n,) how far the joints are from the old path at its end: zero where they are back on it; else the rest
             is on another branch of the inverse kinematics.
+        longer: how much longer it takes in a new time [s].
     """
 
     start: Place
@@ -132,6 +133,7 @@ class Change:
     way: Array
     off: tuple[float, float]
     at_end: Array
+    longer: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,21 +12,39 @@ import numpy as np
 
 from rankdrop.certify.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.certify.certificates import file_hash, record_of
-from rankdrop.certify.setting import Setting, enclose, regular, settings_for
-from rankdrop.motion.curve import Curve, Place, boxes
+from rankdrop.certify.setting import Setting, enclose, regular, settings_for, viewed
+from rankdrop.errors import OptionError
+from rankdrop.exact.posture_changes import SIGNS as DECIDED_BY_SIGNS
+from rankdrop.kinematics import pose, task_jacobian
+from rankdrop.motion.curve import Curve, Place, boxes, curve
 from rankdrop.motion.files import holds_poses, read_poses, read_trajectory
+from rankdrop.motion.inverse import Aim
 from rankdrop.motion.prove import centred, chosen, first_open
 from rankdrop.motion.record import CROSSING as CROSSES
 from rankdrop.motion.record import FREE
 from rankdrop.problem import Mask
 from rankdrop.proof.curves import AskedPath
-from rankdrop.proof.record import CLEAR, CROSSING, OPEN, PATH, Record
+from rankdrop.proof.record import (
+    CHANGE,
+    CLEAR,
+    CROSSING,
+    OPEN,
+    PATH,
+    SIGNS,
+    STRUCTURES,
+    Record,
+    Unproven,
+    claim_of,
+)
+from rankdrop.proof.signs import verify_signs
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.text import no_certificate
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
+    from rankdrop.motion.aspects import Postures
     from rankdrop.motion.record import PathCheck
 
 EVALUATIONS = 500_000
@@ -35,6 +53,8 @@ _BALL = 20_000  # enclosures of branch and bound for one ball
 _SHORT = 0.5  # pieces with ρ below this share of the distance get branch and bound
 _GIVEN_UP = 0.05  # … and below this are given up
 _OUTRIGHT = 1e-9  # of a radius: what bisection leaves open
+_NEAR = 1e-9  # how far from the last row a solution is claimed at least [rad, m]
+_FARTHER = 4.0  # … and so many times what is measured
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
@@ -86,6 +106,53 @@ def path_certificate(
     if file is not None:
         claim["path"] = {"file": file.name, "sha256": file_hash(file)}
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+
+
+def posture_certificate(found: Postures) -> Record:
+    """What shows that an arm is cuspidal, or that it is not: a path, or signs of its own for each solution of a pose.
+
+    Args:
+        found: from `aspects_of`.
+
+    Raises:
+        OptionError: nothing is proven, the proof is none that the checker knows, the numbers of the arm have the
+            structure to rounding only, or the task cannot be certified.
+    """
+    robot, task, decision = found.robot, found.task, found.decision
+    if found.change is not None:
+        return change_certificate(found)
+    if decision.kind != DECIDED_BY_SIGNS or decision.why not in STRUCTURES:
+        raise OptionError(no_certificate(found), where="certificate", got=found.verdict)
+    record = record_of(robot, task, SIGNS, viewed(robot, task), {"structure": decision.why}, {})
+    try:
+        verify_signs(claim_of(record, Path()))
+    except Unproven as error:
+        raise OptionError(f"the numbers of the arm do not have its structure exactly: {error}", where="certificate",
+                          got=decision.why) from error  # fmt: skip
+    return record
+
+
+def change_certificate(found: Postures) -> Record:
+    """What shows that an arm is cuspidal: a path without singularity between two solutions of one pose.
+
+    The first row is one solution exactly, next to the last one lies another: the checker proves that it exists.
+
+    Args:
+        found: from `aspects_of`, with a path.
+
+    Raises:
+        OptionError: there is no path, or the task cannot be certified.
+    """
+    if found.change is None:
+        raise OptionError("there is no path to certify", where="certificate", got=found.verdict,
+                          allowed="the result for a cuspidal arm with a path")  # fmt: skip
+    robot, task, q = found.robot, found.task, found.change.q
+    setting = chosen(robot, settings_for(robot, task), curve(q, None))
+    error = Aim(robot, task).error(pose(robot, q[0]), q[-1:])[0]
+    step = np.linalg.solve(task_jacobian(robot, q[-1:], task)[0], error)
+    radius = max(_NEAR, _FARTHER * float(np.abs(step).max()))
+    claim = {"degree": 1, "points": q.tolist(), "radius": radius, "limits": found.options.limits}
+    return record_of(robot, task, CHANGE, setting, claim, {})
 
 
 def path_asked(

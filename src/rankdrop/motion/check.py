@@ -45,6 +45,7 @@ from rankdrop.motion.record import (
     TOUCHING,
     UNDECIDED,
     VERDICTS,
+    GivenPoses,
     PathCheck,
     Remark,
     Stretch,
@@ -319,7 +320,7 @@ def check_poses(
     times = _times(t, len(wanted), "pose")
     resolved = resolve_task(task, robot)
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
-    tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
+    tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
     away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
@@ -345,7 +346,12 @@ def check_poses(
     if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
         tool = replace(tool, branches=_branches(
             robot, wanted, solutions, first, resolved, asked, tolerance, tool, check, tolerances))  # fmt: skip
-    return replace(check, rows=len(branch.q), tool=tool, verdict=worst)
+    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, poses=GivenPoses(wanted, times, resolved))
+
+
+def tip_tolerance(options: PathOptions, robot: Robot) -> tuple[float, float]:
+    """How far the tip may leave its curve between rows: [m, or what the arm counts in], [rad]."""
+    return options.tip_tolerance * counted_length(robot), options.turn_tolerance
 
 
 def _branches(

@@ -165,6 +165,21 @@ class Profile:
 
 
 @dataclass(frozen=True, eq=False)
+class GivenPoses:
+    """The poses that a tool path was given as.
+
+    Attributes:
+        matrices: (P, 4, 4) of the tip [m].
+        times: (P,) [s]; None without times.
+        task: that they are reached for.
+    """
+
+    matrices: Array
+    times: Array | None
+    task: Task
+
+
+@dataclass(frozen=True, eq=False)
 class PathCheck(Result):
     """A checked path.
 
@@ -188,6 +203,7 @@ class PathCheck(Result):
         complete: False where it was interrupted.
         profile: for drawings.
         tool: how joint values were found, where poses of the tip were given; else None.
+        poses: these poses.
     """
 
     robot: Robot
@@ -210,6 +226,7 @@ class PathCheck(Result):
     complete: bool
     profile: Profile
     tool: Followed | None = None
+    poses: GivenPoses | None = None
     FILE: ClassVar[str] = "path"
 
     @property

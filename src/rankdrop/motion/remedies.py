@@ -38,8 +38,10 @@ from rankdrop.motion.candidates import (
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve
 from rankdrop.motion.detours import Detour, Detourer, NoDetour
+from rankdrop.motion.pose_detours import Blocked, PoseDetourer
 from rankdrop.motion.record import FREE, UNDECIDED, PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
+from rankdrop.motion.slow_down import slowed_down
 from rankdrop.motion.trajectory import Trajectory
 from rankdrop.motion.turns import FarTurn, far_turns
 from rankdrop.options import takes
@@ -62,12 +64,13 @@ _ROUNDS = 3  # of that
 MANY = 200
 """Places on one path above which no local remedy is tried: such a file is not what it was meant to be."""
 _DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
-BUMP, DETOUR, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
-    "bump", "detour", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
+BUMP, DETOUR, SLOW, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
+    "bump", "detour", "slow-down", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
 )  # fmt: skip
-KINDS = (NULL, FLIP, BUMP, DETOUR, BLEND, TILT, SHIFT, RETIME)
-LOCAL = (BUMP, DETOUR)
-"""Those that change the path around its singularities: a bump keeps the joints of the rest, a detour the tool."""
+KINDS = (NULL, FLIP, BUMP, DETOUR, BLEND, TILT, SHIFT, SLOW, RETIME)
+LOCAL = (BUMP, DETOUR, SLOW)
+"""Those that change the path around its singularities: a bump keeps the joints of the rest, a detour the tool, a
+slow-down all of the path and the time that the rest takes."""
 Progress = Callable[[str, int, int], None]
 """progress(kind, done, all)."""
 Failure = tuple[str, Any]
@@ -265,7 +268,9 @@ def mend_path(
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
     base shift    the base moved, within `base_shift`
-    retime        the same path in a new time: inside the limits of joint rates and accelerations
+    slow-down     the same path, slower where it is too fast, and the rest of its times only shifted
+    retime        the same path in a new time: inside the limits of joint rates and accelerations; where no slow-down
+                  is found
 
     A change of the path is a remedy only where its judgement is free, proven for every point, with the distance asked
     for proven to be kept. A new time law is one only where the limits hold at every instant, by bounds on the curve
@@ -341,7 +346,14 @@ class _Mender:
         """A remedy of each kind, or what was tried."""
         if not self.found.clear:
             yield from self._changed_paths(most)
-        if RETIME in self.kinds and self.breaks(self.found):
+        if not self.breaks(self.found) or (self.found.tool is not None and not self.found.tool.complete):
+            return
+        if SLOW in self.kinds and self.found.clear:
+            slower = self._slower()
+            yield slower
+            if isinstance(slower, Remedy):
+                return
+        if RETIME in self.kinds:
             yield self._in_new_time()
 
     def _usage(self, path: Curve) -> Usage | None:
@@ -351,6 +363,15 @@ class _Mender:
 
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that changes the path."""
+        if self.found.poses is not None and DETOUR in self.kinds and most.detour > 0.0:
+            for led in self._poses_detour(most.detour):
+                yield led
+                if isinstance(led, Remedy):
+                    return
+        if self.found.tool is not None and not self.found.tool.complete:
+            if self.kinds - set(LOCAL):
+                yield "unfinished", self.found.tool.reached
+            return
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
         yield from self._local(tool, most)
         if most.blend > 0.0 and BLEND in self.kinds:
@@ -373,6 +394,29 @@ class _Mender:
             found, ended = rank(partial(self._report, kind))
             yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
 
+    def _clearance(self) -> float:
+        asked = SPARE * self.found.options.min_distance
+        return asked if asked > 0.0 else CLEARANCE
+
+    def _poses_detour(self, most: float) -> Iterator[Remedy | Failure]:
+        """The poses moved around each singularity that they lead through, and the joints along them."""
+        work = PoseDetourer(self.found, most, self._clearance())
+        windows = work.found(partial(self._report, DETOUR))
+        if isinstance(windows, Blocked):
+            place = work.at(windows.place)
+            yield DETOUR, (most, [(place, windows.hindrance, windows.needed)], 0)
+            if windows.joint:
+                yield "range", (windows.joint, windows.beyond, self.found.robot)
+            return
+        if not windows:
+            yield DETOUR, (most, [], 0)
+            return
+        still = np.zeros(self.found.robot.n)
+        changes = tuple(Change(work.at(one.low), work.at(one.high), still, one.off, still) for one in windows)
+        off = max(one.off[0] for one in windows), max(one.off[1] for one in windows)
+        proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
+        yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         found = self.found
@@ -381,14 +425,13 @@ class _Mender:
             return
         families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
         bumper = Bumper(found, tool, families, most.bump, *self.limits)
-        asked = SPARE * found.options.min_distance
-        clearance = asked if asked > 0.0 else CLEARANCE
+        clearance = self._clearance()
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper, clearance)
             yield result
             if isinstance(result, Remedy):
                 return
-        if DETOUR in self.kinds and most.detour > 0.0:
+        if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
             if most.bump > 0.0:
                 bumps, failed = self._bumps(bumper, clearance)
             else:
@@ -472,7 +515,7 @@ class _Mender:
                 took = None
             again = took is not None and took.slower > _SLOWER
             if again:
-                made = retimed(made.curve(self.interpolate), *self.limits, self.scale)
+                made = self._within_limits(made.curve(self.interpolate))
             remedy = self._checked(kind, replace(proposal, made=made), again=again)
             if remedy.check.clear:
                 return remedy
@@ -483,6 +526,28 @@ class _Mender:
             return BLEND, None
         proposals = list(blends(self.found, most))
         return self._first(BLEND, proposals) or (BLEND, len(proposals))
+
+    def _within_limits(self, path: Curve) -> Trajectory:
+        """A changed path slower around the rows that are too fast, or else all of it in a new time."""
+        made = slowed_down(path, *self.limits)
+        if made is not None:
+            return made[0]
+        return retimed(path, *self.limits, self.scale)
+
+    def _slower(self) -> Remedy | Failure:
+        """The path itself, slower around the places where it is too fast."""
+        self._report(SLOW, 0, 1)
+        path = self.found.curve
+        made = slowed_down(path, *self.limits)
+        if made is None:
+            return SLOW, path.degree == 1
+        still = np.zeros(self.found.robot.n)
+        changes = tuple(Change(path.place(one.start), path.place(one.end), still, (0.0, 0.0), still, one.longer)
+                        for one in made[1])  # fmt: skip
+        proposal = Proposal(("slow-down", len(changes)), (), made[0], (0.0, 0.0), changes)
+        remedy = self._checked(SLOW, proposal, again=True)
+        self._report(SLOW, 1, 1)
+        return remedy if remedy.check.clear else (SLOW, True)
 
     def _in_new_time(self) -> Remedy | Failure:
         """The path itself inside its limits."""

@@ -16,13 +16,16 @@ from rankdrop.proof.covers import corank_of, verify_covering
 from rankdrop.proof.curves import AskedPath, ToolPath, compare_rows
 from rankdrop.proof.existence import verify_existence
 from rankdrop.proof.minors import verify_in_minors
+from rankdrop.proof.postures import verify_change
 from rankdrop.proof.record import (
     BALL,
+    CHANGE,
     COVERING,
     CROSSING,
     EXISTENCE,
     PATH,
     SCREW,
+    SIGNS,
     SLIDE,
     Array,
     Claim,
@@ -34,6 +37,7 @@ from rankdrop.proof.record import (
     seal,
 )
 from rankdrop.proof.regions import Check, verify_ball, verify_distance, verify_path
+from rankdrop.proof.signs import verify_signs
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 _TRIED = 3  # configurations at which a higher rank is looked for
@@ -48,10 +52,10 @@ class Asked:
     Attributes:
         arm: entry of the arm, as a certificate has it.
         task: entry of the task, and `scale`, the unit of motion of each variable.
-        q: centre of a ball, or place of a singular configuration [rad, m].
+        q: centre of a ball, place of a singular configuration, or where a change of posture begins [rad, m].
         path: a path's file, as it was read: its curve is compared with every control point. A hash that the
             certificate states is not believed.
-        limits: whether a covering is within the joint limits.
+        limits: whether a covering, or a change of posture, is within the joint limits.
     """
 
     arm: Record | None = None
@@ -67,7 +71,8 @@ class Verdict:
 
     Attributes:
         holds: the claim is proven.
-        kind: "ball", "path", "covering" or "existence"; "" of a file that is damaged.
+        kind: "ball", "path", "covering", "existence", "posture change" or "sign proof"; "" of a file that is
+            damaged.
         arm: name of the arm, as the certificate has it.
         claim: what holds, in one sentence; "" where it does not.
         reason: why it is not confirmed, in one sentence; "" where it is. A proof that fails refutes nothing.
@@ -107,7 +112,7 @@ def check_certificate(file: Path, asked: Asked, work: Work) -> Verdict:
             compare(claim, asked)
             sentence, statement, assumed, how = _prove(claim, work)
             try:
-                if claim.kind == PATH:
+                if claim.kind == PATH or asked.path is not None:
                     statement += _of_file(claim, asked.path)
             except Unproven as error:
                 reason = f"{error}. Proven: {sentence}"
@@ -148,7 +153,8 @@ def _other_arm(claim: Claim, asked: Asked) -> str:
     name = f"another arm than {other['name']!r}"
     if mine["fingerprint"] != other["fingerprint"] or mine["last"] != other["last"]:
         return f"{name}: their numbers differ"
-    if claim.kind == COVERING and claim.limits is not None:
+    within = claim.kind == COVERING or (claim.kind == CHANGE and claim.entries["limits"])
+    if within and claim.limits is not None:
         for own, joint in zip(mine["joints"], other["joints"], strict=True):
             if (own["lower"], own["upper"]) != (joint["lower"], joint["upper"]):
                 return f"{name}: the limits of joint {joint['name']!r} differ"
@@ -172,7 +178,10 @@ def _other_task(claim: Claim, asked: Asked) -> str:
 
 
 def _other_place(claim: Claim, asked: Asked) -> str:
-    q = claim.entries.get("q")
+    if claim.kind == CHANGE:
+        q = claim.entries["points"][0]
+    else:
+        q = claim.entries.get("q")
     if q is None:
         return f"a {claim.kind}, not a configuration"
     if asked.q is None or len(asked.q) != len(q) or not np.abs(np.array(q) - asked.q).max() <= _SAME:
@@ -181,7 +190,7 @@ def _other_place(claim: Claim, asked: Asked) -> str:
 
 
 def _other_path(claim: Claim, asked: Asked) -> str:
-    if claim.kind != PATH:
+    if claim.kind not in (PATH, CHANGE):
         return f"a {claim.kind}, not a path"
     if asked.path is not None and asked.path.rows is not None:
         compare_rows(claim, asked.path)
@@ -269,6 +278,17 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         sentence = (f"every configuration of the {where} with a rank below {claim.rank} is in one of the "
                     f"{tree.leaves:,} boxes of {claim.entries['file']!r}")  # fmt: skip
         lines += _state_ranges(claim)
+    elif claim.kind == CHANGE:
+        apart = verify_change(check)
+        sentence = (f"{claim.name!r} is cuspidal: on the path it goes from one solution of a pose to another and keeps "
+                    f"rank {claim.rank}; the other solution, of exactly the pose of the first row, is within "
+                    f"{claim.entries['radius']!r} of the last row, joint by joint [rad, m]")  # fmt: skip
+        if claim.entries["limits"]:
+            sentence += "; all of it is inside the joint limits"
+        lines += [*_state_path(claim, []), f"the poses of its two ends agree within {apart}"]
+    elif claim.kind == SIGNS:
+        sentence = (f"{claim.name!r} is not cuspidal: no path without a singularity leads from one solution of a pose "
+                    f"to another, as each has signs of its own: {verify_signs(claim)}")  # fmt: skip
     else:
         others = verify_path(check)
         verify_distance(check)

@@ -26,8 +26,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from rankdrop.proof.arm import Interval, Matrix, cross, dot, flint
+from rankdrop.proof.arm import Interval, Matrix, dot, flint
 from rankdrop.proof.record import SCREW, SLIDE, Array, Claim, Link, Unproven
+from rankdrop.proof.tip import carried, turn_about
 
 DEGREES = {"linear": 1, "cubic": 3, "quintic": 5}
 _OTHER = "another claim: the certificate is about"
@@ -189,35 +190,9 @@ class ToolPath:
 
     def tip(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
         """(3, 3) rotation and (3, 1) place of the tip at a configuration, in the base frame."""
-        f, claim = self._f, self._claim
-        turn = f.arb_mat(3, 3, [int(r == c) for r in range(3) for c in range(3)])
-        place = f.arb_mat(3, 1, [0, 0, 0])
-        for link in claim.links:
-            value = f.arb(link.multiplier) * q[link.driver] + f.arb(link.offset)
-            own_turn, own_place = self._motion(link, value)
-            place = turn * own_place + place
-            turn = turn * own_turn
-        home_turn = f.arb_mat(claim.home[:3, :3].tolist())
-        home_place = f.arb_mat([[float(x)] for x in claim.home[:3, 3]])
-        return turn * home_turn, turn * home_place + place
-
-    def _motion(self, link: Link, value: Interval) -> tuple[Matrix, Matrix]:
-        """(3, 3) rotation and (3, 1) shift of one joint, in base coordinates at q = 0."""
-        f = self._f
-        v, w = ([f.arb(x) for x in part] for part in (link.screw[:3], link.screw[3:]))
-        unit = f.arb_mat(3, 3, [int(r == c) for r in range(3) for c in range(3)])
-        if link.kind == SLIDE:
-            size = dot(v, v).sqrt()
-            return unit, f.arb_mat([[x / size * value] for x in v])
-        square = dot(w, w)
-        axis = [x / square.sqrt() for x in w]
-        foot = f.arb_mat([[x / square] for x in cross(w, v)])
-        turn = _turn(axis, value)
-        shift = foot - turn * foot
-        if link.kind == SCREW:
-            pitch = dot(w, v) / square
-            shift = shift + f.arb_mat([[pitch * value * x] for x in axis])
-        return turn, shift
+        turn, place = carried(self._claim.links, q)
+        home = self._claim.home
+        return turn * self._f.arb_mat(home[:3, :3].tolist()), turn * self._f.arb_mat(home[:3, 3:].tolist()) + place
 
     def _aim(self, place: float) -> tuple[Matrix, Matrix]:
         """(3, 3) rotation and (3, 1) place of the tool path, at a place counted in poses from 0."""
@@ -230,7 +205,7 @@ class ToolPath:
         if self._turns and last and np.linalg.norm(self._axes[k]) > 0.0:
             vector = [f.arb(float(x)) for x in self._axes[k]]
             angle = dot(vector, vector).sqrt()
-            turn = _turn([x / angle for x in vector], share * angle) * turn
+            turn = turn_about([x / angle for x in vector], share * angle) * turn
         return turn, start + (end - start) * share
 
     def _errors(self, seen: tuple[Matrix, Matrix], place: float) -> tuple[float, float]:
@@ -351,15 +326,6 @@ def _size(numbers: list[Interval]) -> float:
     if np.isfinite(size):
         return size
     return float("inf")
-
-
-def _turn(axis: list[Interval], angle: Interval) -> Matrix:
-    """(3, 3) rotation about a unit vector by an angle."""
-    f = flint()
-    x, y, z = axis
-    sine, cosine = angle.sin_cos()
-    hat = f.arb_mat([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return f.arb_mat(3, 3, [int(r == c) for r in range(3) for c in range(3)]) + hat * sine + hat * hat * (1 - cosine)
 
 
 def _log(turn: Array) -> Array:

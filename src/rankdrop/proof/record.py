@@ -1,6 +1,7 @@
 """A certificate as a file: a closed record, read with budgets, and what is wrong with one that cannot be read.
 
-    {"schema": "rankdrop/certificate/1", "kind": "ball" | "path" | "covering" | "existence", "version": …, "units": …,
+    {"schema": "rankdrop/certificate/1", "kind": "ball" | "path" | "covering" | "existence" | "posture change" |
+     "sign proof", "version": …, "units": …,
      "arm": {"name", "joints": [{"name", "kind", "screw", "variable", "follows", "multiplier", "offset", "lower",
                                  "upper"}], "home", "last", "fingerprint"},
      "task": {"name", "rows", "frame": {"axes", "origin", "point"}}, "rank": 6,
@@ -31,6 +32,12 @@ Reader = Callable[[Any, str], Any]
 
 SCHEMA = "rankdrop/certificate/1"
 BALL, PATH, COVERING, EXISTENCE = "ball", "path", "covering", "existence"
+CHANGE, SIGNS = "posture change", "sign proof"
+MEET_12, PARALLEL_12 = "axes 1, 2 meet", "axes 1, 2 parallel"
+MEET_23, PARALLEL_23 = "axes 2, 3 meet", "axes 2, 3 parallel"
+THREE_PARALLEL, ORIENTATION = "three parallel", "orientation"
+STRUCTURES = (MEET_12, PARALLEL_12, PARALLEL_23, MEET_23, THREE_PARALLEL, ORIENTATION)
+"""Of arms of which each solution of a pose has signs of its own."""
 SLIDE, TURN, SCREW = "prismatic", "revolute", "helical"
 OPEN, CROSSING, CLEAR = "open", "crossing", "free"
 """Kinds of a span of a path."""
@@ -93,7 +100,7 @@ class Claim:
     """What a certificate states, with everything of the right shape.
 
     Attributes:
-        kind: "ball", "path", "covering" or "existence".
+        kind: "ball", "path", "covering", "existence", "posture change" or "sign proof".
         record: the certificate as it was read.
         links: joints of the arm.
         variables: n.
@@ -299,6 +306,11 @@ _KINDS = {
         _nothing,
     ),
     EXISTENCE: (entries({"q": _joints, "radius": number(0.0, 1.0)}), _nothing),
+    CHANGE: (
+        entries({"degree": whole(1, 1), "points": numbers, "radius": number(0.0, 1.0, above=0.0), "limits": _flag}),
+        _nothing,
+    ),
+    SIGNS: (entries({"structure": one_of(*STRUCTURES)}), _nothing),
 }  # fmt: skip
 _certificate = entries(
     {

@@ -289,6 +289,7 @@ CHANGES = table(
     moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
     at_end=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
     tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
+    longer=(num("s", ge=0), "how much longer it takes, of a slow-down"),
 )
 FAR_TURNS = table(
     "far_turns",
@@ -299,7 +300,8 @@ FAR_TURNS = table(
 )
 FOUND = table(
     "found",
-    kind=Literal["null-space", "flip", "bump", "detour", "blend", "tool tilt", "base shift", "retime"],
+    kind=Literal["null-space", "flip", "bump", "detour", "blend", "tool tilt", "base shift", "slow-down",
+                 "retime"],
     words=str,
     parameters=many(PARAMETERS),
     gains=(many(GAINS), "", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}

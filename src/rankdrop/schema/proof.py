@@ -62,10 +62,11 @@ CLAIM = table(
     q=(optional(many(num("joint"))), "centre [rad, m]"),
     radius=(optional(num("distance", ge=0)),
         "of a ball: every configuration nearer to q in the joints that matter has the rank; of an existence: a "
-        "configuration of lower rank differs from q by at most this in every joint"),
+        "configuration of lower rank differs from q by at most this in every joint; of a posture change: an exact "
+        "solution of the pose of the first point differs from the last one by at most this in every joint"),
     scale=(optional(many(num("joint"))), "unit of motion of each variable: 1 for turns [rad], a length for slides [m]"),
     verdict=(optional(Literal["free", "met"]), "of a path; free: every span is"),
-    degree=optional(whole(ge=1, le=9)),
+    degree=(optional(whole(ge=1, le=9)), "of a posture change 1"),
     points=(optional(some(many(num("joint")), min_length=2)),
         "Bernstein control points of all stretches, the last of each the first of the next [rad, m]"),
     spans=(optional(some(SPAN)), "from the first row to the last without a gap"),
@@ -77,15 +78,18 @@ CLAIM = table(
     lower=optional(many(num("joint"))),
     upper=optional(many(num("joint"))),
     turns=optional(many(bool)),
-    limits=optional(bool),
+    limits=(optional(bool), "the boxes are within the joint limits; the posture change is"),
+    structure=(optional(Literal["axes 1, 2 meet", "axes 1, 2 parallel", "axes 2, 3 parallel", "axes 2, 3 meet",
+            "three parallel", "orientation"]),
+        "of a sign proof: which axes meet or are parallel"),
     corank=(optional(Positive), "every configuration of this corank or more is in a box"),
 )
 CERTIFICATE_FILE = file(
     "certificate",
-    "Written with --certificate by `rankdrop nearest`, `explain`, `path` and `cover`, checked by `rankdrop "
+    "Written with --certificate by `rankdrop nearest`, `explain`, `path`, `cover` and `aspects`, checked by `rankdrop "
     "verify`: a claim, the numbers of the arm it is about, and what a checker needs to prove it again. Joints are"
     " numbered from 1; angles in rad, lengths in the arm's unit (m).",
-    kind=Literal["ball", "path", "covering", "existence"],
+    kind=Literal["ball", "path", "covering", "existence", "posture change", "sign proof"],
     version=(str, "of rankdrop that wrote it"),
     arm=ARM,
     task=TASK,
@@ -161,7 +165,8 @@ VERIFIED_FILE = file(
     "Written by `rankdrop verify --json`: whether a certificate holds.",
     units=None,
     holds=bool,
-    kind=(Literal["ball", "path", "covering", "existence", ""], "empty: the file is damaged"),
+    kind=(Literal["ball", "path", "covering", "existence", "posture change", "sign proof", ""],
+        "empty: the file is damaged"),
     arm=str,
     claim=(str, "what holds; empty where it does not"),
     statement=(optional(many(str)), "the whole claim, entry by entry: arm, task, place, ranges"),

@@ -1,3 +1,4 @@
+from .aspects import no_certificate as no_certificate
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line
 from .brief import assumed_line as assumed_line

@@ -121,6 +121,17 @@ def aspects_sentence(found: Any) -> str:
     return f"No change of posture without a singularity was found in {poses}; that is no proof of absence."
 
 
+def no_certificate(found: Any) -> str:
+    """Why no certificate is written of an arm without a path and without a proof that the checker knows."""
+    if found.robot.n != found.task.m:
+        return "postures are compared for arms with as many joints as rows only"
+    if found.shared is not None:
+        return "that it is cuspidal rests on the number of aspects, which no certificate states; try other poses"
+    if found.decision.impossible:
+        return f"the checker does not know this proof that it is not cuspidal: {decision_text(found.decision)}"
+    return "there is no path, and nothing is proven"
+
+
 def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     """Changes of posture: the number of aspects and the verdict first."""
     yield Section(f"{aspects_number(found)} {found.sentence}")

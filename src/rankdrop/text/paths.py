@@ -662,6 +662,7 @@ _DONE = {
     "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
     "blend": "the corner at row {0} cut by a parabola",
     "blends": "the corners at row {0} cut by a parabola",
+    "slow-down": "the same path, slower around the places where a joint is too fast; the rest as fast as it was",
     "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
 }
 _CHANGES = {
@@ -704,10 +705,17 @@ def remedy_note(kind: str, fact: Any) -> str:
         kind: of the remedy; "path": of every kind that keeps the tool's path.
         fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
             how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
-            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed.
+            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed;
+            of "range" a joint, how much wider its range would have to be, and the arm.
     """
     if kind == "local":
         return f"bump and detour: not tried, more than {fact} places need one"
+    if kind == "range":
+        joint, beyond, robot = fact
+        amount = _amount(beyond, robot.variables[joint - 1].unit)
+        return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
+    if kind == "unfinished":
+        return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
     if kind == "bump":
         return _bump_note(*fact)
     if kind == "detour":
@@ -716,6 +724,10 @@ def remedy_note(kind: str, fact: Any) -> str:
         return _detour_note(*fact)
     if kind == "path":
         return f"the tool's path cannot be followed: {fact}"
+    if kind == "slow-down":
+        if fact:
+            return f"{kind}: the limits cannot be kept without making nearly all of the path slower"
+        return f"{kind}: only for paths that are straight between their rows"
     if kind == "retime":
         return f"{kind}: the limits could not be kept everywhere"
     if kind == "blend":
@@ -826,7 +838,7 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
             lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
     lines.append(f"    checked again: {remedy.check.sentence}")
     if remedy.usage is not None:
-        if remedy.retimed and remedy.kind != "retime":
+        if remedy.retimed and remedy.kind not in ("retime", "slow-down"):
             retimed = "new time law; "
         else:
             retimed = ""
@@ -849,6 +861,10 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
     when, off = _between(change.start, change.end), _off(change.off, robot)
+    if not (change.longer > 0.0 or change.way.any()):
+        return f"the tool moves by {off} {when}"
+    if change.longer > 0.0:
+        return f"slower {when}, which takes {short(change.longer, 2)} s longer"
     if not change.at_end.any():
         return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
     return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.at_end, robot)}"
@@ -903,10 +919,15 @@ def best_words(mending: Any) -> str:
     if best is None:
         return ""
     robot = best.check.robot
+    kind = best.kind.replace(" ", "-")
+    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
+    if best.kind == "slow-down":
+        where = _slower_words(best.changes)
+        return f"{where} keeps the joint limits and is free (proven), the tool on its path. {options} writes it"
     change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
     if change is None:
         what = best.words
-    elif change.at_end.any():
+    elif change.at_end.any() or not change.way.any():
         what = f"the tool led around it {_between(change.start, change.end)}"
     else:
         what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
@@ -920,10 +941,19 @@ def best_words(mending: Any) -> str:
         slower = " in a new time law"
     else:
         slower = ""
-    kind = best.kind.replace(" ", "-")
-    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
     off = _off(best.deviation, robot)
     return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
+
+
+def _slower_words(changes: Sequence[Any]) -> str:
+    """Where a path is made slower, the longest part first, and how much longer all of it takes."""
+    longest = max(changes, key=attrgetter("longer"))
+    if len(changes) == 1:
+        more = ""
+    else:
+        more = f" and at {len(changes) - 1} more {plural('place', len(changes) - 1)}"
+    total = sum(one.longer for one in changes)
+    return f"slower {_between(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:

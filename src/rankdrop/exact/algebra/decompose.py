@@ -22,9 +22,7 @@ from rankdrop.exact.algebra.polynomial import (
     coefficients,
     divides,
     factor,
-    flint,
     gcd,
-    norm,
     primitive,
     used,
 )
@@ -43,6 +41,8 @@ from rankdrop.exact.algebra.solving import (
     put,
     remainder,
     unit,
+    without_real_root,
+    without_real_zero,
 )
 from rankdrop.exact.algebra.work import Work, tick
 from rankdrop.exact.algebra.zeroset import ZeroSet, independent
@@ -103,6 +103,8 @@ def _irreducible(
         return []
     if len(system) <= 1:
         return [_single(ring, pins, system)]
+    if any(without_real_root(f) for f in system):
+        return []
     for f, g, k in divisions(ring, system):
         if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
             others = [ring.form(h) for h in system if h is not g]
@@ -239,6 +241,8 @@ def _several(
     """
     places = {place for f in system for place in used(f) if place < ring.moving}
     size = min(most, len(places))
+    if without_real_zero(ring, system):
+        return []
     for f, g in combinations(sorted(system, key=len), 2):
         tops = _tops(ring, [f, g], system, size - 2)
         held = [f, g, *tops]
@@ -249,6 +253,8 @@ def _several(
         found = ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
         if found.samples:
             return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
+        if size == 2:
+            break  # every zero of all is one of these two: those of another two need not be looked for
     if size == 3:
         if nowhere(system, ring.moving, work.lengths):
             return []
@@ -484,21 +490,9 @@ def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
     letters that is a matter of chance.
     """
     for piece in pieces:
-        if not piece.samples and not any(_without_real_root(f) for f in piece.equations):
+        if not piece.samples and not any(without_real_root(f) for f in piece.equations):
             work.without_points[piece.key] = piece
     return [piece for piece in pieces if piece.samples]
-
-
-def _without_real_root(f: Polynomial) -> bool:
-    f = norm(f)[0]
-    places = used(f)
-    if len(places) != 1:
-        return False
-    whole = [0] * (int(f.degrees()[places[0]]) + 1)
-    for powers, value in primitive(f).terms():
-        whole[int(powers[places[0]])] = int(value.p)
-    # enclosures: one that holds no real number is a proof
-    return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
 
 
 def _with(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from itertools import combinations, permutations
+from itertools import chain, combinations, permutations
 from math import prod
 
 from rankdrop.exact.algebra.field import dense, reduced, residue, roots, solvable_in_space
@@ -24,7 +24,9 @@ from rankdrop.exact.algebra.polynomial import (
     Polynomial,
     coefficients,
     flint,
+    norm,
     primes_with,
+    primitive,
     reduced_roots,
     residues_of_roots,
     roots_in,
@@ -136,6 +138,59 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
         sign = positive
         alone = alone or not any(powers[: ring.moving])
     return alone
+
+
+def without_real_root(f: Polynomial) -> bool:
+    """Whether a polynomial in one variable, with numbers for lengths, is proven to have no real zero."""
+    if len(used(f)) > 1 + len(roots_in(f)):
+        return False
+    f = norm(f)[0]
+    places = used(f)
+    if len(places) != 1:
+        return False
+    whole = [0] * (int(f.degrees()[places[0]]) + 1)
+    for powers, value in primitive(f).terms():
+        whole[int(powers[places[0]])] = int(value.p)
+    # enclosures: one that holds no real number is a proof
+    return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
+
+
+_ROOTED = 120  # degree of a polynomial in one variable of which real roots are looked for
+
+
+def without_real_zero(ring: Ring, system: Sequence[Polynomial]) -> bool:
+    """Whether conditions on two variables, with numbers for lengths, are proven to have no real zero in common.
+
+    At a common zero the resultants of any two of them in one variable vanish, and so does the greatest common divisor
+    of these: where that has no real root there is no such zero. Resultants that would be long are not computed.
+    """
+    places = sorted({place for f in system for place in used(f)})
+    if len(places) != 2 or places[1] >= ring.moving:
+        return False
+    one, two = places
+    kept = chain(_projections(ring, system, one, two), _projections(ring, system, two, one))
+    return any(map(_never_real, kept))
+
+
+def _projections(ring: Ring, system: Sequence[Polynomial], place: int, other: int) -> Iterator[Polynomial]:
+    """Polynomials in one of two variables, each a divisor of the one before, that vanish at the zeros of a system."""
+    common: Polynomial = system[0] * 0
+    for f in system:
+        if used(f) == [place]:
+            common = common.gcd(f)
+            yield common
+    for f, g in combinations(sorted(system, key=len), 2):
+        one, two = f.degrees(), g.degrees()
+        if not one[other] * two[other] or one[place] * two[other] + one[other] * two[place] > _ROOTED:
+            continue
+        tick(100 + 5 * len(f) * len(g))
+        common = common.gcd(f.resultant(g, ring.names[other]))
+        yield common
+
+
+def _never_real(f: Polynomial) -> bool:
+    """Whether a polynomial in at most one variable is seen to have no real zero."""
+    return f != 0 and (not used(f) or without_real_root(f))
 
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages

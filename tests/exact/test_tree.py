@@ -11,15 +11,15 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work, spent
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import tree as rank_trees
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work, spent
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.families import reality
 from rankdrop.exact.tree import Drop, _bending, largest, rank_tree
-from rankdrop.family.equation import System
+from rankdrop.families.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

@@ -10,14 +10,14 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra import decompose as steps
-from rankdrop.exact.algebra.decompose import cut, cut_half, decompose
-from rankdrop.exact.algebra.field import PRIMES, value_at
-from rankdrop.exact.algebra.polynomial import used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
-from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
-from rankdrop.exact.algebra.zeroset import ZeroSet, independent
+from rankdrop.algebra import decompose as steps
+from rankdrop.algebra.decompose import cut, cut_half, decompose
+from rankdrop.algebra.field import PRIMES, value_at
+from rankdrop.algebra.polynomial import used
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
+from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
+from rankdrop.algebra.zeroset import ZeroSet, independent
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
 
 def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 1000.0
-    monkeypatch.setattr("rankdrop.exact.algebra.work.process_time", lambda: now)
+    monkeypatch.setattr("rankdrop.algebra.work.process_time", lambda: now)
     work = Work(100.0)
     now += 0.9 * SLOWER * 100.0
     work.check()

@@ -10,9 +10,9 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import LONGEST, name_family, shortened
 from rankdrop.families.searching import search
-from rankdrop.family.name import FamilyName
-from rankdrop.family.naming import LONGEST, name_family, shortened
 from rankdrop.local.axes import Common, Dependence
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh

@@ -11,11 +11,11 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families import on_the_spot
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import name_family
 from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.record import Family
 from rankdrop.families.table import _told_apart as told_apart_rows
-from rankdrop.family.name import FamilyName
-from rankdrop.family.naming import name_family
-from rankdrop.family.record import Family
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap

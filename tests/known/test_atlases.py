@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rankdrop.families.monitor import Monitor
+from rankdrop.family.equation import System
 from scripts import tool
 
 from known.arms import KINDS, structures
 from rankdrop.errors import ResultFileError
-from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
-from rankdrop.family.equation import System
 from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import robot_to_dict

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.family.name import ArmPart, Detail, FamilyName, Geometry, JointValues, LowRank, Shorter, Variable
+from rankdrop.families.name import ArmPart, Detail, FamilyName, Geometry, JointValues, LowRank, Shorter, Variable
 from rankdrop.local.axes import Common, Dependence, SlideWay
 from rankdrop.results.known import known_names, shipped
 from rankdrop.text.names import name_words, short_name

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from patience import until
 
-from rankdrop.family import FamilyName
+from rankdrop.families import FamilyName
 from rankdrop.results.explanation import Explanation
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot

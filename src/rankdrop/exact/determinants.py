@@ -40,11 +40,11 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from rankdrop.algebra.field import P, random_point, residues, value_at
+from rankdrop.algebra.polynomial import Atom, Factors, Polynomial
+from rankdrop.algebra.ring import MANY, Ring
+from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.field import P, random_point, residues, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
-from rankdrop.exact.algebra.ring import MANY, Ring
-from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import (
     ORIENTATION,
@@ -55,10 +55,10 @@ from rankdrop.exact.arm.structure import (
     listed,
     structure_of,
 )
-from rankdrop.exact.aspects import look, merged
 from rankdrop.exact.conjunctions import values_of
-from rankdrop.exact.writing import FOLDED, Quotient, Value, atoms_text
-from rankdrop.family.name import ArmPart, FamilyName
+from rankdrop.exact.signs import look, merged
+from rankdrop.families.name import ArmPart, FamilyName
+from rankdrop.formula.writing import FOLDED, Quotient, Value, atoms_text
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample

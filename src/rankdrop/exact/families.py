@@ -16,22 +16,22 @@ from itertools import combinations, islice, product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.algebra.decompose import decompose, with_points
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, is_number, used
-from rankdrop.exact.algebra.ring import Form
-from rankdrop.exact.algebra.work import Work, failure, watched
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import decompose, with_points
+from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
+from rankdrop.algebra.ring import Form
+from rankdrop.algebra.work import Work, failure, watched
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
 from rankdrop.exact.family import ExactFamily, Pins, Row, alone, merge, tidy
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing import RADIANS, AnglePin, Condition
-from rankdrop.family.equation import Equation, System
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.name import FamilyName
-from rankdrop.family.naming import distinct_names, lost_motions, name_family
-from rankdrop.family.record import Check
+from rankdrop.families.equation import Equation, System
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.record import Check
+from rankdrop.formula.writing import RADIANS, AnglePin, Condition
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array

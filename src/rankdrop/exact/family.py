@@ -16,18 +16,18 @@ from typing import TypeVar
 
 import numpy as np
 
-from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.field import Point
-from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import decompose
+from rankdrop.algebra.field import Point
+from rankdrop.algebra.polynomial import SIMPLE, Polynomial, primitive, used
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.exact.writing import AnglePin, Condition
-from rankdrop.family.equation import Equation
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.name import FamilyName
-from rankdrop.family.record import Check, Family, Order, Pin, place_of
+from rankdrop.families.equation import Equation
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import FamilyName
+from rankdrop.families.record import Check, Family, Order, Pin, place_of
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.units import exponent, into_units
 

@@ -34,12 +34,12 @@ from functools import cache
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zero_where
-from rankdrop.exact.algebra.field import P, rank, residues, roots_at, value_at
-from rankdrop.exact.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
-from rankdrop.exact.algebra.ring import Form, Ring, Terms, replace_angles
-from rankdrop.exact.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import cut, meet, pinned, with_points, zero_where
+from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
+from rankdrop.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
+from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.local.block import generic_rank
 

@@ -25,8 +25,22 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.equation import SOLVED, Mask, System, pretty_angle
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.record import (
+    Check,
+    CorankFamilies,
+    CorankSummary,
+    Family,
+    Pin,
+    family_in_metres,
+    family_in_units,
+    family_out_of_units,
+    numbered,
+)
 from rankdrop.families.row import (
     Linear,
     Membership,
@@ -40,20 +54,6 @@ from rankdrop.families.row import (
     witness,
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
-from rankdrop.family.equation import SOLVED, Mask, System, pretty_angle
-from rankdrop.family.name import FamilyName
-from rankdrop.family.naming import distinct_names, lost_motions, name_family
-from rankdrop.family.record import (
-    Check,
-    CorankFamilies,
-    CorankSummary,
-    Family,
-    Pin,
-    family_in_metres,
-    family_in_units,
-    family_out_of_units,
-    numbered,
-)
 from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot

@@ -9,17 +9,17 @@ from typing import Any, Literal
 from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
-from rankdrop.exact.aspects import Between, Crossing, Flags
+from rankdrop.distance.share import Near
 from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.lint import Difference, Example, LintResult
-from rankdrop.exact.notation import C, Python, Step
+from rankdrop.exact.signs import Between, Crossing, Flags
+from rankdrop.families.equation import Term
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
 from rankdrop.families.searching import Outcome
-from rankdrop.families.share import Near
-from rankdrop.family.equation import Term
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
-from rankdrop.family.summary import FamilySummary, RankSummary
+from rankdrop.families.summary import FamilySummary, RankSummary
+from rankdrop.formula.notation import C, Python, Step
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost import lost_sentences

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, degrees, floor
 from typing import Any
 
+from rankdrop.distance.share import Near
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.share import Near
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Family, Pin, SpeedDistance
+from rankdrop.families.equation import pretty_angle
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.record import Family, Pin, SpeedDistance
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count, degrees_text

@@ -20,8 +20,8 @@ import numpy as np
 
 from rankdrop.codec import Record
 from rankdrop.configuration import Cause, at
-from rankdrop.families.distance import FamilyDistance
-from rankdrop.family.record import Family
+from rankdrop.distance.distance import FamilyDistance
+from rankdrop.families.record import Family
 from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest

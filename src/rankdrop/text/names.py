@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import degrees, pi, radians
 
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.name import (
+from rankdrop.families.equation import pretty_angle
+from rankdrop.families.name import (
     Centre,
     Detail,
     FamilyName,
@@ -18,7 +18,7 @@ from rankdrop.family.name import (
     Shorter,
     Variable,
     is_right,
-)  # fmt: skip
+)
 from rankdrop.local.axes import Common, Dependence, SlideWay, numbers
 from rankdrop.text.words import listing, plural
 

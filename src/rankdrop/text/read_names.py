@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import cache
 from math import pi, radians
 
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.name import (
+from rankdrop.families.equation import pretty_angle
+from rankdrop.families.name import (
     ArmPart,
     Centre,
     Detail,
@@ -20,7 +20,7 @@ from rankdrop.family.name import (
     Plane,
     Shorter,
     Variable,
-)  # fmt: skip
+)
 from rankdrop.local.axes import Common, Dependence
 from rankdrop.text.names import MEETING, PATTERNS, PLANES, UNNAMED, WAYS, name_words, ordinal_word
 

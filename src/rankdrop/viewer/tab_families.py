@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families import Walk, family_distances, in_slice
-from rankdrop.family import ArmPart, Family, LostFreedom, MotionKind
+from rankdrop.distance import family_distances
+from rankdrop.families import ArmPart, Family, LostFreedom, MotionKind, Walk, in_slice
 from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
 from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot, count

@@ -1,4 +1,4 @@
-"""Imports go down only; CONTRIBUTING says what is on each floor. Faces use public names; derivation and search are apart.
+"""Imports go down only; CONTRIBUTING has the floors. Faces use public names; derivation and search are apart.
 
 A module imports from lower floors, and from its own where that makes no cycle. Imports inside functions count too.
 """

@@ -273,8 +273,8 @@ TYPED = re.compile(r"(?<![\w-])--[a-z]")
 NAMES_OPTIONS = {"families/reciprocal.py": 1, "robot/ideal.py": 2, "robot/numbers.py": 1, "verbs/deriving.py": 1}
 """Module -> texts with an option of the command line in them: arguments of others, and notes in files. To be fewer."""
 OWN_ROOMS = (
-    "algebra", "aspects", "cover", "designs", "distance", "exact", "families", "formula", "local", "path", "poses", "results",
-    "robot", "text", "verbs",
+    "algebra", "aspects", "cover", "designs", "distance", "exact", "families", "formula", "local", "path", "poses",
+    "results", "robot", "text", "verbs",
 )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from reference import cuspidal
 
-from rankdrop.aspects import certificate as posture_certificate
+from rankdrop.aspects import posture_certificate
 from rankdrop.cli.main import run
 from rankdrop.cover import asked_about, verify, write_certificate
 from rankdrop.cover.ball import points_of

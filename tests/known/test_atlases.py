@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rankdrop.families.monitor import Monitor
-from rankdrop.family.equation import System
 from scripts import tool
 
 from known.arms import KINDS, structures
+from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ResultFileError
+from rankdrop.families.equation import System
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.local.posture import fault

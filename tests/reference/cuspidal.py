@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.aspects import certificate as posture_certificate
-from rankdrop.aspects import change_certificate
+from rankdrop.aspects import change_certificate, posture_certificate
 from rankdrop.aspects.count import AspectCount
 from rankdrop.aspects.posture_paths import Change, Postures
 from rankdrop.exact.arm.chain import exact_chain

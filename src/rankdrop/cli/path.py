@@ -24,7 +24,7 @@ from rankdrop.cli.command import (
     parse_configuration,
 )
 from rankdrop.cli.proof import model_tolerance
-from rankdrop.cli.terminal import STDOUT, kept, reporter, say, write_bytes, write_text
+from rankdrop.cli.terminal import STDOUT, Report, kept, reporter, say, write_bytes, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions
@@ -230,16 +230,25 @@ def path(
         if isinstance(result, paths.ProgramCheck):
             return _of_program(result, output)
         if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
-            for kinds in mend.kinds:
-                found = paths.mend_path(
-                    result, analysis=families, acceleration=mend.acceleration, kinds=kinds,
-                    options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
-                    progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
-                )  # fmt: skip
-                remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
-                if remedies.best is not None or not remedies.complete:
-                    break
+            remedies = _mended(result, families, mend, report)
     return _of_one(result, remedies, near, families, output, mend, named[0])
+
+
+def _mended(
+    check: paths.PathCheck, families: results.Analysis | None, mend: Remedies, report: Report
+) -> paths.Mending | None:
+    """Remedies of the kinds asked for, one group after the other until one has a remedy."""
+    remedies = None
+    for kinds in mend.kinds:
+        found = paths.mend_path(
+            check, analysis=families, acceleration=mend.acceleration, kinds=kinds,
+            options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
+            progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
+        )  # fmt: skip
+        remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
+        if remedies.best is not None or not remedies.complete:
+            break
+    return remedies
 
 
 def _example(

@@ -348,6 +348,10 @@ class Flag:
         """Name of the family in words; "" where there is none."""
         return str(self.called or "")
 
+    def __json__(self) -> dict[str, str | int | float | None]:
+        """As files hold it: the family by its name in words."""
+        return {"factor": self.factor, "name": self.name, "sign": self.sign, "value": self.value}
+
     @property
     def label(self) -> str:
         """ "elbow +"; where the family is not named after a part, the factor, or the whole name if that is long."""

@@ -23,6 +23,8 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.aspects.arm import count_of_arm
+from rankdrop.aspects.summary import AspectSummary
 from rankdrop.certify.covering import plan_of
 from rankdrop.codec import encode, plain, restored
 from rankdrop.designs.postures import reached, slow_poses, targets_of
@@ -41,9 +43,11 @@ from rankdrop.motion import FREE, check_poses
 from rankdrop.problem import Problem
 from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
 from rankdrop.results.analysis import Settings
+from rankdrop.results.known import known_aspects
 from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
 from rankdrop.schema.design import NEAR_SHARE
+from rankdrop.schema.families import ASPECTS_SUMMARY
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
 from rankdrop.tolerances import DEFAULT
@@ -224,6 +228,15 @@ def _family(family: Family, robot: Robot) -> Record:
     }
 
 
+def _aspects(problem: Problem, _: Any, _asked: Any, _seed: int) -> Measured:
+    """The number of aspects: stored for arms of the catalogue, else counted; None where it is not proven."""
+    summary = known_aspects(problem.robot, problem.task)
+    if summary is None:
+        count, _signs = count_of_arm(problem.robot, problem.task)
+        summary = AspectSummary.of(count)
+    return {"aspects": encode(ASPECTS_SUMMARY, summary)}, {"aspects": summary.number}
+
+
 def _near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
     near = near_shares(known.families, problem, asked["within"], samples=asked["samples"], seed=seed)
     entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, one) for one in near.families],
@@ -324,7 +337,8 @@ def _certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
 
 
 _MEASURES: dict[str, Callable[..., Measured]] = {
-    "families": _families, "near": _near, "slow": _slow, "region": _region, "paths": _paths, "certified": _certified,
+    "families": _families, "aspects": _aspects, "near": _near, "slow": _slow, "region": _region, "paths": _paths,
+    "certified": _certified,
 }  # fmt: skip
 """What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
 NEED_FAMILIES = ("families", "near", "paths")

@@ -23,11 +23,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.aspects.count import AspectCount, Left, count_aspects, walls_of
+from rankdrop.aspects.arm import count_of_arm
+from rankdrop.aspects.count import AspectCount
+from rankdrop.aspects.summary import CUSPIDAL as CUSPIDAL
+from rankdrop.aspects.summary import NOT_ASKED as NOT_ASKED
+from rankdrop.aspects.summary import NOT_CUSPIDAL as NOT_CUSPIDAL
+from rankdrop.aspects.summary import NOT_FOUND as NOT_FOUND
 from rankdrop.certify.setting import settings_for
 from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
-from rankdrop.exact.algebra.work import OutOfTime, Work, watched
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
 from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
@@ -47,9 +51,6 @@ from rankdrop.text import aspects as text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
-CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
-NOT_ASKED = "not asked"
-"""Verdict of an arm with more or fewer joints than rows: solutions of a pose are curves, or there are none."""
 _RINGS = (0.05, 0.1, 0.2, 0.3, 0.4)  # distances from a cusp at which poses are tried [rad]
 _AROUND = 4  # poses on each
 
@@ -221,7 +222,7 @@ def aspects_of(
     how = AspectsOptions.of(options, given)
     resolved = resolve_task(task, robot)
     if robot.n != resolved.m and q is None:
-        count, _ = _counted(robot, resolved)
+        count, _ = count_of_arm(robot, resolved)
         return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
@@ -235,7 +236,7 @@ def aspects_of(
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = _decided(robot, resolved)
-    count, numeric = _counted(robot, resolved)
+    count, numeric = count_of_arm(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
     else:
@@ -330,26 +331,6 @@ def _decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[st
     except (RobotError, TaskError, MissingExtraError) as error:
         return Decision(OPEN, f"not decided exactly: {error}"), None, ()
     return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
-
-
-COUNTING = 20.0
-"""Work that counting the aspects may take [s of an idle machine]."""
-
-
-def _counted(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
-    """How many aspects the arm has, with its factors in numbers."""
-    work = Work(COUNTING)
-    try:
-        with watched(work.check):
-            chain = exact_chain(robot, task, lengths="numbers")
-            signs = signs_of(chain) if chain.n == chain.task.m else walls_of(chain, work)
-            if signs is None:
-                return AspectCount(left=Left.WORK), None
-            return count_aspects(signs, work), signs
-    except OutOfTime:
-        return AspectCount(left=Left.WORK), None
-    except (RobotError, TaskError, MissingExtraError):
-        return AspectCount(left=Left.CONDITIONS), None
 
 
 def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits: bool) -> Solved:

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, get_type_hints
 import msgspec
 import numpy as np
 
+from rankdrop.aspects.summary import AspectSummary
 from rankdrop.codec import Record as Record
 from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
 from rankdrop.codec import json_text as json_text
@@ -54,6 +55,8 @@ class Analysis(Result):
         exact: the exact derivation of the families; None where it was not asked for.
         near: share of the joint space near each family; None where it was not asked for.
         speeds: how far from each family the tool keeps a speed; None where it was not asked for.
+        aspects: how many aspects the arm has, joint limits ignored; None for arms outside the catalogue where it was
+            not asked for.
     """
 
     robot: Robot
@@ -68,6 +71,7 @@ class Analysis(Result):
     exact: Derivation | None = None
     near: Near | None = None
     speeds: SpeedDistances | None = None
+    aspects: AspectSummary | None = None
     FILE: ClassVar[str] = "analysis"
 
     @property
@@ -180,6 +184,7 @@ class Analysis(Result):
             exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
             speeds=at("$.speeds", lambda: restored(SpeedDistances, record["speeds"])) if "speeds" in record else None,
+            aspects=at("$.aspects", lambda: _aspects(record)),
         )
 
     def sections(self) -> tuple[Section, ...]:
@@ -288,6 +293,14 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
+
+
+def _aspects(record: Record) -> AspectSummary | None:
+    """The entry `aspects`; None where the record has none."""
+    if "aspects" not in record:
+        return None
+    aspects: AspectSummary = restored(AspectSummary, record["aspects"])
+    return aspects
 
 
 def _derivation(record: Record) -> Derivation:

@@ -84,6 +84,49 @@ def aspects_number(found: Any) -> str:
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
+_CHANGE = {
+    "cuspidal": "it can change its posture without a singularity (proven)",
+    "not cuspidal": "it cannot change its posture without a singularity (proven)",
+    "none found": "no change of posture without a singularity was found, which proves nothing",
+}
+
+
+def aspects_line(summary: Any) -> str:
+    """How many aspects an arm has and whether it can change its posture, in one sentence; "" where nothing is known.
+
+    Example:
+        >>> from rankdrop.aspects.summary import NOT_CUSPIDAL, AspectSummary
+        >>> aspects_line(AspectSummary(8, 8, True, NOT_CUSPIDAL))
+        'The arm has 8 aspects (proven): it cannot change its posture without a singularity (proven).'
+    """
+    if summary is None:
+        return ""
+    change = _CHANGE.get(summary.posture_change or "", "")
+    if summary.at_least is None:
+        if change:
+            return f"The aspects of the arm were not counted: {change}."
+        return "The aspects of the arm were not counted: rankdrop aspects says why."
+    number = f"{summary.at_least} {plural('aspect', summary.at_least)} (proven)"
+    if summary.number is None:
+        number = f"at least {number}"
+    if summary.number is None and summary.proven:
+        number = f"{number} and at most {summary.at_most} (proven)"
+    if change:
+        return f"The arm has {number}: {change}."
+    return f"The arm has {number}."
+
+
+def aspects_cell(summary: Any) -> str:
+    """The number of aspects in a cell: "8", "2 … 8" between proven bounds, "≥ 2" with a lower bound, or "–"."""
+    if summary is None or summary.at_least is None:
+        return "–"
+    if summary.number is not None:
+        return str(summary.number)
+    if summary.proven:
+        return f"{summary.at_least} … {summary.at_most}"
+    return f"≥ {summary.at_least}"
+
+
 def _signs_of_what(count: Any, *, square: bool) -> str:
     """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name; "" where nothing is."""
     if not count.factors:

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rankdrop.aspects.arm import count_of_arm
+from rankdrop.aspects.summary import AspectSummary
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
@@ -32,7 +34,7 @@ from rankdrop.problem import Problem
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_conditions
+from rankdrop.results.known import known_aspects, known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
@@ -240,7 +242,17 @@ def analyze(
         exact=None if unfinished is not None else derivation,
         near=near,
         speeds=speeds,
+        aspects=_aspects(robot, resolved, asked=how.aspects),
     )
+
+
+def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:
+    """The number of aspects: stored for arms of the catalogue, else counted where it is asked for."""
+    known = known_aspects(robot, task)
+    if known is None and asked:
+        count, _ = count_of_arm(robot, task)
+        return AspectSummary.of(count)
+    return known
 
 
 def _region(robot: Robot, task: Task, how: AnalyzeOptions) -> SpeedRegion | None:

@@ -260,7 +260,9 @@ class AspectsOptions(Options):
     seed: Annotated[
         int, option("Of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
     ] = 0  # fmt: skip
-    limits: Annotated[bool, option("Solutions and paths within the joint limits only")] = False
+    limits: Annotated[
+        bool, option("Solutions and paths within the joint limits only; count the regions there as well")
+    ] = False  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.aspects.arm import count_of_arm
 from rankdrop.aspects.count import AspectCount
+from rankdrop.aspects.limits import count_within_limits
 from rankdrop.aspects.summary import CUSPIDAL as CUSPIDAL
 from rankdrop.aspects.summary import NOT_ASKED as NOT_ASKED
 from rankdrop.aspects.summary import NOT_CUSPIDAL as NOT_CUSPIDAL
@@ -127,6 +128,7 @@ class Postures(Result):
         change: a path from one solution of a pose to another; None where none was found or none exists.
         notes: what was rounded.
         complete: False after Ctrl-C.
+        within: how many regions are left within the joint limits; None where limits were not asked for.
     """
 
     robot: Robot
@@ -138,6 +140,7 @@ class Postures(Result):
     change: Change | None
     notes: tuple[str, ...]
     complete: bool
+    within: AspectCount | None = None
     FILE: ClassVar[str] = "aspects"
 
     @property
@@ -222,8 +225,9 @@ def aspects_of(
     how = AspectsOptions.of(options, given)
     resolved = resolve_task(task, robot)
     if robot.n != resolved.m and q is None:
-        count, _ = count_of_arm(robot, resolved)
-        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True)
+        count, numeric = count_of_arm(robot, resolved)
+        within = _within(robot, numeric, how)
+        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True, within)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
@@ -262,7 +266,15 @@ def aspects_of(
         complete = False
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete)
+    within = _within(robot, numeric, how)
+    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete, within)
+
+
+def _within(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCount | None:
+    """The regions within the joint limits, where they are asked for."""
+    if not how.limits or signs is None:
+        return None
+    return count_within_limits(robot, signs)
 
 
 def _searched(

@@ -2,7 +2,7 @@
 
 An aspect may fall apart there, where limits cut it, or lie outside of them as a whole: the number may be larger or
 smaller than that of joints that turn as they like. A joint with limits is a line, not a circle: θ and θ + 2π are two
-places, and an arm whose joint may turn twice has each region twice. A joint without limits turns round.
+places, and a joint that may turn twice gives each region twice. A joint without limits turns round.
 
 Joints are not peeled off: the arc over a value of the other joints may fall apart at a limit. Conditions that share
 joints are counted on cells of these (`cells.py`), so that they may depend on three joints at most. The joints that no

@@ -22,12 +22,12 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
-from rankdrop.aspects.summary import CUSPIDAL
 from rankdrop.cli import exits
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.family.record import AGREES, NOT_DERIVED
+from rankdrop.families.record import AGREES, NOT_DERIVED
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.aspect_summary import CUSPIDAL
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import catalogue_aspects, conditions_names, shipped, shipped_conditions
 from rankdrop.robot.model import Robot

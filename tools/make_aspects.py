@@ -16,9 +16,10 @@ from dataclasses import asdict
 from pathlib import Path
 from time import process_time
 
-from rankdrop.aspects.summary import FILE, AspectSummary
+from rankdrop.aspects.arm import summary_of as aspects_summary
+from rankdrop.aspects.posture_paths import aspects_of
 from rankdrop.disk import replace_file
-from rankdrop.motion import aspects_of
+from rankdrop.results.aspect_summary import FILE, AspectSummary
 from rankdrop.robot.open import open_robot, robot_names
 
 TABLE = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "aspects" / FILE
@@ -27,7 +28,7 @@ TABLE = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "aspects" / F
 def summary_of(name: str) -> AspectSummary:
     """The aspects of one arm of the catalogue, counted anew."""
     found = aspects_of(open_robot(name))
-    return AspectSummary.of(found.count, found.verdict)
+    return aspects_summary(found.count, found.verdict)
 
 
 def read_table() -> dict[str, dict[str, object]]:

@@ -18,8 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
-from rankdrop.families import posed
-from rankdrop.family import Family, LostFreedom
+from rankdrop.families import Family, LostFreedom, posed
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page

@@ -9,11 +9,11 @@ from jsonschema import Draft202012Validator
 from scripts import tool
 
 from rankdrop import sweep
-from rankdrop.aspects.arm import count_of_arm
-from rankdrop.aspects.summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
+from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.cli import main
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
 from rankdrop.results.known import catalogue_aspects, known_analysis, known_aspects
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot, robot_names
@@ -38,7 +38,7 @@ def test_the_table_has_every_arm_and_is_written_by_the_tool() -> None:
 def test_a_stored_number_is_counted_again(name: str) -> None:
     arm = open_robot(name)
     count, _ = count_of_arm(arm, resolve_task(None, arm))
-    assert replace(catalogue_aspects()[name], posture_change=None) == AspectSummary.of(count)
+    assert replace(catalogue_aspects()[name], posture_change=None) == summary_of(count)
 
 
 @pytest.mark.slow

@@ -14,9 +14,9 @@ from rankdrop.aspects.arm import count_of_arm
 from rankdrop.aspects.cells import clusters
 from rankdrop.aspects.count import AspectCount, Left
 from rankdrop.aspects.limits import count_within_limits
+from rankdrop.aspects.posture_paths import aspects_of
 from rankdrop.cli import main
 from rankdrop.kinematics import task_jacobian
-from rankdrop.motion.aspects import aspects_of
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema

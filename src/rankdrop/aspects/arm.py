@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from rankdrop.algebra.work import OutOfTime, Work, watched
 from rankdrop.aspects.count import AspectCount, Left, count_aspects, walls_of
 from rankdrop.errors import MissingExtraError, RobotError, TaskError
-from rankdrop.exact.algebra.work import OutOfTime, Work, watched
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.aspects import Signs, signs_of
+from rankdrop.exact.signs import Signs, signs_of
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
@@ -39,3 +40,15 @@ def count_of_arm(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
         return AspectCount(left=Left.WORK), None
     except (RobotError, TaskError, MissingExtraError):
         return AspectCount(left=Left.CONDITIONS), None
+
+
+def summary_of(count: AspectCount, posture_change: str | None = None) -> AspectSummary:
+    """The summary of a count.
+
+    Args:
+        count: from `count_of_arm`.
+        posture_change: the verdict on changes of posture, where it is known.
+    """
+    if count.left is not None:
+        return AspectSummary(None, None, False, posture_change)
+    return AspectSummary(count.at_least, count.at_most, count.proven, posture_change)

@@ -17,6 +17,7 @@ from itertools import product
 
 import numpy as np
 
+from rankdrop.algebra.work import OutOfTime, Work, watched
 from rankdrop.aspects.cells import ONE, Box, Parts, Positive, count_parts
 from rankdrop.aspects.count import (
     MOST_FACTORS,
@@ -31,8 +32,7 @@ from rankdrop.aspects.count import (
     wave_of_factor,
 )
 from rankdrop.aspects.waves import Wave
-from rankdrop.exact.algebra.work import OutOfTime, Work, watched
-from rankdrop.exact.aspects import Signs
+from rankdrop.exact.signs import Signs
 from rankdrop.robot.model import JointKind, Robot
 
 COUNTING = 20.0

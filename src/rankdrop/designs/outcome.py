@@ -22,13 +22,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from rankdrop.aspects.summary import AspectSummary
 from rankdrop.codec import Result
 from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, UNRANKED, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.options import advised
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.robot import Robot, reach
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS

@@ -22,21 +22,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop import conditions
+from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families import (
-    NearShare,
-    Slice,
-    Solid,
-    Sweep,
-    Workspace,
-    posed,
-    slow_share,
-    solids,
-    sweeps,
-    telling_slices,
-    workspace,
-)
-from rankdrop.family import Family, Verdict
+from rankdrop.families import Family, Slice, Solid, Sweep, Verdict, posed, solids, sweeps, telling_slices
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,

@@ -15,17 +15,18 @@ from typing import Any, ClassVar, get_type_hints
 import msgspec
 import numpy as np
 
-from rankdrop.aspects.summary import AspectSummary
 from rankdrop.codec import Record as Record
 from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
+from rankdrop.distance.share import Near
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.share import Near
-from rankdrop.family.equation import Equation
-from rankdrop.family.record import CorankSummary, Derivation, Family, SpeedDistances
-from rankdrop.family.summary import FamilySummary, Verdict
+from rankdrop.families.equation import Equation
+from rankdrop.families.name import FamilyName
+from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
+from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
@@ -289,6 +290,7 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
+    given["called"] = FamilyName.of_words(record["name"])
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

@@ -115,7 +115,7 @@ def aspects_line(summary: Any) -> str:
     """How many aspects an arm has and whether it can change its posture, in one sentence; "" where nothing is known.
 
     Example:
-        >>> from rankdrop.aspects.summary import NOT_CUSPIDAL, AspectSummary
+        >>> from rankdrop.results.aspect_summary import NOT_CUSPIDAL, AspectSummary
         >>> aspects_line(AspectSummary(8, 8, True, NOT_CUSPIDAL))
         'The arm has 8 aspects (proven): it cannot change its posture without a singularity (proven).'
     """

@@ -11,7 +11,7 @@ import numpy as np
 
 from rankdrop.families import posed
 from rankdrop.local import start_posture
-from rankdrop.motion import Trajectory
+from rankdrop.path import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot, meshes_of, visuals_of
 from rankdrop.task import Task, resolve_task

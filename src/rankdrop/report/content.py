@@ -14,6 +14,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape as quoted
 from io import StringIO
 from math import isfinite, pi
@@ -29,7 +30,6 @@ from rankdrop.families import (
     Solid,
     Sweep,
     Workspace,
-    posed,
     slow_share,
     solids,
     sweeps,
@@ -46,7 +46,6 @@ from rankdrop.local import (
     make_all,
     sampling_box,
     skeleton,
-    start_posture,
 )
 from rankdrop.problem import Problem
 from rankdrop.report.chart import pieces
@@ -68,6 +67,7 @@ from rankdrop.text import (
     short,
 )
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
+from rankdrop.viewer.upright import VIEW, place_name, upright, upright_start
 
 _SINGLE = 3  # joints alone that are offered, the best first
 
@@ -145,6 +145,12 @@ class Content:
     meshes: tuple[Mesh, ...] = ()
     slow: NearShare | None = None
 
+    @cached_property
+    def titles(self) -> dict[str, str]:
+        """Id of each family -> the part of the arm that is special where it is drawn: "elbow: arm stretched"."""
+        robot, task = self.analysis.robot, self.analysis.task
+        return {family.id: place_name(robot, task, family) for family in self.analysis.families}
+
     @property
     def verdict(self) -> Verdict:
         """Of the analysis and of the exact conditions beside it: first and last on the page, and the exit code."""
@@ -179,7 +185,7 @@ def content(
         meshes: shapes of the links (`rankdrop.report.content.simplified`).
     """
     robot, task = analysis.robot, analysis.task
-    families = tuple(posed(robot, task, family, analysis.families) for family in analysis.families)
+    families = tuple(upright(robot, task, family, analysis.families) for family in analysis.families)
     analysis = replace(analysis, families=families)
     tell = progress or (lambda label, done, total: None)
     tell("report", 0, _PARTS)
@@ -347,9 +353,10 @@ def page_data(content: Content) -> dict[str, Any]:
         "generic_rank": analysis.generic_rank,
         "live_tolerance": LIVE,
         "view": first_view(analysis.robot),
-        "start": start_posture(analysis.robot, analysis.task).tolist(),
+        "start": upright_start(analysis.robot, analysis.task).tolist(),
         "families": [
-            _family(family, numbers, words, out, analysis.robot) | {"standing": standing(analysis, family)}
+            _family(family, numbers, words, out, analysis.robot, content.titles[family.id])
+            | {"standing": standing(analysis, family)}
             for family, numbers, words, out in blame
         ],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
@@ -420,7 +427,7 @@ def first_view(robot: Robot) -> dict[str, float]:
     slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)
     if upright and not slides:
         return {"turn": -1.2, "tilt": 1.05}
-    return {"turn": -0.9, "tilt": 0.38}
+    return {"turn": VIEW, "tilt": 0.38}
 
 
 def _rows(pose: Array) -> list[float]:
@@ -429,21 +436,23 @@ def _rows(pose: Array) -> list[float]:
 
 
 def _family(
-    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot
+    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot,
+    title: str,
 ) -> dict[str, Any]:
     return {
         "id": family.id,
         "name": family.name,
+        "title": title,
         "corank": family.corank,
         "witness": list(family.witness),
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
-        "facts": family_html(family, words, robot),
+        "facts": family_html(family, words, robot, title),
         "ways": [dict(zip(("label", "after", "q"), one, strict=True)) for one in ways],
     }
 
 
-def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
+def family_html(family: Family, words: tuple[str, ...], robot: Robot, title: str) -> str:
     """A family in sentences: what is lost, in which axes, and who is to blame."""
     lost = "".join(
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
@@ -458,7 +467,7 @@ def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
         axes = f'<p class="small">{quoted(note)}</p>'
     else:
         axes = ""
-    return f"<b>{quoted(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
+    return f"<b>{quoted(title)}</b><ul>{lost}</ul>{axes}{blame}"
 
 
 def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:

@@ -47,6 +47,7 @@ def test_the_tables_compile(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.shipped
 @needs_latex
 @pytest.mark.parametrize("name", ["yumi", "crx10ial"])
 @pytest.mark.parametrize("kind", ["analysis", "conditions"])

@@ -1,7 +1,7 @@
 r"""The tables of an analysis as LaTeX, laid out as AM print them (Tables 3–5): θ columns, dimension, lost motion.
 
-What is written compiles with pdfLaTeX and the package amsmath, and longtable where a table needs more than a page: every
-letter that is not plain is set as mathematics, and what has no sign there is left out.
+What is written compiles with pdfLaTeX and the package amsmath, and longtable where a table needs more than a page:
+every letter that is not plain is set as mathematics, and what has no sign there is left out.
 """
 
 from __future__ import annotations

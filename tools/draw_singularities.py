@@ -161,7 +161,7 @@ def panel(arm: rankdrop.Robot, q: Array, left: float) -> list[str]:
         (16, "faint", HEIGHT - (18 if lines[1] else 40), f"{family.corank} of 6 freedoms lost"),
     )
     middle = f'x="{left + WIDTH / 2:.0f}" text-anchor="middle"'
-    words = (f'<text class="{c}" {middle} y="{y}" font-size="{size}">{escape(t)}</text>' for size, c, y, t in rows)
+    words = (f'<text class="{c}" {middle} y="{y}" font-size="{size}">{escape(t)}</text>' for size, c, y, t in rows if t)
     return [*found, *words]
 
 

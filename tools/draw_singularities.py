@@ -23,7 +23,7 @@ from rankdrop.kinematics import link_poses
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array
 
-WIDTH, HEIGHT = 210, 400  # of one panel: words can be read where the picture is 390 px wide
+WIDTH, HEIGHT = 210, 440  # of one panel: words can be read where the picture is 390 px wide
 TOP, BOTTOM = 62, 128  # of a panel, for the legend and for the words
 _LINE = 20  # characters of a line of a panel
 SHOWN = ((0, 0.3, 0.3, 0, 0.7, 1.1, 0), (0.3, -0.4, 0.2, 1.3, np.pi / 2, 0, 0), (0, 0, 0, 0, 0, 0, 0))
@@ -53,7 +53,8 @@ class View:
         self.across = np.stack([right, -up])  # (2, 3); y runs down in a drawing
         flat = points @ self.across.T
         low, high = flat.min(axis=0), flat.max(axis=0)
-        self.scale = float(min((WIDTH - 40) / max(high[0] - low[0], 0.1), (HEIGHT - TOP - BOTTOM - 24) / (high[1] - low[1])))
+        room = WIDTH - 40, HEIGHT - TOP - BOTTOM - 24
+        self.scale = float(min(room[0] / max(high[0] - low[0], 0.1), room[1] / (high[1] - low[1])))
         self.shift = np.array([left + WIDTH / 2, (TOP + HEIGHT - BOTTOM) / 2]) - self.scale * (low + high) / 2
 
     def __call__(self, point: Array) -> NDArray[np.float64]:
@@ -170,7 +171,7 @@ def drawing() -> str:
     arm = rankdrop.open_robot("pa10")
     parts = [part for i, q in enumerate(SHOWN) for part in panel(arm, np.array(q, dtype=float), i * WIDTH)]
     width = WIDTH * len(SHOWN)
-    words = ("Mitsubishi PA-10. Orange: joint axes to blame.", "Blue: motions lost (solid translation, dotted rotation).")
+    words = "Mitsubishi PA-10. Orange: joint axes to blame.", "Blue: motions lost (solid translation, dotted rotation)."
     legend = "".join(
         f'<text class="faint" x="14" y="{26 + 22 * i}" font-size="17">{line}</text>' for i, line in enumerate(words)
     )

@@ -31,6 +31,7 @@ PORT = 8765
 """Where it listens by default; a later one where this is in use."""
 HOST = "127.0.0.1"
 _POSED = 60  # families whose witnesses are put into good postures: hundreds, of calibrated arms, would take seconds
+_SEEN = 4  # families that the camera shows whole from the start
 _SOURCES = {"catalogue": "from the catalogue", "analysis": "from the analysis given", "on the spot": "none known"}
 
 
@@ -101,7 +102,8 @@ class Viewer:
         self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
                                frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
-        self.stage.look_at_arm()
+        shown = [one.witness for one in families if one.corank == 1][:_SEEN]
+        self.stage.look_at_arm(np.array([start, *shown]))
         self.controls = Controls(self.server, self.session, self.stage)
         bound_uploads(self.server, self.controls.say)
         self._escape = EscapeTab(self.controls)

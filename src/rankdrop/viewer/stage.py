@@ -168,10 +168,11 @@ class Stage:
         """Place the camera so that the arm fills what the panel leaves of the window, left of it or above it.
 
         Args:
-            configurations: (N, n) at which it is to be seen whole [rad, m].
+            configurations: (N, n) at which it is to be seen whole, with its arrows [rad, m].
         """
+        heads = [arrow.end for q in configurations for arrow in self.live.look(q).arrows]
         ends = spine(self.live.robot, configurations).reshape(-1, 3)
-        self._seen = np.vstack([ends - _BODY * self.size, ends + _BODY * self.size])
+        self._seen = np.vstack([ends - _BODY * self.size, ends + _BODY * self.size, *heads])
         camera = self.server.initial_camera
         camera.position, camera.look_at = camera_for(self._seen, wide=True)
         self.server.on_client_connect(self._turn_upright)

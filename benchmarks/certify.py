@@ -6,8 +6,8 @@ import measure  # first: sets the number of threads
 import numpy as np
 from reference.near import cloud, nearest
 
-from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
-from rankdrop.certify.setting import Setting, enclose, settings_for
+from rankdrop.cover.ball import LARGEST, Certificate, certified_radius
+from rankdrop.cover.setting import Setting, enclose, settings_for
 from rankdrop.local.block import sample
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -8,7 +8,7 @@ from functools import partial
 import measure  # first: sets the number of threads
 import numpy as np
 
-from rankdrop.certify.ball import LARGEST, certified_radius
+from rankdrop.cover.ball import LARGEST, certified_radius
 from rankdrop.local.block import sample
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.ways_out import escape

@@ -5,7 +5,7 @@ from __future__ import annotations
 import measure  # first: it sets the number of threads
 import numpy as np
 
-from rankdrop.families.distance import family_distances
+from rankdrop.distance.distance import family_distances
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

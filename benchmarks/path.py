@@ -8,7 +8,7 @@ import measure  # first: sets the number of threads
 import numpy as np
 
 from rankdrop.local.block import singular_values
-from rankdrop.motion.check import check_path
+from rankdrop.path.check.check import check_path
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

@@ -23,11 +23,11 @@ import time
 
 import numpy as np
 
-from rankdrop.certify.ball import certified_radius
-from rankdrop.certify.covering import Covering
-from rankdrop.certify.setting import Setting, enclose, settings_for
+from rankdrop.cover.ball import certified_radius
+from rankdrop.cover.covering import Covering
+from rankdrop.cover.setting import Setting, enclose, settings_for
 from rankdrop.families.searching import search
-from rankdrop.motion.prove import Along
+from rankdrop.path.check.prove import Along
 from rankdrop.proof.arm import BITS, Arm, Region, flint
 from rankdrop.proof.record import Link
 from rankdrop.robot.model import Array, Robot

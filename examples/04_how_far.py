@@ -9,9 +9,9 @@ import tempfile
 import numpy as np
 
 import rankdrop
-from rankdrop.certify import ball_certificate, verify, write_certificate
-from rankdrop.certify.ball import certified_radius
-from rankdrop.families.distance import family_distances
+from rankdrop.cover import ball_certificate, verify, write_certificate
+from rankdrop.cover.ball import certified_radius
+from rankdrop.distance.distance import family_distances
 from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
 

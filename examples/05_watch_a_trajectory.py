@@ -10,7 +10,7 @@ import io
 import numpy as np
 
 import rankdrop
-from rankdrop.certify.ball import certified_radius
+from rankdrop.cover.ball import certified_radius
 from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
 

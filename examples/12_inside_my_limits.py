@@ -7,7 +7,7 @@ of a Unitree Z1, one was found inside its limits.
 import numpy as np
 
 import rankdrop
-from rankdrop.families.distance import family_distances
+from rankdrop.distance.distance import family_distances
 from rankdrop.local.block import sample
 
 arm = rankdrop.open_robot("z1")  # or your URDF: its limits come with it

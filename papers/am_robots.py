@@ -9,8 +9,8 @@ import numpy as np
 
 from papers.am_method import pa10
 from papers.item import Sheet, Shown, listed, rounded
-from rankdrop.families import Curve, Outcome, most_tolerant, refine, search, singular_curves
-from rankdrop.family import Family
+from rankdrop.distance import most_tolerant
+from rankdrop.families import Curve, Family, Outcome, refine, search, singular_curves
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local import (
     decompose,

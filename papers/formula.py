@@ -1,6 +1,6 @@
 """Printed formulas evaluated as they stand: "a s345 + d c34 + d c3", at many configurations at once.
 
-The grammar is that of `rankdrop.exact.reading`: s345 is sin(θ3 + θ4 + θ5), a product needs no sign, and c is a length
+The grammar is that of `rankdrop.formula.reading`: s345 is sin(θ3 + θ4 + θ5), a product needs no sign, and c is a length
 where the letters say so.
 """
 
@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact import Node, read
+from rankdrop.formula import Node, read
 from rankdrop.robot import Array
 
 _WAVE = re.compile(r"([sc])([1-9]+)")

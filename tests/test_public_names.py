@@ -14,7 +14,10 @@ from sources import FILES, SOURCE, parsed
 
 import rankdrop
 
-ROOMS = ("robot", "local", "family", "families", "exact", "text", "results", "verbs", "jobs", "designs")
+ROOMS = (
+    "robot", "local", "families", "formula", "exact", "cover", "distance", "text", "results", "verbs", "poses", "path",
+    "aspects", "jobs", "designs",
+)  # fmt: skip
 NAMES: list[str] = getattr(rankdrop, "__all__", [])
 
 

@@ -55,8 +55,8 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 
 SENTENCES = {
-    "certify": 2, "designs": 49, "exact": 85, "families": 13, "family": 8, "jobs": 7, "local": 73,
-    "motion": 1, "proof": 41, "results": 19, "robot": 57, "units": 2, "verbs": 40,
+    "algebra": 1, "cover": 2, "designs": 48, "distance": 1, "exact": 81, "families": 19, "formula": 3, "jobs": 7,
+    "local": 69, "path": 1, "proof": 41, "results": 19, "robot": 57, "units": 2, "verbs": 40,
 }  # fmt: skip
 """Room -> sentences in it today."""
 
@@ -96,11 +96,11 @@ FOREIGN = {
     "cli/view.py": "addresses of hosts",
     "codec.py": "messages of msgspec, docstrings, JSON", "options.py": "names of arguments",
     "designs/outcome.py": "keys", "designs/spec.py": "files of the user",
-    "exact/reading.py": "conditions of the user", "families/monitor.py": "names of arms, for C",
-    "motion/files.py": "files of the user",
-    **dict.fromkeys(("motion/fanuc_tp.py", "motion/inform.py", "motion/krl.py", "motion/program_record.py",
-                     "motion/rapid.py", "motion/urscript.py"), "programs of the user"),
-    "motion/trajectory.py": "files of the user",
+    "formula/reading.py": "conditions of the user", "distance/monitor.py": "names of arms, for C",
+    "path/read/files.py": "files of the user",
+    **dict.fromkeys(("path/read/fanuc_tp.py", "path/read/inform.py", "path/read/krl.py", "path/read/program_record.py",
+                     "path/read/rapid.py", "path/read/urscript.py"), "programs of the user"),
+    "path/read/trajectory.py": "files of the user",
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
     "results/analysis.py": "keys of files", "results/known.py": "names of files",
     "results/old_files.py": "files of versions up to 0.2",
@@ -108,12 +108,12 @@ FOREIGN = {
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/mesh_file.py", "robot/models.py",
                      "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
                      "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
-    "viewer/access.py": "HTTP headers",
+    "text/read_names.py": "names of families in files", "viewer/access.py": "HTTP headers",
 }  # fmt: skip
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
-    "exact/determinants.py": 1, "exact/notation.py": 7, "exact/writing.py": 1, "family/naming.py": 7,
-    "family/record.py": 1, "text/by_hand.py": 3, "text/code.py": 9,
+    "exact/determinants.py": 1, "formula/notation.py": 7, "formula/writing.py": 1,
+    "text/by_hand.py": 3, "text/code.py": 9,
     "text/conditions.py": 7, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
@@ -273,7 +273,8 @@ TYPED = re.compile(r"(?<![\w-])--[a-z]")
 NAMES_OPTIONS = {"families/reciprocal.py": 1, "robot/ideal.py": 2, "robot/numbers.py": 1, "verbs/deriving.py": 1}
 """Module -> texts with an option of the command line in them: arguments of others, and notes in files. To be fewer."""
 OWN_ROOMS = (
-    "certify", "designs", "exact", "families", "family", "local", "motion", "results", "robot", "text", "verbs",
+    "algebra", "aspects", "cover", "designs", "distance", "exact", "families", "formula", "local", "path", "poses",
+    "results", "robot", "text", "verbs",
 )  # fmt: skip
 
 

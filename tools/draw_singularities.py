@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import rankdrop
 from rankdrop.disk import replace_file
-from rankdrop.family.record import Family
+from rankdrop.families.record import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array

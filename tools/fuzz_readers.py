@@ -37,12 +37,12 @@ NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "y
 
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
-    from rankdrop.certify import verify
-    from rankdrop.certify.covering import load_covering
     from rankdrop.cli.command import parse_configuration
+    from rankdrop.cover import verify
+    from rankdrop.cover.covering import load_covering
     from rankdrop.designs.spec import read_spec
     from rankdrop.kinematics import jacobian, pose
-    from rankdrop.motion.files import holds_poses, read_poses, read_trajectory
+    from rankdrop.path.read.files import holds_poses, read_poses, read_trajectory
     from rankdrop.proof.record import sealed
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance

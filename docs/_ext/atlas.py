@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
-from rankdrop.family import Family, LostFreedom
+from rankdrop.families import Family, LostFreedom
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page

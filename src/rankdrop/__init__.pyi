@@ -1,8 +1,8 @@
-from .certify.certificates import verify as verify
+from .cover.certificates import verify as verify
 from .designs.sweeping import compare as compare
 from .designs.sweeping import sweep as sweep
+from .distance.monitor import Monitor as Monitor
 from .errors import RankdropError as RankdropError
-from .families.monitor import Monitor as Monitor
 from .families.searching import search as search
 from .kinematics import jacobian as jacobian
 from .kinematics import jacobian_derivative as jacobian_derivative
@@ -11,8 +11,8 @@ from .local.block import singular_values as singular_values
 from .local.nearest import nearest_singularity as nearest_singularity
 from .local.redundant import redundancy as redundancy
 from .local.ways_out import escape as escape
-from .motion.branches import inverse as inverse
-from .motion.check import check_path as check_path
+from .path.check.check import check_path as check_path
+from .poses.branches import inverse as inverse
 from .results.analysis import Analysis as Analysis
 from .robot.model import Joint as Joint
 from .robot.model import Robot as Robot

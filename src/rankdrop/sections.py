@@ -48,6 +48,7 @@ class Section:
 _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
     "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+    "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
 }  # fmt: skip
 """Class of a record -> module that words it."""
 

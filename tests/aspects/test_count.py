@@ -10,15 +10,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from rankdrop.algebra.polynomial import Polynomial
+from rankdrop.algebra.ring import Ring
 from rankdrop.aspects.cells import Parts, Positive, count_parts, joined
 from rankdrop.aspects.count import AspectCount, Left, count_aspects
+from rankdrop.aspects.posture_paths import CUSPIDAL, NOT_ASKED, NOT_FOUND, aspects_of
 from rankdrop.aspects.waves import wave_of
-from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.aspects import SignedFactor, signs_of
+from rankdrop.exact.signs import SignedFactor, signs_of
 from rankdrop.kinematics import task_jacobian
-from rankdrop.motion.aspects import CUSPIDAL, NOT_ASKED, NOT_FOUND, aspects_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
@@ -218,7 +218,7 @@ def whole(ring: Ring, p: Polynomial) -> SignedFactor:
 def regions(*factors: Polynomial, ring: Ring = RING) -> AspectCount:
     """The regions that the zeros of these functions leave of the torus."""
     chain = SimpleNamespace(ring=ring, numbers={})
-    signs = SimpleNamespace(factors=[whole(ring, p) for p in factors], chain=chain, names=("",) * len(factors))
+    signs = SimpleNamespace(factors=[whole(ring, p) for p in factors], chain=chain, names=(None,) * len(factors))
     return count_aspects(signs)  # type: ignore[arg-type]
 
 

@@ -17,8 +17,8 @@ import rankdrop
 from rankdrop.cli import analyze as analyzing
 from rankdrop.cli import exits, main
 from rankdrop.cli.terminal import BRIEF, fitted, print_blocks
-from rankdrop.family.record import Check
-from rankdrop.family.summary import Evidence, FamilySummary, RankSummary
+from rankdrop.families.record import Check
+from rankdrop.families.summary import Evidence, FamilySummary, RankSummary
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import known_names, shipped
 from rankdrop.sections import Section

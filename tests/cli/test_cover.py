@@ -11,8 +11,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.families.box_matching import FOUND, PROVEN, FamilyBoxes, grouped
-from rankdrop.families.distance import distances
+from rankdrop.cover.box_matching import FOUND, PROVEN, FamilyBoxes, grouped
+from rankdrop.distance.distance import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
 from rankdrop.local.block import joint_scale, singular_values

@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.kinematics import pose
-from rankdrop.motion.branches import matrix_of
+from rankdrop.poses.branches import matrix_of
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.text.inverse import tool_place, tool_sentence

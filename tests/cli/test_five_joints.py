@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.families.monitor import Monitor, arm_header
+from rankdrop.distance.monitor import Monitor, arm_header
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.pointing import pointing_task, turn_follows
-from rankdrop.motion.check import check_path, check_poses
+from rankdrop.path.check.check import check_path, check_poses
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, resolve_task, task_names
 from rankdrop.verbs.explain import explain

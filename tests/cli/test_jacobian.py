@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.notation import Python
+from rankdrop.formula.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema

@@ -12,7 +12,7 @@ import pytest
 import rankdrop
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, ResultFileError, RobotError
-from rankdrop.family.record import Check
+from rankdrop.families.record import Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.text.families import rounded_share, share_text

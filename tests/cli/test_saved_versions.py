@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.certify import asked_about, verify
-from rankdrop.certify.covering import Covering, write_covering
+from rankdrop.cover import asked_about, verify
+from rankdrop.cover.covering import Covering, write_covering
 from rankdrop.proof.boxes import load
 from rankdrop.results.analysis import Analysis
 from rankdrop.schema import NAMES, load_schema

@@ -10,7 +10,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.family.record import AGREES, DIFFERS, INTERRUPTED, NOT_DERIVED, Check
+from rankdrop.families.record import AGREES, DIFFERS, INTERRUPTED, NOT_DERIVED, Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

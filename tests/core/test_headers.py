@@ -13,7 +13,7 @@ import pytest
 
 from rankdrop import Monitor
 from rankdrop.cli.main import run
-from rankdrop.families.monitor import FORMAT
+from rankdrop.distance.monitor import FORMAT
 from rankdrop.headers import get_cmake_dir, get_include, main
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array

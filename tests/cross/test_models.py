@@ -20,7 +20,7 @@ from reference.measure import relative
 from cross.real_files import FILES
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.motion.branches import inverse
+from rankdrop.poses.branches import inverse
 from rankdrop.robot import (
     from_mujoco,
     from_pinocchio,

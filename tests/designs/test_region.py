@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.certify.setting import enclose, setting_at_tip
+from rankdrop.cover.setting import enclose, setting_at_tip
 from rankdrop.designs.postures import poses_at, reached, slow_poses, targets_of
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.region import RegionBounds, _Proof, region_bounds

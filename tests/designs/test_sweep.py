@@ -23,7 +23,7 @@ from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, k
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
-from rankdrop.exact.writing import AnglePin
+from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
@@ -423,7 +423,7 @@ def test_paths_and_proven_shares_of_every_variant(tmp_path: Path) -> None:
     assert short["paths"][0]["why"]
     assert found.values("paths_free") == [0.0, 1.0]
     arm = Drawing.of("planar2r").robot({Drawing.of("planar2r").place("2.a", ""): 1.0})
-    judged = rankdrop.motion.check_poses(arm, *_poses(tmp_path / "out.csv"), task=resolve_task("planar-position", arm))
+    judged = rankdrop.path.check_poses(arm, *_poses(tmp_path / "out.csv"), task=resolve_task("planar-position", arm))
     assert judged.verdict == "free"
     assert long["measures"]["path_distance"] == pytest.approx(
         min(one.closest.distance for one in judged.stretches), abs=1e-6
@@ -438,7 +438,7 @@ def test_paths_and_proven_shares_of_every_variant(tmp_path: Path) -> None:
 
 
 def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
-    from rankdrop.motion import read_poses
+    from rankdrop.path import read_poses
 
     read = read_poses(file)
     return read.matrices, read.times

@@ -10,8 +10,8 @@ import pytest
 from rankdrop.codec import plain
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between, zeros_of
 from rankdrop.exact.determinants import decouple
+from rankdrop.exact.signs import between, configuration_flags, signs_of, zeros_between, zeros_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -11,8 +11,8 @@ from reference.arms import standard_dh
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, Point, complete, rank, value_at
-from rankdrop.exact.algebra.work import Work
+from rankdrop.algebra.field import P, Point, complete, rank, value_at
+from rankdrop.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.tree import rank_tree

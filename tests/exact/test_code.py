@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from rankdrop.algebra.ring import Ring
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing import AnglePin, Condition
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.text.code import Code
 
 N = 5

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.notation import Python
-from rankdrop.exact.writing import Condition
+from rankdrop.formula.notation import Python
+from rankdrop.formula.writing import Condition
 from rankdrop.robot.open import open_robot
 
 LETTERS = {"a": 0.635, "d": 6.85}

@@ -10,11 +10,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from rankdrop.algebra.work import Work
 from rankdrop.codec import encode
-from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, determinants_of
-from rankdrop.exact.notation import Python
+from rankdrop.formula.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.robot.open import open_robot

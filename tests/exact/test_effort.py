@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.exact.algebra.work import Work, spent
+from rankdrop.algebra.work import Work, spent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.open import open_robot

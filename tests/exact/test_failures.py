@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-import rankdrop.exact.algebra.polynomial as algebra
+import rankdrop.algebra.polynomial as algebra
 import rankdrop.exact.tree as tree_module
 import rankdrop.verbs.deriving as deriving
-from rankdrop.exact.algebra.polynomial import OutOfTime, factor, gcd, norm, quotient, watched
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra.polynomial import OutOfTime, factor, gcd, norm, quotient, watched
+from rankdrop.algebra.ring import Ring
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.family.record import DIFFERS
+from rankdrop.families.record import DIFFERS
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

@@ -10,13 +10,13 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.field import P, zeros_in_space
-from rankdrop.exact.algebra.polynomial import flint
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import nowhere
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import decompose
+from rankdrop.algebra.field import P, zeros_in_space
+from rankdrop.algebra.polynomial import flint
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import nowhere
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 
 
 def in_space(terms: dict[tuple[int, int, int], int]):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from rankdrop import jacobian, open_robot
+from rankdrop.algebra.work import OutOfTime, Work
+from rankdrop.algebra.zeroset import independent
 from rankdrop.codec import plain
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import OutOfTime, Work
-from rankdrop.exact.algebra.zeroset import independent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.lint import lint, round_points, words
 from rankdrop.exact.tree import rank_tree

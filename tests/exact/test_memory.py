@@ -7,10 +7,10 @@ import sys
 
 import pytest
 
-from rankdrop.exact.algebra import field
-from rankdrop.exact.algebra import ring as ring_module
-from rankdrop.exact.algebra.field import Point, value_at
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra import field
+from rankdrop.algebra import ring as ring_module
+from rankdrop.algebra.field import Point, value_at
+from rankdrop.algebra.ring import Ring
 
 GROWN = """
 import gc, tracemalloc

@@ -10,13 +10,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from rankdrop.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
+from rankdrop.algebra.polynomial import SIMPLE, Equality
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import spent
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
-from rankdrop.exact.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
-from rankdrop.exact.algebra.polynomial import SIMPLE, Equality
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import spent
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on
@@ -286,7 +286,7 @@ def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
 
 
 def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rankdrop.exact.algebra.ring.Ring.factors_within", lambda *_: None)
+    monkeypatch.setattr("rankdrop.algebra.ring.Ring.factors_within", lambda *_: None)
     found = derive(chain_of("canadarm2"), "determinant", 10.0)
     assert not found.complete
     points, singular = strata("canadarm2")
@@ -297,10 +297,10 @@ def test_long_polynomials_are_not_factored_where_little_work_is_left(monkeypatch
     chain = chain_of("puma560")
     p = chain.ring.determinant([[column[row] for column in chain.columns] for row in range(6)])
     assert chain.ring.factors_within(p, 0.0) == chain.ring.factor(p)
-    monkeypatch.setattr("rankdrop.exact.algebra.ring._SHORT", 0)
+    monkeypatch.setattr("rankdrop.algebra.ring._SHORT", 0)
     assert chain.ring.factors_within(p, 0.0) is None
     assert chain.ring.factors_within(p, 20.0) == chain.ring.factor(p)
-    monkeypatch.setattr("rankdrop.exact.algebra.ring._LASTING", 0)
+    monkeypatch.setattr("rankdrop.algebra.ring._LASTING", 0)
     assert chain.ring.factors_within(p, 20.0) is None
 
 

@@ -8,12 +8,12 @@ import random
 import numpy as np
 import pytest
 
+from rankdrop.algebra.polynomial import SIMPLE
+from rankdrop.algebra.ring import Ring
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import SIMPLE
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.notation import Python
-from rankdrop.exact.reading import Parsed, parse_conditions
-from rankdrop.exact.writing import AnglePin, Condition
+from rankdrop.formula.notation import Python
+from rankdrop.formula.reading import Parsed, parse_conditions
+from rankdrop.formula.writing import AnglePin, Condition
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
+from rankdrop.algebra.polynomial import SIMPLE
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import SIMPLE
-from rankdrop.exact.notation import C, Python
-from rankdrop.exact.writing import RADIANS, AnglePin
+from rankdrop.formula.notation import C, Python
+from rankdrop.formula.writing import RADIANS, AnglePin
 from rankdrop.robot.open import open_robot
 from rankdrop.text.families import exact_conditions
 from rankdrop.verbs.analyze import analyze

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.exact.algebra import ring, zeroset
-from rankdrop.exact.algebra.decompose import with_points
-from rankdrop.exact.algebra.field import PRIMES, P, roots
-from rankdrop.exact.algebra.polynomial import FURTHER
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra import ring, zeroset
+from rankdrop.algebra.decompose import with_points
+from rankdrop.algebra.field import PRIMES, P, roots
+from rankdrop.algebra.polynomial import FURTHER
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
 

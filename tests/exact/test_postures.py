@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from reference import regional as oracle
 
+from rankdrop.algebra.ring import Ring
+from rankdrop.aspects.posture_paths import aspects_of
 from rankdrop.exact import posture_changes
-from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import CUSPS, NO_CUSP, OPEN, SIGNS, Unbounded, common_zeros, decide_postures
 from rankdrop.kinematics import task_jacobian
-from rankdrop.motion.aspects import aspects_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

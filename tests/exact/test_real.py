@@ -12,10 +12,10 @@ import pytest
 
 pytest.importorskip("flint")
 
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work, tick
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import families
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work, tick
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import full_rank, real_points, real_sets, reality
 from rankdrop.exact.family import alone, merge

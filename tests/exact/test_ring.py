@@ -9,11 +9,11 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, Point, complete, modulo, value_at
-from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
-from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
-from rankdrop.exact.algebra.solving import Solved, put
-from rankdrop.exact.algebra.work import spent
+from rankdrop.algebra.field import P, Point, complete, modulo, value_at
+from rankdrop.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
+from rankdrop.algebra.ring import Form, Ring, polynomial_of
+from rankdrop.algebra.solving import Solved, put
+from rankdrop.algebra.work import spent
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_a_joint_at_pi_takes_the_degree_that_was_there_before_any_pin() -> None:
 
 
 def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
-    from rankdrop.exact.algebra.polynomial import flint
+    from rankdrop.algebra.polynomial import flint
 
     rng = random.Random(7)
     for n in (1, 2, 3, 4):

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rankdrop.exact.algebra.field import Point, roots_at, value_at
-from rankdrop.exact.algebra.polynomial import (
+from rankdrop.algebra.field import Point, roots_at, value_at
+from rankdrop.algebra.polynomial import (
     PRIMES,
     ROOTS,
     factor,
@@ -28,7 +28,7 @@ from rankdrop.exact.algebra.polynomial import (
     roots_of,
     surd,
 )
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.geometry import exact_cosine, turn
 from rankdrop.kinematics import jacobian

@@ -8,8 +8,8 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.aspects import signed_factors
+from rankdrop.algebra.ring import Ring
+from rankdrop.exact.signs import signed_factors
 
 RING = Ring([1, 2], [3], ["a"])
 LETTERS = {"a": 0.7}

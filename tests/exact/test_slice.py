@@ -9,9 +9,9 @@ pytest.importorskip("flint")
 from fractions import Fraction
 from math import prod
 
-from rankdrop.exact.algebra.field import PRIMES
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import binds_more
+from rankdrop.algebra.field import PRIMES
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import binds_more
 
 NOWHERE = 4 * (prod(PRIMES) - 1)  # ≡ −4, a square modulo none of the primes
 

@@ -13,13 +13,13 @@ pytest.importorskip("flint")
 
 from reference.structured import H, arm, lost, structured
 
+from rankdrop.algebra.field import P
+from rankdrop.algebra.polynomial import flint
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import Solved
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import families
-from rankdrop.exact.algebra.field import P
-from rankdrop.exact.algebra.polynomial import flint
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import Reality, special_strays
 from rankdrop.exact.tree import Drop, _Known, barren

@@ -6,10 +6,10 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, Point, holds, value_at
-from rankdrop.exact.algebra.polynomial import Equality
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.field import P, Point, holds, value_at
+from rankdrop.algebra.polynomial import Equality
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.stratum import Stratum, atoms_on, vanishes
 
 

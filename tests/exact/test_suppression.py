@@ -8,10 +8,10 @@ import pytest
 
 pytest.importorskip("flint")
 
+from rankdrop.algebra.field import holds, rank, value_at
+from rankdrop.algebra.polynomial import Equality
+from rankdrop.algebra.work import Work
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.field import holds, rank, value_at
-from rankdrop.exact.algebra.polynomial import Equality
-from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, _Derivation, suppress

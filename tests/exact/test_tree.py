@@ -11,13 +11,15 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work, spent
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work, spent
+from rankdrop.algebra.zeroset import ZeroSet
+from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.families import reality
 from rankdrop.exact.tree import Drop, _bending, largest, rank_tree
-from rankdrop.family.equation import System
+from rankdrop.families.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
@@ -240,3 +242,23 @@ def test_joints_are_counted_that_columns_depend_on_by_a_sine_alone() -> None:
     s, c, a = ring.s, ring.c, ring.letter["a"]
     for columns, count in (([[s[1]]], 1), ([[c[1]]], 1), ([[a]], 0), ([[s[3], a], [c[2] + s[2], a * ring.q[4]]], 3)):
         assert _bending(columns, ring) == count
+
+
+def test_a_set_that_binds_every_joint_of_the_matrix_is_not_cut_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its rank is one and the same: planted here, four joints of which three bend the matrix, all at right angles."""
+    robot = standard_dh("four", [(0, HALF, 0, 0), (0.4, 0, 0, 0), (0.3, 0, 0, 0), (0.2, 0, 0, 0)])
+    chain = exact_chain(robot, "position")
+    planted = ZeroSet(chain.ring, {2: "pi/2", 3: "pi/2", 4: "pi/2"})
+    cut, given = rank_trees._cut, list[str]()
+
+    def recorded(columns, order, piece, bending, work):
+        given.append(piece.key)
+        assert planted.codimension == bending
+        assert rank_trees.rank_on(columns, planted) >= 2
+        return [*cut(columns, order, piece, bending, work), planted]
+
+    monkeypatch.setattr(rank_trees, "_cut", recorded)
+    found = rank_tree(chain, Work(20.0), lowest=1)
+    assert found.complete
+    assert given
+    assert planted.key not in given

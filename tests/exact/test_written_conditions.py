@@ -12,12 +12,12 @@ from math import cos, prod, sin
 import numpy as np
 import pytest
 
-from rankdrop.exact.algebra.polynomial import number_value, reduced_roots
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra.polynomial import number_value, reduced_roots
+from rankdrop.algebra.ring import Ring
 from rankdrop.exact.letters import letters_text
-from rankdrop.exact.notation import SUPERSCRIPT, C, Python, half_of
-from rankdrop.exact.reading import read
-from rankdrop.exact.writing import Condition, Quotient, Value, ratio
+from rankdrop.formula.notation import SUPERSCRIPT, C, Python, half_of
+from rankdrop.formula.reading import read
+from rankdrop.formula.writing import Condition, Quotient, Value, ratio
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from math import prod
 
 import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.decompose import cut, cut_half, decompose
-from rankdrop.exact.algebra.field import value_at
-from rankdrop.exact.algebra.polynomial import used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved, plainly_positive, put
-from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
-from rankdrop.exact.algebra.zeroset import ZeroSet, independent
+from rankdrop.algebra import decompose as steps
+from rankdrop.algebra.decompose import cut, cut_half, decompose
+from rankdrop.algebra.field import PRIMES, value_at
+from rankdrop.algebra.polynomial import used
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
+from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
+from rankdrop.algebra.zeroset import ZeroSet, independent
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +161,7 @@ def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
 
 def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 1000.0
-    monkeypatch.setattr("rankdrop.exact.algebra.work.process_time", lambda: now)
+    monkeypatch.setattr("rankdrop.algebra.work.process_time", lambda: now)
     work = Work(100.0)
     now += 0.9 * SLOWER * 100.0
     work.check()
@@ -279,3 +281,59 @@ def test_a_long_solution_of_few_variables_is_put_in() -> None:
     at, value = 5, sum((k + 3) * 5**k for k in range(30))
     wanted = sum(value**i * at**j * (i + 2 * j + 1) * 2 ** (9 - i) for i in range(10) for j in range(10))
     assert form.f.subs({"t2": at}) == wanted
+
+
+def test_a_condition_in_one_variable_without_a_real_root_ends_a_system(ring: Ring) -> None:
+    x, y = ring.t[1], ring.t[2]
+    never = x**4 + x + 1  # at least 0.52
+    assert not plainly_positive(ring, never)
+    assert without_real_root(never)
+    assert not without_real_root(x**4 + x - 1)
+    assert not without_real_root(x**4 + x * y + 1)
+    assert factor_on_stratum(ring, [never, y**4 - y - 3], 2) == []
+    (found,) = factor_on_stratum(ring, [x**4 + x - 1, y**4 - y - 3], 2)
+    assert found.samples
+
+
+def test_a_condition_over_roots_is_real_where_one_of_its_conjugates_is() -> None:
+    """t² − 2√2 t + 3 has the discriminant −4, t² − √2 is real, and its conjugate is not."""
+    ring = Ring([1], letters=["sqrt2"])
+    x, root = ring.half.gens()
+    assert without_real_root(x**2 - 2 * root * x + 3)
+    assert not without_real_root(x**2 - root)
+
+
+def test_conditions_on_two_variables_have_no_real_zero_where_a_resultant_has_none(ring: Ring) -> None:
+    """An ellipse, and others that meet it in complex points alone, or in real ones."""
+    x, y, z = ring.t[1], ring.t[2], ring.t[3]
+    ellipse, empty, other = x**2 + x * y + y**2 - 3, x**2 - x * y + 2 * y**2 + 4, x**2 - x * y + 2 * y**2 - 4
+    system = [ellipse, empty, x * ellipse + (y + 1) * empty]
+    assert without_real_zero(ring, system)
+    work = Work()
+    assert steps._several(ring, {}, system, 2, work) == []
+    assert not work.unresolved
+    assert not without_real_zero(ring, [ellipse, other, x * ellipse + (y + 1) * other])
+    assert not without_real_zero(ring, [ellipse, empty + z])
+    assert not without_real_zero(ring, [ellipse, ellipse * empty])  # no two of them without a common factor
+
+
+def test_what_two_conditions_have_no_point_of_is_left_over_at_once(
+    ring: Ring, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """√n is real, and a number modulo no prime: the zeros of all are among those of any two conditions."""
+    number = prod(PRIMES) - 1
+    x, y = ring.t[1], ring.t[2]
+    f, g = x**2 - number, y**2 - number
+    looked = []
+
+    class Recorded(ZeroSet):
+        @property
+        def samples(self):
+            looked.append(self.rest)
+            return []
+
+    monkeypatch.setattr(steps, "ZeroSet", Recorded)
+    work = Work()
+    assert steps._several(ring, {}, [f, g, x * y * (x + y) - 2 * number * x], 2, work) == []
+    assert len(looked) == 1
+    assert len(work.unresolved) == 1

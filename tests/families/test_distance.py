@@ -10,10 +10,10 @@ import pytest
 from known.members import members
 from known.truths import PA10_TABLES
 
+from rankdrop.distance.distance import FamilyDistance, family_distances
 from rankdrop.errors import ConfigurationError
-from rankdrop.families.distance import FamilyDistance, family_distances
-from rankdrop.family.equation import System
-from rankdrop.family.record import Family
+from rankdrop.families.equation import System
+from rankdrop.families.record import Family
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.analysis import Analysis

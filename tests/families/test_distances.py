@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families.distance import Ruler, distances
-from rankdrop.family.equation import System
+from rankdrop.distance.distance import Ruler, distances
+from rankdrop.families.equation import System
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.known import known_analysis

@@ -7,9 +7,9 @@ import pytest
 from known.arms import KINDS
 from known.members import members
 
+from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ConfigurationError
-from rankdrop.families.monitor import Monitor
-from rankdrop.family.record import families_at
+from rankdrop.families.record import families_at
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
 

@@ -10,13 +10,16 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import LONGEST, name_family, shortened
 from rankdrop.families.searching import search
-from rankdrop.family.naming import LONGEST, name_family, shortened
+from rankdrop.local.axes import Common, Dependence
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.read_names import read_name
 
 H = pi / 2
 Z = (0.0, pi)  # 0 and π
@@ -68,7 +71,7 @@ def points(robot: Robot, pinned: dict[int, tuple[float, ...]], count: int = 8, s
 
 
 def name(robot: Robot, q: Array, task: str | None = None) -> str:
-    return name_family(robot, resolve_task(task, robot), q)
+    return str(name_family(robot, resolve_task(task, robot), q))
 
 
 PA10_ROWS = [
@@ -177,7 +180,7 @@ def test_a_family_that_needs_more_than_its_facts_says_so() -> None:
     stretched = found[np.abs(np.sin(found[:, 3])) < 1e-9]
     task = resolve_task(None, canadarm())
     told = name_family(canadarm(), task, stretched, [4], coupled=[2, 3, 5, 6])
-    assert told == "elbow: axes 3, 4, 5 coplanar, with a condition on θ2, θ3, θ5, θ6"
+    assert str(told) == "elbow: axes 3, 4, 5 coplanar, with a condition on θ2, θ3, θ5, θ6"
     assert name(canadarm(), stretched) == "elbow: axes 3, 4, 5 coplanar"
 
 
@@ -189,9 +192,9 @@ def test_values_that_are_no_simple_angles_tell_the_posture() -> None:
     q[:, 3] = np.where(np.arange(24) % 2, stretched, stretched - np.pi)
     q[:, 4] = np.where(np.arange(24) % 3, 0.0, np.pi)
     told = name_family(panda, resolve_task(None, panda), q, [4, 5], coupled=[])
-    assert told == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8° or 153.2°)"
+    assert str(told) == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8° or 153.2°)"
     alone = name_family(panda, resolve_task(None, panda), q[::2], [4, 5], coupled=[])
-    assert alone == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8°)"
+    assert str(alone) == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8°)"
 
 
 def test_the_name_does_not_depend_on_what_the_arm_is_called() -> None:
@@ -201,7 +204,7 @@ def test_the_name_does_not_depend_on_what_the_arm_is_called() -> None:
 
 def test_joints_told_to_be_pinned_are_explained() -> None:
     task = resolve_task(None, pa10())
-    assert name_family(pa10(), task, points(pa10(), {4: Z}), [4]) == "elbow: arm stretched or folded"
+    assert str(name_family(pa10(), task, points(pa10(), {4: Z}), [4])) == "elbow: arm stretched or folded"
 
 
 @pytest.mark.parametrize(
@@ -231,15 +234,16 @@ def test_what_is_not_a_singular_family_is_refused(q: Array) -> None:
     ],
 )
 def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[str], expected: list[str | None]) -> None:
-    short = shortened(names)
+    short = list(map(str, shortened(list(map(read_name, names)))))
     assert all(len(one) <= LONGEST for one in short)
     assert len(set(short)) == len(names)
     assert all(want in (None, got) for want, got in zip(expected, short, strict=True))
 
 
 def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
-    (short,) = shortened(["; ".join(f"screws {i}, {i + 1}, {i + 2} dependent" for i in range(1, 60))])
-    assert short == "screws 1, 2, 3 dependent; screws 2, 3, 4 dependent"
+    sets = tuple(Dependence(Common.DEPENDENT_SCREWS, (i, i + 1, i + 2)) for i in range(59))
+    (short,) = shortened([FamilyName(details=sets)])
+    assert str(short) == "screws 1, 2, 3 dependent; screws 2, 3, 4 dependent"
 
 
 def test_an_angle_that_is_nearly_a_right_one_is_not_written_as_one() -> None:

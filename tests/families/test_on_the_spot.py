@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +11,11 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families import on_the_spot
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import name_family
 from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.record import Family
 from rankdrop.families.table import _told_apart as told_apart_rows
-from rankdrop.family.naming import name_family
-from rankdrop.family.record import Family
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
@@ -52,33 +52,26 @@ def whole(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(on_the_spot, "shortened", list)
 
 
-def whole_name(atlas: Analysis, family: Family) -> str:
+def whole_name(atlas: Analysis, family: Family) -> FamilyName:
     """The name of a family, of any length, from members all over it."""
     points = members(atlas.robot, atlas.task, family, 12, seed=9)
     pinned = [one.number for one in family.pinned]
     return name_family(atlas.robot, atlas.task, points, pinned, coupled=family.coupled)
 
 
-def without_values(name: str) -> str:
-    """A name without the values at its end: at one configuration only its own are seen."""
-    return re.sub(r" \([^)]*\)$", "", name)
+def facts_of(name: FamilyName) -> FamilyName:
+    """Parts and details of a name."""
+    return FamilyName(name.parts, name.independent, name.details)
 
 
-def split_condition(name: str) -> tuple[str, set[int]]:
-    """What a name says before its condition, and the joints of the condition."""
-    facts, _, condition = without_values(name).partition(", with a condition on ")
-    runs = [[int(joint) for joint in re.findall(r"\d+", run)] for run in condition.split(", ") if run]
-    return facts, {joint for run in runs for joint in range(run[0], run[-1] + 1)}
-
-
-def same_name(found: Family, whole: str) -> bool:
+def same_name(found: Family, whole: FamilyName) -> bool:
     """The same facts, and the same condition; a joint that it holds at a few values has its value in the name here."""
-    facts, free = split_condition(found.name)
-    whole_facts, held = split_condition(whole)
+    free = {joint.number for joint in found.called.bound}
+    held = {joint.number for joint in whole.bound}
     valued = held - free
     named = {one.number for one in found.pinned} | set(found.coupled)
-    same = facts == whole_facts and free <= held and valued <= named
-    return same and all(f"θ{joint} = " in found.name for joint in valued)
+    same = facts_of(found.called) == facts_of(whole) and free <= held and valued <= named
+    return same and valued <= {one.joint.number for one in found.called.values}
 
 
 @pytest.mark.by_hand_at("canadarm2", "iiwa14", "kr16", "tiago", "yumi")
@@ -91,7 +84,7 @@ def test_members_of_an_atlas_are_named_as_in_it(name: str, whole: None) -> None:
     for summary in atlas.coranks:
         rows = atlas.of_corank(summary.corank)
         if not any((name, family.id) in DIFFERENT for family in rows):
-            made = told_apart_rows([replace(family, name=full[family.id]) for family in rows])
+            made = told_apart_rows([replace(family, called=full[family.id]) for family in rows])
             assert [family.name for family in made] == [family.name for family in rows]
     for family in atlas.families:
         q = members(atlas.robot, atlas.task, family, EACH, seed=5)

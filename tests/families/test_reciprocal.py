@@ -10,12 +10,12 @@ from jsonschema import Draft202012Validator
 from reference import arms
 from reference.kinematics import jacobian as reference_jacobian
 
-from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.codec import json_text, record_of
+from rankdrop.cover.setting import enclose, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import EXACT
+from rankdrop.families.record import families_at
 from rankdrop.families.searching import refine, search
-from rankdrop.family.record import families_at
 from rankdrop.local.block import generic_rank
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Joint, JointKind, Robot

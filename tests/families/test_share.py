@@ -12,10 +12,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
+from rankdrop.distance.distance import family_distances
+from rankdrop.distance.share import _walked, near_shares, slow_share
 from rankdrop.errors import OptionError
-from rankdrop.families.distance import family_distances
 from rankdrop.families.points import near_family
-from rankdrop.families.share import _walked, near_shares, slow_share
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.problem import Problem
 from rankdrop.report.sections import corank_tables

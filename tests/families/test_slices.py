@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from rankdrop.distance.workspaces import _across, section_of, workspace
 from rankdrop.families.points import general_member, members
 from rankdrop.families.slices import (
     Slice,
@@ -18,7 +19,6 @@ from rankdrop.families.slices import (
     telling_joints,
     telling_slices,
 )
-from rankdrop.families.workspaces import _across, section_of, workspace
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.problem import wrap

@@ -9,9 +9,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text, record_of
+from rankdrop.distance import tolerant
+from rankdrop.distance.tolerant import most_tolerant
 from rankdrop.errors import OptionError
-from rankdrop.families import tolerant
-from rankdrop.families.tolerant import most_tolerant
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
 from rankdrop.robot.open import open_robot

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from rankdrop import explain
-from rankdrop.certify import asked_about, certified_radius
+from rankdrop.cover import asked_about, certified_radius
 from rankdrop.errors import ConfigurationError, RankdropError
 from rankdrop.kinematics import pose
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.motion.check import check_path
+from rankdrop.path.check.check import check_path
 from rankdrop.robot.model import Joint, with_tool
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws

@@ -15,10 +15,10 @@ from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop import _core
-from rankdrop.certify.ball import certified_radius
-from rankdrop.certify.setting import enclose, settings_for
-from rankdrop.families.distance import family_distances
-from rankdrop.families.monitor import Monitor
+from rankdrop.cover.ball import certified_radius
+from rankdrop.cover.setting import enclose, settings_for
+from rankdrop.distance.distance import family_distances
+from rankdrop.distance.monitor import Monitor
 from rankdrop.families.searching import METHODS, Search, search
 from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, link_poses, pose, task_view
 from rankdrop.local.block import block, decompose, joint_scale

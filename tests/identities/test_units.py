@@ -14,8 +14,8 @@ from known.arms import FEW
 from rankdrop.codec import record_of
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.letters import sign_of
+from rankdrop.families.record import NOT_DERIVED
 from rankdrop.families.slices import telling_slices
-from rankdrop.family.record import NOT_DERIVED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped

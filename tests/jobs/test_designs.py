@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from patience import until
 
-from rankdrop.families.share import near_shares
+from rankdrop.distance.share import near_shares
 from rankdrop.problem import Problem
 from rankdrop.robot.drawing import Drawing
 from rankdrop.task import resolve_task

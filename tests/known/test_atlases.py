@@ -16,11 +16,11 @@ import pytest
 from scripts import tool
 
 from known.arms import KINDS, structures
+from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ResultFileError
-from rankdrop.families.monitor import Monitor
+from rankdrop.families.equation import System
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
-from rankdrop.family.equation import System
 from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import robot_to_dict

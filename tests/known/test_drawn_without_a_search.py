@@ -14,8 +14,8 @@ from reference.kinematics import jacobian
 
 from known.arms import structures
 from rankdrop.families.reciprocal import EXACT
+from rankdrop.families.record import Family, families_at
 from rankdrop.families.searching import Search, search
-from rankdrop.family.record import Family, families_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from known.arms import FEW
-from rankdrop.family.naming import LONGEST
+from rankdrop.families.naming import LONGEST
 from rankdrop.report.content import content
 from rankdrop.results.known import conditions_names, known_names, shipped, shipped_conditions
 from rankdrop.robot.open import open_robot

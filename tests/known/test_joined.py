@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
-from rankdrop.exact.writing import AnglePin
+from rankdrop.formula.writing import AnglePin
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.dh import from_dh

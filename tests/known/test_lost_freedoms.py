@@ -11,8 +11,8 @@ import pytest
 
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.family import ExactFamily
-from rankdrop.family.lost import LostFreedom, MotionKind
-from rankdrop.family.record import Family
+from rankdrop.families.lost import LostFreedom, MotionKind
+from rankdrop.families.record import Family
 from rankdrop.kinematics import jacobian
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped, shipped_record

@@ -21,7 +21,6 @@ from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.family.record import short_name
 from rankdrop.results import known as shelf
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import candidates, from_stored, to_stored
@@ -239,7 +238,7 @@ def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is(
         assert re.findall(r"\(rank (\d)\)", answer) == [str(rank) for rank in sorted(ranks, reverse=True)]
         for ranked in known.summary.ranks:
             assert ranked.families == ranks[ranked.rank] == sum(ranked.names.values())
-        assert short_name(known.families[0].name) in answer
+        assert known.families[0].called.short in answer
 
 
 @pytest.mark.usefixtures("stored")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.family.lost import LostFreedom
+from rankdrop.families.lost import LostFreedom
 from rankdrop.kinematics import link_poses
 from rankdrop.local.directions import Screw, blocked_words, rewrite_wrench, screw_of, words
 from rankdrop.local.posture import drawn_at

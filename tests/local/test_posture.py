@@ -10,8 +10,8 @@ import pytest
 
 import rankdrop
 from rankdrop.families import table
+from rankdrop.families.record import Family
 from rankdrop.families.table import _turned, posed
-from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.posture import fault, spine, start_posture

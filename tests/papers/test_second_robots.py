@@ -28,8 +28,9 @@ from rankdrop import (
     search,
     singular_values,
 )
+from rankdrop.distance import most_tolerant
 from rankdrop.exact import METHODS, Distances, decouple, derive, exact_chain, suppress
-from rankdrop.families import Outcome, most_tolerant, refine, singular_curves
+from rankdrop.families import Outcome, refine, singular_curves
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local import (
     OrderedScrewSet,

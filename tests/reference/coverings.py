@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rankdrop.certify.covering import Covering
+from rankdrop.cover.covering import Covering
 from rankdrop.robot.model import Robot
 from rankdrop.verbs import cover
 

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.aspects import change_certificate, posture_certificate
 from rankdrop.aspects.count import AspectCount
+from rankdrop.aspects.posture_paths import Change, Postures
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import OPEN, Decision, decide_postures
-from rankdrop.motion import change_certificate, posture_certificate
-from rankdrop.motion.aspects import Change, Postures
 from rankdrop.questions import AspectsOptions
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.certify.ball import points_of
+from rankdrop.cover.ball import points_of
 
 
 def displaced_arm(robot, turns, moves, tool=(0.0, 0.0, 0.0)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.family.record import Family
+from rankdrop.families.record import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array

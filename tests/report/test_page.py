@@ -12,8 +12,8 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from rankdrop.exact.notation import typeset
-from rankdrop.family.record import Check
+from rankdrop.families.record import Check
+from rankdrop.formula.notation import typeset
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
 from rankdrop.report.content import Content, content, page_data, standing

@@ -15,7 +15,7 @@ from browser.chromium import Browser, find_chromium
 
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
-from rankdrop.motion import PathCheck, check_path, check_poses
+from rankdrop.path import PathCheck, check_path, check_poses
 from rankdrop.report.path_page import path_page
 from rankdrop.robot import open_robot
 

@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripts import tool
 
-from rankdrop.certify.covering import load_covering
+from rankdrop.cover.covering import load_covering
 from rankdrop.errors import ResultFileError
 from rankdrop.proof.boxes import MAGIC
 

@@ -18,9 +18,9 @@ import pytest
 
 from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError
-from rankdrop.motion.files import parse_message, read_poses
-from rankdrop.motion.program_file import read_program
-from rankdrop.motion.trajectory import parse_trajectory
+from rankdrop.path.read.files import parse_message, read_poses
+from rankdrop.path.read.program_file import read_program
+from rankdrop.path.read.trajectory import parse_trajectory
 from rankdrop.robot.open import open_robot
 
 ARM = open_robot("scara")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from patience import until
 
-from rankdrop.family import short_name
+from rankdrop.families import FamilyName
 from rankdrop.results.explanation import Explanation
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
@@ -130,7 +130,7 @@ def test_every_word_from_a_file_is_escaped() -> None:
     task = resolve_task(None, arm)
     known = known_analysis(arm, task)
     assert known is not None
-    families = tuple(replace(one, name="<script>x</script>") for one in known.families)
+    families = tuple(replace(one, called=FamilyName(given="<script>x</script>")) for one in known.families)
     now = Live(arm, task, families).look(np.array(families[0].witness))
     text = status_html(now, arm.n, 6, len(families))
     assert "<script>" not in text
@@ -178,7 +178,7 @@ def test_the_panel_says_family_and_distance_once(q: tuple[float, ...]) -> None:
     found = explain(arm, q, evaluations=0)
     above, below = status_html(now, arm.n, 6, len(known.families), found), details_html(found)
     told = found.met or (found.far.nearest_family,)
-    names = [escape(short_name(one.family.name)) for one in told if one is not None]
+    names = [escape(one.family.called.short) for one in told if one is not None]
     assert names
     assert all(name in below and name not in above for name in names)
     assert below.count("Verified:") == 1

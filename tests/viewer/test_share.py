@@ -14,7 +14,7 @@ from patience import until
 from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.view import _command
 from rankdrop.errors import RobotError
-from rankdrop.family.lost import LostFreedom
+from rankdrop.families.lost import LostFreedom
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.explanation import Explanation
@@ -23,7 +23,7 @@ from rankdrop.task import Frame, resolve_task
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
-from rankdrop.motion.trajectory import parse_trajectory
+from rankdrop.path.read.trajectory import parse_trajectory
 from rankdrop.viewer.controls import pulled
 from rankdrop.viewer.scene import Now
 from rankdrop.viewer.server import Viewer, Wishes

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.families.monitor import Monitor
-from rankdrop.motion.files import read_trajectory
-from rankdrop.motion.trajectory import TrajectoryError, parse_trajectory
+from rankdrop.distance.monitor import Monitor
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.trajectory import TrajectoryError, parse_trajectory
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.tab_path import thinned, track_of

@@ -1,4 +1,4 @@
-"""How many aspects an arm has: regions of its joint space that singularities part."""
+"""How many regions singularities leave of the joint space, and changes of posture inside one of them."""
 
 import lazy_loader
 

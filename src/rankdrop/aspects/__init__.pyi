@@ -1,3 +1,11 @@
+from .certificate import change_certificate as change_certificate
+from .certificate import posture_certificate as posture_certificate
 from .count import AspectCount as AspectCount
 from .count import SignCount as SignCount
 from .count import count_aspects as count_aspects
+from .posture_paths import CUSPIDAL as CUSPIDAL
+from .posture_paths import NOT_ASKED as NOT_ASKED
+from .posture_paths import NOT_CUSPIDAL as NOT_CUSPIDAL
+from .posture_paths import NOT_FOUND as NOT_FOUND
+from .posture_paths import Postures as Postures
+from .posture_paths import aspects_of as aspects_of

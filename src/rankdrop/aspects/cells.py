@@ -24,8 +24,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.algebra.work import Work, tick
 from rankdrop.aspects.waves import Interval, Wave
-from rankdrop.exact.algebra.work import Work, tick
 from rankdrop.robot.model import Array
 
 Mask = NDArray[np.bool_]

@@ -30,14 +30,15 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import product
 
+from rankdrop.algebra.polynomial import Atom, Polynomial, order, used
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work
 from rankdrop.aspects.cells import ONE, Condition, Parts, Positive, Shadow, count_parts
 from rankdrop.aspects.waves import Wave, wave_of
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order, used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.aspects import SignedFactor, Signs, signed_factors
+from rankdrop.exact.signs import SignedFactor, Signs, signed_factors
 from rankdrop.exact.tree import rank_tree
+from rankdrop.families.name import FamilyName
 from rankdrop.local.block import generic_rank
 
 MOST_JOINTS = 3
@@ -155,7 +156,7 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
-        >>> from rankdrop.exact.aspects import signs_of
+        >>> from rankdrop.exact.signs import signs_of
         >>> from rankdrop.robot.open import open_robot
         >>> counted = count_aspects(signs_of(exact_chain(open_robot("planar2r"), lengths="numbers")))
         >>> counted.exact, counted.at_least, counted.factors
@@ -185,10 +186,9 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
     return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
 
 
-def _role(name: str) -> str:
+def _role(name: FamilyName | None) -> str:
     """The part of the arm that a family is named after."""
-    part, colon, _ = name.partition(":")
-    return part if colon else ""
+    return name.short if name is not None and name.parts else ""
 
 
 def _polynomial(factor: SignedFactor) -> Polynomial:

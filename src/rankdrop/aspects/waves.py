@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.algebra.ring import Ring, numeric_terms
+from rankdrop.algebra.polynomial import Polynomial
+from rankdrop.algebra.ring import Ring, numeric_terms
 from rankdrop.robot.model import Array
 
 ROUNDING = 1e-12

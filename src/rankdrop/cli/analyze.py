@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from rankdrop.cli.terminal import Block
-    from rankdrop.family import CorankSummary, Derivation, Family
+    from rankdrop.families import CorankSummary, Derivation, Family
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
 
     from rankdrop.cli.terminal import Block
-    from rankdrop.family import Verdict
+    from rankdrop.families import Verdict
     from rankdrop.task import Task
 
 _WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import degrees
 from typing import TYPE_CHECKING, Annotated
 
-from rankdrop import exact, results, text
+from rankdrop import exact, formula, results, text
 from rankdrop import robot as arms
 from rankdrop.cli.command import (
     NO_IDEAL,
@@ -36,7 +36,7 @@ from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.cli.terminal import Block
-    from rankdrop.family import Verdict
+    from rankdrop.families import Verdict
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Question(Output):
             TaskError: flags of an arm with a Jacobian that is not square.
         """
         if self.test is not None:
-            exact.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
+            formula.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
         if (self.start is None) != (self.end is None):
             if self.start is None:
                 missing, given = ("--from", "--to")

@@ -7,7 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from rankdrop import certify, jobs, motion, results, text
+from rankdrop import cover as covers
+from rankdrop import jobs, results, text
+from rankdrop import path as paths
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
     DRAWN,
@@ -22,7 +24,7 @@ from rankdrop.cli.command import (
     parse_configuration,
 )
 from rankdrop.cli.proof import model_tolerance
-from rankdrop.cli.terminal import STDOUT, kept, reporter, say, write_bytes, write_text
+from rankdrop.cli.terminal import STDOUT, Report, kept, reporter, say, write_bytes, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions
@@ -83,12 +85,12 @@ class Remedies(RemedyOptions):
         that is asked for, the local ones first: the rest of the file stays as it is.
         """
         if self.remedy is not None:
-            return ((self.remedy if self.remedy in motion.KINDS else self.remedy.replace("-", " "),),)
+            return ((self.remedy if self.remedy in paths.KINDS else self.remedy.replace("-", " "),),)
         if not self.wanted:
-            return (motion.LOCAL,)
+            return (paths.LOCAL,)
         if replace(self, fixed=None, acceleration=None).wanted:
-            return (motion.KINDS,)
-        return motion.LOCAL, tuple(kind for kind in motion.KINDS if kind not in motion.LOCAL)
+            return (paths.KINDS,)
+        return paths.LOCAL, tuple(kind for kind in paths.KINDS if kind not in paths.LOCAL)
 
 
 @dataclass(frozen=True)
@@ -199,9 +201,9 @@ def path(
         return _example(robot, files, output.example, open_arm(robot, arm, source), quiet=output.quiet)
     near = model_tolerance(output.model_tolerance)
     if output.rows is not None:
-        motion.check_format(output.rows)
+        paths.check_format(output.rows)
     name, named = _files(robot, files)
-    if any(map(motion.is_program, named)):
+    if any(map(paths.is_program, named)):
         _check_program(output, mend)
     several = len(named) > 1 or many.out is not None or many.scheduler is not None
     if several:
@@ -217,27 +219,36 @@ def path(
     else:
         families = results.Analysis.load(source.analysis)
     own = arm.task is None and arm.length_scale is None
-    question = motion.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
+    question = paths.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
-            checked = motion.check_files(model, named, question, out=many.out, workers=many.workers,
+            checked = paths.check_files(model, named, question, out=many.out, workers=many.workers,
                                          scheduler=many.scheduler, report=report)  # fmt: skip
             return _of_several(model, checked, len(named), many.out)
         progress = partial(report, f"{named[0].name}: stretches decided")
-        result, remedies = motion.check_any_file(model, named[0], question, say=say, progress=progress), None
-        if isinstance(result, motion.ProgramCheck):
+        result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
+        if isinstance(result, paths.ProgramCheck):
             return _of_program(result, output)
-        if result.complete and (mend.wanted or not result.clear or result.verdict == motion.TOO_FAST):
-            for kinds in mend.kinds:
-                found = motion.mend_path(
-                    result, analysis=families, acceleration=mend.acceleration, kinds=kinds,
-                    options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
-                    progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
-                )  # fmt: skip
-                remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
-                if remedies.best is not None or not remedies.complete:
-                    break
+        if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
+            remedies = _mended(result, families, mend, report)
     return _of_one(result, remedies, near, families, output, mend, named[0])
+
+
+def _mended(
+    check: paths.PathCheck, families: results.Analysis | None, mend: Remedies, report: Report
+) -> paths.Mending | None:
+    """Remedies of the kinds asked for, one group after the other until one has a remedy."""
+    remedies = None
+    for kinds in mend.kinds:
+        found = paths.mend_path(
+            check, analysis=families, acceleration=mend.acceleration, kinds=kinds,
+            options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
+            progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
+        )  # fmt: skip
+        remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
+        if remedies.best is not None or not remedies.complete:
+            break
+    return remedies
 
 
 def _example(
@@ -251,8 +262,8 @@ def _example(
     if files:
         raise OptionError("no file is checked with this option", where="--example", got=files[0],
                           mend=f"rankdrop path {name} --example {target}")  # fmt: skip
-    made = motion.example_path(*opened)
-    write_bytes(motion.trajectory_bytes(made, opened[0], target), target)
+    made = paths.example_path(*opened)
+    write_bytes(paths.trajectory_bytes(made, opened[0], target), target)
     if not quiet:
         say(f"{target}: {len(made.q)} rows, {made.times[-1]:g} s; check it: rankdrop path {name} {target}")
     return exits.FINE
@@ -268,17 +279,17 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
         raise OptionError("no file is named", where="FILE", mend="rankdrop path ROBOT FILE",
                           allowed="trajectory files, or folders of them; or --status FOLDER")  # fmt: skip
     found: list[Path] = []
-    if Path(robot).suffix.lower() in motion.ENDINGS and not Path(names[0]).exists():
+    if Path(robot).suffix.lower() in paths.ENDINGS and not Path(names[0]).exists():
         raise OptionError("the arm is named first, then its files", where="ROBOT", got=robot,
                           mend=f"rankdrop path {names[0]} {robot}")  # fmt: skip
     for path in map(Path, names):
-        if not path.is_dir() or motion.is_bag(path):
+        if not path.is_dir() or paths.is_bag(path):
             inside = [path]
         else:
-            inside = motion.trajectories_in(path)
+            inside = paths.trajectories_in(path)
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=str(path),
-                              allowed=", ".join(motion.ENDINGS))  # fmt: skip
+                              allowed=", ".join(paths.ENDINGS))  # fmt: skip
         found += inside
     return robot, found
 
@@ -307,7 +318,7 @@ def _check_program(output: PathOutput, mend: Remedies) -> None:
                           )  # fmt: skip
 
 
-def _of_program(result: motion.ProgramCheck, output: PathOutput) -> Done:
+def _of_program(result: paths.ProgramCheck, output: PathOutput) -> Done:
     return Done(
         lambda: list(result.sections(full=output.full)), {"json": result.to_dict}, holds=result.holds,
         complete=result.complete,
@@ -316,7 +327,7 @@ def _of_program(result: motion.ProgramCheck, output: PathOutput) -> Done:
 
 
 def _of_one(
-    result: motion.PathCheck, remedies: motion.Mending | None, near: certify.ModelTolerance | None,
+    result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
     families: results.Analysis | None, output: PathOutput, mend: Remedies, file: Path,
 ) -> Done:  # fmt: skip
     fixed = mend.fixed
@@ -324,7 +335,7 @@ def _of_one(
         local, remedies = (None, remedies)
     else:
         local, remedies = (remedies, None)
-    proven = near is not None and result.complete and result.clear and motion.proven_for_near_arms(result, near)
+    proven = near is not None and result.complete and result.clear and paths.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
 
     def sections() -> list[Section]:
@@ -347,13 +358,13 @@ def _of_one(
         return path_page(result)
 
     files = {
-        "certificate": lambda: motion.path_certificate(result, near if proven else None, file=file)
+        "certificate": lambda: paths.path_certificate(result, near if proven else None, file=file)
         if result.complete else None,
         "json": lambda: result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()}),
         "fixed": lambda: None if remedies is None or fixed is None else _fixed(remedies, fixed),
         "figure": figure,
         "html": page,
-        "rows": lambda: motion.rows_file(motion.path_rows(result, families), output.rows or ""),
+        "rows": lambda: paths.rows_file(paths.path_rows(result, families), output.rows or ""),
     }  # fmt: skip
     return Done(
         sections, files, holds=result.holds and (near is None or proven), complete=complete,
@@ -361,7 +372,7 @@ def _of_one(
     )  # fmt: skip
 
 
-def _fixed(mending: motion.Mending, target: str) -> bytes | None:
+def _fixed(mending: paths.Mending, target: str) -> bytes | None:
     """The mended trajectory; what was done, or why there is none, goes to stderr."""
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
@@ -372,7 +383,7 @@ def _fixed(mending: motion.Mending, target: str) -> bytes | None:
     else:
         between = f", read it with --interpolate {one.interpolate}"
     say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}")
-    return motion.trajectory_bytes(one.trajectory, mending.before.robot, target)
+    return paths.trajectory_bytes(one.trajectory, mending.before.robot, target)
 
 
 def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:
@@ -381,7 +392,7 @@ def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str 
     verdicts, complete = {one["verdict"] for one in checked}, len(checked) == files
     note = f"interrupted: {len(checked)} of {files} files were checked; {kept(out)}"
     return Done(
-        lambda: [text.many_section(checked)], {"json": lambda: motion.paths_to_dict(model, checked)},
+        lambda: [text.many_section(checked)], {"json": lambda: paths.paths_to_dict(model, checked)},
         holds=verdicts == {"free"}, complete=complete, last=None if complete else partial(say, note),
         code=exits.BAD_INPUT if complete and "bad input" in verdicts else None,
     )  # fmt: skip

@@ -9,7 +9,9 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rankdrop import certify, motion, results, text, verbs
+from rankdrop import cover as covers
+from rankdrop import path as paths
+from rankdrop import results, text, verbs
 from rankdrop import robot as arms
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
@@ -101,7 +103,7 @@ def cover(
     def proven() -> results.Record | None:
         if out is None or not found.complete:
             return None
-        return certify.covering_certificate(model, found.covering.plan, found.sha256, Path(out).name, task)
+        return covers.covering_certificate(model, found.covering.plan, found.sha256, Path(out).name, task)
 
     return Done(
         found.sections, {"json": found.to_dict, "certificate": proven},
@@ -187,7 +189,7 @@ def verify(
     Exit code 0: the claim holds; 3: it does not, could not be confirmed, or is
     another claim, with the reason; 2: no certificate, or a malformed one.
     """
-    found = certify.verify(
+    found = covers.verify(
         file, _claim(output, arm), enclosures=output.enclosures, sample=output.sample, every=output.everything,
         journal=output.journal, progress=partial(report, "checked"),
     )  # fmt: skip
@@ -201,7 +203,7 @@ def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
                               ("--length-scale", arm.length_scale)):  # fmt: skip
             if value is not None:
                 raise OptionError("this is compared for an arm", where=option, got=value, mend="name it with --robot")
-        return certify.asked_about(None, limits=about.limits)
+        return covers.asked_about(None, limits=about.limits)
     model, task = open_arm(about.robot, arm)
     if about.q is None:
         q = None
@@ -210,12 +212,12 @@ def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
     path = None
     if about.path is not None:
         near = PathOptions(tip_tolerance=about.tip_tolerance, turn_tolerance=about.turn_tolerance)
-        path = motion.path_asked(model, about.path, near, deg=about.deg, topic=about.topic,
+        path = paths.path_asked(model, about.path, near, deg=about.deg, topic=about.topic,
                                  interpolate=about.interpolate)  # fmt: skip
-    return certify.asked_about(model, task, q=q, path=path, limits=about.limits)
+    return covers.asked_about(model, task, q=q, path=path, limits=about.limits)
 
 
-def model_tolerance(text: str | None) -> certify.ModelTolerance | None:
+def model_tolerance(text: str | None) -> covers.ModelTolerance | None:
     """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
 
     Raises:
@@ -224,11 +226,11 @@ def model_tolerance(text: str | None) -> certify.ModelTolerance | None:
     if text is None:
         return None
     given = arms.read_tolerance(text, where="--model-tolerance")
-    return certify.ModelTolerance(given.length or 0.0, given.angle or 0.0)
+    return covers.ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
 def of_place(
-    explanation: results.Explanation, tolerance: certify.ModelTolerance | None, evaluations: int
+    explanation: results.Explanation, tolerance: covers.ModelTolerance | None, evaluations: int
 ) -> results.Record:
     """What can be proven at a configuration: that a singular one exists there, or a ball without any.
 
@@ -237,8 +239,8 @@ def of_place(
     """
     place = (explanation.robot, explanation.q, explanation.task)
     if explanation.rank.corank and tolerance is None:
-        return certify.existence_certificate(*place)
-    return certify.ball_certificate(*place, tolerance=tolerance, evaluations=max(evaluations, 1))
+        return covers.existence_certificate(*place)
+    return covers.ball_certificate(*place, tolerance=tolerance, evaluations=max(evaluations, 1))
 
 
 def in_words(record: results.Record) -> str:

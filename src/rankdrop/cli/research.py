@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from rankdrop import families, local, motion, results, text
+from rankdrop import aspects as postures
+from rankdrop import distance, families, local, results, text
+from rankdrop import path as paths
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
     NO_OPTIONS,
@@ -294,7 +296,7 @@ class AspectsOutput(MotionOutput):
 
 
 def _with_path(
-    found: motion.Postures | motion.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
+    found: postures.Postures | paths.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
 ) -> Done:
     """A motion with its path as a table, or why there is none."""
     csv = found.path_csv()
@@ -346,16 +348,16 @@ def aspects(
         start = None
     else:
         start = parse_configuration(q, model, deg=deg)
-    found = motion.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
-    if found.verdict == motion.NOT_ASKED:
+    found = postures.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
+    if found.verdict == postures.NOT_ASKED:
         decided = found.count.exact
     else:
-        decided = found.verdict != motion.NOT_FOUND
+        decided = found.verdict != postures.NOT_FOUND
     done = _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
     if output.certificate is None:
         return done
     try:
-        record = motion.posture_certificate(found)
+        record = postures.posture_certificate(found)
     except OptionError as error:
         refused = partial(say, f"{output.certificate} is not written: {error.what}")
         return replace(done, holds=False, last=partial(_both, done.last, refused))
@@ -402,7 +404,7 @@ def through(
     """
     model, task = open_arm(robot, arm)
     at, direction = parse_configuration(q, model, deg=deg), numbers_of(along, "--along")
-    found = motion.through(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
+    found = paths.through(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
     return _with_path(found, output, "there is no motion", deg=deg, holds=found.trackable)
 
 
@@ -428,7 +430,7 @@ def tolerant(
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
     """
     model, task = open_arm(robot, arm)
-    found = families.most_tolerant(model, task, options, progress=partial(report, "climb"))
+    found = distance.most_tolerant(model, task, options, progress=partial(report, "climb"))
     lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
     return Done(
         lambda: [[text.tolerant_sentence(found)], arm_section(model, task, found.generic_rank, lines),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.text import Text
 
-    from rankdrop.family import Verdict
+    from rankdrop.families import Verdict
 
     Block = Section | Iterable[RenderableType]  # blank lines stand between blocks
 

@@ -8,7 +8,8 @@ from shlex import join
 from time import sleep
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from rankdrop import motion, results
+from rankdrop import path as paths
+from rankdrop import results
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
     NO_OPTIONS,
@@ -108,7 +109,7 @@ def _viewer(robot: str, options: ViewOptions, tool: ToolOptions, arm: ArmOptions
     if options.trajectory is None:
         played = None
     else:
-        played = motion.read_trajectory(options.trajectory, model, deg=tool.deg)
+        played = paths.read_trajectory(options.trajectory, model, deg=tool.deg)
     wishes = Wishes(
         q=None if options.q is None else np.array(parse_configuration(options.q, model, deg=tool.deg)),
         analysis=None if options.analysis is None else results.Analysis.load(options.analysis),

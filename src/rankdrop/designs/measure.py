@@ -23,21 +23,20 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.certify.covering import plan_of
 from rankdrop.codec import encode, plain, restored
+from rankdrop.cover.covering import plan_of
 from rankdrop.designs.postures import reached, slow_poses, targets_of
 from rankdrop.designs.ranking import bits_to_text, form_of, key_of
 from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
+from rankdrop.distance.share import NearShare, near_shares, slow_share
 from rankdrop.errors import RankdropError
 from rankdrop.exact import ExactFamily, exact_chain
-from rankdrop.families import search
-from rankdrop.families.share import NearShare, near_shares, slow_share
+from rankdrop.families import CorankSummary, Family, search
+from rankdrop.families.record import CorankFamilies, family_out_of_units
 from rankdrop.families.table import families
-from rankdrop.family import CorankSummary, Family
-from rankdrop.family.record import CorankFamilies, family_out_of_units
 from rankdrop.local import generic_rank
-from rankdrop.motion import FREE, check_poses
+from rankdrop.path import FREE, check_poses
 from rankdrop.problem import Problem
 from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
 from rankdrop.results.analysis import Settings

@@ -12,7 +12,7 @@ import numpy as np
 
 from rankdrop.local import sample, singular_values
 from rankdrop.local.rates import slowest_motions
-from rankdrop.motion import Aim
+from rankdrop.poses import Aim
 from rankdrop.problem import Mask, Problem, into_limits
 from rankdrop.robot import Array, from_xyz_rpy
 from rankdrop.task import Task

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.designs.spec import Spec
-from rankdrop.family import Family
+from rankdrop.families import Family
 from rankdrop.robot import Array, JointKind, Robot
 
 APPEARS, VANISHES, SPLITS, JOIN = "appears", "vanishes", "splits", "join"

@@ -5,7 +5,7 @@
 W does not depend on a seed. Random choices decide how narrow the interval is, never whether it holds.
 
 Lower bound: the region is halved into cells. A cell with centre x₀ has a posture q₀ that reaches x₀. With
-U₁ᵀ J V₁ = Σ + E, |E| ≤ B over the box q₀ ± |V₁| Y (`rankdrop.certify.setting`), the motion
+U₁ᵀ J V₁ = Σ + E, |E| ≤ B over the box q₀ ± |V₁| Y (`rankdrop.cover.setting`), the motion
 q̇ = V₁ (Σ + E)⁻¹ U₁ᵀ ξ carries the tool straight from x₀ to any pose of the cell, and stays in the box, if
 
     (Σ − B) Y > p,     p_i ≥ |u_iᵀ ξ|,   ξ the twist of the straight line
@@ -28,8 +28,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.ball import coupling_of
-from rankdrop.certify.setting import Setting, enclose, regular, setting_at_tip
+from rankdrop.cover.ball import coupling_of
+from rankdrop.cover.setting import Setting, enclose, regular, setting_at_tip
 from rankdrop.designs.postures import CLOSE, EDGE, ROWS_OF_POSITION, Postures, poses_at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, pose

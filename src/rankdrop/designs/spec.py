@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from rankdrop.designs.region import BUDGET
+from rankdrop.distance.share import WIDEST
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.families import MOST_STARTS
-from rankdrop.families.share import WIDEST
-from rankdrop.motion import read_poses
+from rankdrop.path import read_poses
 from rankdrop.robot import Array, Drawing, quantity
 from rankdrop.robot.drawing import Place
 from rankdrop.robot.files import read_text

@@ -1,7 +1,5 @@
 from .arm.chain import Chain as Chain
 from .arm.chain import exact_chain as exact_chain
-from .aspects import Flags as Flags
-from .aspects import signs_of as signs_of
 from .conjunctions import Distances as Distances
 from .determinants import Decoupling as Decoupling
 from .determinants import Determinants as Determinants
@@ -10,11 +8,9 @@ from .determinants import determinants_of as determinants_of
 from .family import ExactFamily as ExactFamily
 from .methods import METHODS as METHODS
 from .methods import derive as derive
-from .notation import typeset as typeset
 from .posture_changes import Decision as Decision
 from .posture_changes import decide_postures as decide_postures
-from .reading import Node as Node
-from .reading import parse_conditions as parse_conditions
-from .reading import read as read
+from .signs import Flags as Flags
+from .signs import signs_of as signs_of
 from .suppression import Suppression as Suppression
 from .suppression import suppress as suppress

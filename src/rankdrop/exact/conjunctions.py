@@ -15,16 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop.algebra.polynomial import Atom, Equality, Polynomial, order
+from rankdrop.algebra.ring import add_terms, numeric_terms
+from rankdrop.algebra.work import OutOfTime, Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
-from rankdrop.exact.algebra.ring import add_terms, numeric_terms
-from rankdrop.exact.algebra.work import OutOfTime, Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.stratum import atoms_on, meet
-from rankdrop.exact.writing import RADIANS
+from rankdrop.formula.writing import RADIANS
 from rankdrop.robot.model import Array
 from rankdrop.units import into_units
 

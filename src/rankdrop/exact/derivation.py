@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import Derivation

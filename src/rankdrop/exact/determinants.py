@@ -40,11 +40,11 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from rankdrop.algebra.field import P, random_point, residues, value_at
+from rankdrop.algebra.polynomial import Atom, Factors, Polynomial
+from rankdrop.algebra.ring import MANY, Ring
+from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.field import P, random_point, residues, value_at
-from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
-from rankdrop.exact.algebra.ring import MANY, Ring
-from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import (
     ORIENTATION,
@@ -55,9 +55,10 @@ from rankdrop.exact.arm.structure import (
     listed,
     structure_of,
 )
-from rankdrop.exact.aspects import ROLES, look, merged
 from rankdrop.exact.conjunctions import values_of
-from rankdrop.exact.writing import FOLDED, Quotient, Value, atoms_text
+from rankdrop.exact.signs import look, merged
+from rankdrop.families.name import ArmPart, FamilyName
+from rankdrop.formula.writing import FOLDED, Quotient, Value, atoms_text
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
@@ -173,7 +174,8 @@ class Part:
     """One factor of a block: a family of singular configurations.
 
     Attributes:
-        name: as `analyze` names it ("elbow: …"); that of the block where no real configurations are on it.
+        called: as `analyze` names it; None where no real configurations are on it.
+        block: name of the block.
         atoms: irreducible conditions; values of one joint that belong together are together.
         multiplicity: of the factor in the block's determinant.
         text: the condition.
@@ -183,7 +185,8 @@ class Part:
             arm; checked at several configurations; "" where there is none in words.
     """
 
-    name: str
+    called: FamilyName | None
+    block: str
     atoms: tuple[Atom, ...]
     multiplicity: int
     text: str
@@ -192,10 +195,16 @@ class Part:
     statement: str
 
     @property
-    def roles(self) -> tuple[str, ...]:
-        """The parts of an arm (out of `ROLES`) that the name speaks of."""
-        head, colon, _ = self.name.partition(":")
-        return tuple(role for role in ROLES if colon and role in head)
+    def name(self) -> str:
+        """Name in words; that of the block where the part has none."""
+        return str(self.called or self.block)
+
+    @property
+    def roles(self) -> tuple[ArmPart, ...]:
+        """The parts of an arm that the name speaks of."""
+        if self.called is None:
+            return ()
+        return self.called.parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +250,8 @@ class Block:
         chain = self.chain
         seen, points, lost = look(chain, atoms)
         return Part(
-            name=seen or self.name,
+            called=seen,
+            block=self.name,
             atoms=atoms,
             multiplicity=max(int(powers[atom]) for atom in atoms),
             text=atoms_text(chain.ring, atoms),
@@ -293,7 +303,7 @@ def decouple(chain: Chain) -> Decoupling | None:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> found = decouple(exact_chain(open_robot("anthropomorphic")))
-        >>> [(block.name, [part.roles[0] for part in block.parts]) for block in found.blocks]
+        >>> [(block.name, [str(part.roles[0]) for part in block.parts]) for block in found.blocks]
         [('arm', ['elbow', 'shoulder']), ('wrist', ['wrist'])]
     """
     if chain.n == chain.task.m:

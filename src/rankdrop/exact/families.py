@@ -16,21 +16,22 @@ from itertools import combinations, islice, product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.algebra.decompose import decompose, with_points
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, is_number, used
-from rankdrop.exact.algebra.ring import Form
-from rankdrop.exact.algebra.work import Work, failure, watched
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import decompose, with_points
+from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
+from rankdrop.algebra.ring import Form
+from rankdrop.algebra.work import Work, failure, watched
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
 from rankdrop.exact.family import ExactFamily, Pins, Row, alone, merge, tidy
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing import RADIANS, AnglePin, Condition
-from rankdrop.family.equation import Equation, System
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.naming import distinct_names, lost_motions, name_family
-from rankdrop.family.record import Check
+from rankdrop.families.equation import Equation, System
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.record import Check
+from rankdrop.formula.writing import RADIANS, AnglePin, Condition
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
@@ -432,9 +433,9 @@ def families(
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
-        names = distinct_names([one.name for one in here], [partial(_marks, one) for one in here])
+        names = distinct_names([one.called for one in here], [partial(_marks, one) for one in here])
         result += [
-            replace(family, id=f"k{corank}.f{number}", name=name)
+            replace(family, id=f"k{corank}.f{number}", called=name)
             for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
         ]
     return result
@@ -450,7 +451,7 @@ def _family(
     corank: int,
     row: Row,
     condition: str,
-    told: tuple[str, tuple[LostFreedom, ...], tuple[float, ...]],
+    told: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
     """One row of sets as a family, its number and final name still to come."""
@@ -459,7 +460,7 @@ def _family(
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
     return ExactFamily(
         id="",
-        name=told[0],
+        called=told[0],
         corank=corank,
         dimension=piece.dimension,
         codimension=piece.codimension,
@@ -479,7 +480,7 @@ def _family(
 
 def _described(
     chain: Chain, generic_rank: int, corank: int, parts: Sequence[Array], pins: Pins, coupled: Sequence[int]
-) -> tuple[str, tuple[LostFreedom, ...], tuple[float, ...]]:
+) -> tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]]:
     """(name, freedoms lost, witness) of a family, seen at real points of it.
 
     Args:

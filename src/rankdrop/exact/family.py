@@ -16,17 +16,18 @@ from typing import TypeVar
 
 import numpy as np
 
-from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.field import Point
-from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import decompose
+from rankdrop.algebra.field import Point
+from rankdrop.algebra.polynomial import SIMPLE, Polynomial, primitive, used
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.exact.writing import AnglePin, Condition
-from rankdrop.family.equation import Equation
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Check, Family, Order, Pin, place_of
+from rankdrop.families.equation import Equation
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import FamilyName
+from rankdrop.families.record import Check, Family, Order, Pin, place_of
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.units import exponent, into_units
 
@@ -37,7 +38,7 @@ class ExactFamily:
 
     Attributes:
         id: "k1.f1": corank 1, first family.
-        name: as `analyze` names it.
+        called: its name, the same in `analyze`.
         corank: rank lost on the family.
         dimension, codimension: of the family in joint space, and what it lacks of the number of joints.
         pins: joints at simple angles: every combination belongs to the family.
@@ -53,7 +54,7 @@ class ExactFamily:
     """
 
     id: str
-    name: str
+    called: FamilyName
     corank: int
     dimension: int
     codimension: int
@@ -68,6 +69,11 @@ class ExactFamily:
     numbers: dict[str, float]
     shifts: tuple[float, ...]
     pieces: tuple[ZeroSet, ...]
+
+    @cached_property
+    def name(self) -> str:
+        """Its name in words."""
+        return str(self.called)
 
     def in_units(self, robot: Robot) -> ExactFamily:
         """A family of an arm as one of `units.in_units(robot)`: its equations and its witness."""
@@ -105,7 +111,7 @@ class ExactFamily:
     def as_family(self, robot: Robot) -> Family:
         """The family as `analyze` lists it, before any test: `robot` is the arm whose units it is in."""
         return Family(
-            id=self.id, name=self.name, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
+            id=self.id, called=self.called, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
             free=self.free, coupled=self.coupled, equations=self.equations, witness=self.witness,
             lost_directions=np.empty((0, 6)), lost_freedoms=self.lost_freedoms,
             evidence="exact condition",

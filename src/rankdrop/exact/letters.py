@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 
-from rankdrop.exact.algebra.field import residue
-from rankdrop.exact.algebra.polynomial import (
+from rankdrop.algebra.field import residue
+from rankdrop.algebra.polynomial import (
     ROOTS,
     WRITTEN,
     Polynomial,
@@ -23,8 +23,8 @@ from rankdrop.exact.algebra.polynomial import (
     primitive,
     roots_in,
 )
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption, merge, tidy
 from rankdrop.exact.tree import Drop, Tree, rank_tree

@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.exact.algebra.decompose import cut_half, pinned
-from rankdrop.exact.algebra.polynomial import flint
-from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.algebra.zeroset import ZeroSet, independent
+from rankdrop.algebra.decompose import cut_half, pinned
+from rankdrop.algebra.polynomial import flint
+from rankdrop.algebra.work import Work
+from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import alone, merge
-from rankdrop.exact.reading import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
-from rankdrop.exact.writing import RADIANS, Condition
-from rankdrop.family.equation import System
+from rankdrop.families.equation import System
+from rankdrop.formula.reading import Parsed, parse_conditions
+from rankdrop.formula.writing import RADIANS, Condition
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind

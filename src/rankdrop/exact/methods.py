@@ -53,10 +53,10 @@ from itertools import combinations
 from math import prod
 from operator import mul
 
+from rankdrop.algebra.polynomial import Atom, Equality, Polynomial
+from rankdrop.algebra.work import OutOfTime
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
-from rankdrop.exact.algebra.work import OutOfTime
-from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import (

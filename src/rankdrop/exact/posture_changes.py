@@ -41,9 +41,9 @@ from fractions import Fraction
 from math import atan, atan2, pi, remainder
 from typing import Any
 
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
-from rankdrop.exact.algebra.ring import Form, Ring
-from rankdrop.exact.algebra.work import tick
+from rankdrop.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
+from rankdrop.algebra.ring import Form, Ring
+from rankdrop.algebra.work import tick
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import ORIENTATION, POSE, POSITION, structure_of
 from rankdrop.robot.model import JointKind
@@ -141,7 +141,7 @@ def common_zeros(first: Polynomial, second: Polynomial, third: Polynomial) -> tu
         Unbounded: they are zero together on a curve.
 
     Example:
-        >>> from rankdrop.exact.algebra.ring import Ring
+        >>> from rankdrop.algebra.ring import Ring
         >>> x, y = Ring([1, 2]).half.gens()
         >>> common_zeros(x**2 + y**2 - 2, x - y, x * y - 1)
         ((-1.0, -1.0), (1.0, 1.0))

@@ -25,8 +25,8 @@ from functools import cached_property, reduce
 from itertools import combinations, product
 from math import prod
 
-from rankdrop.exact.algebra.field import P, random_point, value_at
-from rankdrop.exact.algebra.polynomial import (
+from rankdrop.algebra.field import P, random_point, value_at
+from rankdrop.algebra.polynomial import (
     SIMPLE,
     Atom,
     Equality,
@@ -37,9 +37,9 @@ from rankdrop.exact.algebra.polynomial import (
     primitive,
     used,
 )
-from rankdrop.exact.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
-from rankdrop.exact.algebra.solving import Solved, plainly_positive
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
+from rankdrop.algebra.solving import Solved, plainly_positive
+from rankdrop.algebra.zeroset import ZeroSet
 
 Assumed = dict[str, Polynomial]
 """Half-angle polynomials in lengths alone that were taken for ≠ 0, by their text."""

@@ -18,16 +18,16 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import NamedTuple
 
+from rankdrop.algebra.field import rank, residues
+from rankdrop.algebra.polynomial import Atom, Equality, Polynomial
+from rankdrop.algebra.ring import letters_polynomial
+from rankdrop.algebra.solving import plainly_positive
+from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.field import rank, residues
-from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
-from rankdrop.exact.algebra.ring import letters_polynomial
-from rankdrop.exact.algebra.solving import plainly_positive
-from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
 from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, joined, vanishes
-from rankdrop.exact.writing import Value
+from rankdrop.formula.writing import Value
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3

@@ -34,12 +34,12 @@ from functools import cache
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.exact.algebra.decompose import cut, meet, pinned, with_points, zero_where
-from rankdrop.exact.algebra.field import P, rank, residues, roots_at, value_at
-from rankdrop.exact.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
-from rankdrop.exact.algebra.ring import Form, Ring, Terms, replace_angles
-from rankdrop.exact.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.decompose import cut, meet, pinned, with_points, zero_where
+from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
+from rankdrop.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
+from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.local.block import generic_rank
 
@@ -333,11 +333,13 @@ def _explore(
     """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
     A piece of the space where an m × n matrix has rank < r binds at most (m − r + 1)(n − r + 1) freedoms, so pieces
-    that bind more lie inside others. The shortest set that waits comes first: where time runs out, long ones are left.
+    that bind more lie inside others. Where all joints are bound that the matrix depends on its rank is one and the same
+    on a whole piece, so that no part of it has a lower one. The shortest set that waits comes first: where time runs
+    out, long ones are left.
     """
     n, m = len(columns), len(columns[0])
-    bound = (m - order + 1) * (n - order + 1)
     bending = _bending(columns, waiting[0].ring)
+    bound = min((m - order + 1) * (n - order + 1), bending)
     seen: list[ZeroSet] = []
     too_long: list[tuple[ZeroSet, TooLong]] = []
     while waiting:

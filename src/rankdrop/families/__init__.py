@@ -1,4 +1,4 @@
-"""Families found numerically, over the joint space: search, rows, evidence; distances, slices, surfaces, walks."""
+"""Families of singular configurations: record, conditions as equations, name; searched, and tested by sampling."""
 
 import lazy_loader
 

@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families.equation import Equation, pretty_angle
 from rankdrop.families.fit import FamilyPoints, fitted_equations, grouped, recognised, smooth
 from rankdrop.families.inspection import Covector, Inspection, Signature, inspect
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import name_family, shortened
+from rankdrop.families.record import Family, Pin, rescaled, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
-from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.naming import name_family, shortened
-from rankdrop.family.record import Family, Pin, rescaled, rescaled_pin, slides_of
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap
@@ -272,7 +273,7 @@ class _Spot:
         name = name_family(problem.robot, problem.task, spread, [one.number for one in pinned], coupled=known)
         return Family(
             id="",
-            name=shortened([name])[0],
+            called=shortened([name])[0],
             named=named,
             corank=problem.corank,
             dimension=problem.n - signature.rank,
@@ -315,8 +316,7 @@ def _relation_words(multiples: Covector, value: float) -> str:
 
 def _meeting(families: list[Family]) -> Family:
     """Several families meet at q: the largest one first."""
-    names = "; ".join(dict.fromkeys(family.name for family in families))
+    name = FamilyName(meeting=tuple(dict.fromkeys(family.called for family in families)))
     how = "; ".join(family.evidence for family in families)
     words = tuple(" and ".join(family.words) for family in families)
-    name = f"meeting point of families: {names}"
-    return replace(families[0], name=name, equations=(), evidence=how, words=words, parts=tuple(families))
+    return replace(families[0], called=name, equations=(), evidence=how, words=words, parts=tuple(families))

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.equation import Equation, Mask, System, Term, normalised
 from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
-from rankdrop.family.equation import Equation, Mask, System, Term, normalised
-from rankdrop.family.record import Check, Family, ways_to
+from rankdrop.families.record import Check, Family, ways_to
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 

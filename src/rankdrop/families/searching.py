@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
-from rankdrop.family.record import Unseen
+from rankdrop.families.record import Unseen
 from rankdrop.kinematics import chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import brought_down, stays_up

@@ -25,8 +25,22 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.equation import SOLVED, Mask, System, pretty_angle
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
+from rankdrop.families.name import FamilyName
+from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.record import (
+    Check,
+    CorankFamilies,
+    CorankSummary,
+    Family,
+    Pin,
+    family_in_metres,
+    family_in_units,
+    family_out_of_units,
+    numbered,
+)
 from rankdrop.families.row import (
     Linear,
     Membership,
@@ -40,19 +54,6 @@ from rankdrop.families.row import (
     witness,
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
-from rankdrop.family.equation import SOLVED, Mask, System, pretty_angle
-from rankdrop.family.naming import distinct_names, lost_motions, name_family
-from rankdrop.family.record import (
-    Check,
-    CorankFamilies,
-    CorankSummary,
-    Family,
-    Pin,
-    family_in_metres,
-    family_in_units,
-    family_out_of_units,
-    numbered,
-)
 from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot
@@ -196,8 +197,8 @@ def _tested(
 
 
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
-    names = distinct_names([one.name for one in families], [partial(_texts, one) for one in families])
-    return tuple(replace(one, name=name) for one, name in zip(families, names, strict=True))
+    names = distinct_names([one.called for one in families], [partial(_texts, one) for one in families])
+    return tuple(replace(one, called=name) for one, name in zip(families, names, strict=True))
 
 
 def _texts(family: Family) -> list[str]:
@@ -274,7 +275,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
     return Family(
         id="" if known is None else known.id,
-        name=name if known is None else known.name,
+        called=name if known is None else known.called,
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -422,7 +423,7 @@ def _unnamed(
     names = problem.robot.variables
     family = Family(
         id="",
-        name="unnamed family",
+        called=FamilyName(unnamed=True),
         corank=problem.corank,
         dimension=problem.n - rank,
         pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),

@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cached_property, lru_cache
 from itertools import combinations, pairwise
 
@@ -40,6 +41,7 @@ from rankdrop.local.departure import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import bracket, cross, unit
+from rankdrop.sections import words_of
 from rankdrop.task import SPACE, Task, resolve_task, six_rows
 from rankdrop.tolerances import ALIGNED, DEPENDENT
 
@@ -184,28 +186,86 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
+class Common(StrEnum):
+    """The pattern of dependent axes and slides."""
+
+    MOVES_NOTHING = "moves nothing"
+    DEPENDENT_SCREWS = "dependent screws"
+    DEPENDENT_JOINTS = "dependent joints"
+    ALIGNED = "aligned"
+    PARALLEL = "parallel"
+    CONCURRENT = "concurrent"
+    COPLANAR = "coplanar"
+    PARALLEL_AND_COPLANAR = "parallel and coplanar"
+    CONCURRENT_AND_COPLANAR = "concurrent and coplanar"
+    IN_ONE_PLANE_WITH_TIP = "in one plane with tip"
+    PARALLEL_TO_ONE_PLANE = "parallel to one plane"
+    ALL_TRANSLATIONS = "all translations"
+    MEET_ONE_LINE = "meet one line"
+
+
+class SlideWay(StrEnum):
+    """How slides lie to axes that they depend on with."""
+
+    NORMAL_TO_AXES = "normal to them"
+    NORMAL_TO_PLANE = "normal to their plane"
+    ALONG_TRANSLATION = "along their translation"
+    NORMAL_TO_LINE = "normal to it"
+
+
+@dataclass(frozen=True, slots=True)
+class Dependence:
+    """A minimal dependent set of joint screws.
+
+    Attributes:
+        common: its pattern.
+        joints: from 0: its axes, or all members where there is no pattern or there are slides alone.
+        slides: from 0, where axes and slides depend on each other, and how these lie.
+        way: of these slides.
+        sliding: the members are slides.
+    """
+
+    common: Common
+    joints: tuple[int, ...]
+    slides: tuple[int, ...] = ()
+    way: SlideWay | None = None
+    sliding: bool = False
+
+    def __str__(self) -> str:
+        """In words: "axes 1, 4, 5 concurrent and coplanar"."""
+        words: str = words_of(self).dependence_words(self)
+        return words
+
+
 def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
-    """A circuit in words: what its axes and slides have in common at every configuration of the scene.
+    """A circuit in words: see `dependence_of`."""
+    return str(dependence_of(scene, circuit, task))
+
+
+def dependence_of(scene: Scene, circuit: tuple[int, ...], task: Task) -> Dependence:
+    """The pattern of the axes and slides of a circuit at every configuration of the scene.
 
     In the full pose two dependent axes are one line; three lie in one plane and meet in one point or are parallel; four
-    that all meet, are all parallel or lie in one plane span a system of rank 3. Without a pattern: "screws 1, 3, 4
-    dependent".
+    that all meet, are all parallel or lie in one plane span a system of rank 3.
 
     Args:
         scene: one or more configurations.
         circuit: indices of joints from 0, a minimal dependent set at every configuration of the scene.
         task: the rows that are dependent.
     """
-    names = numbers(circuit)
     if len(circuit) == 1:
-        return f"joint {names} moves nothing"
+        return Dependence(Common.MOVES_NOTHING, circuit)
     axes = [i for i in circuit if i in scene.axes]
     slides = [i for i in circuit if scene.slides[i]]
     if len(axes) + len(slides) == len(circuit):
-        words = _pattern(scene, axes, slides, task)
+        pattern = _pattern(scene, axes, slides, task)
     else:
-        words = None
-    return words or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
+        pattern = None
+    if pattern is not None:
+        return pattern
+    if task.m == 6:
+        return Dependence(Common.DEPENDENT_SCREWS, circuit)
+    return Dependence(Common.DEPENDENT_JOINTS, circuit)
 
 
 def line_meets_all(scene: Scene, task: Task) -> bool:
@@ -229,71 +289,67 @@ def numbers(members: Sequence[int]) -> str:
     return ", ".join(str(i + 1) for i in members)
 
 
-def _pattern(scene: Scene, axes: Sequence[int], slides: Sequence[int], task: Task) -> str | None:
+def _pattern(scene: Scene, axes: Sequence[int], slides: Sequence[int], task: Task) -> Dependence | None:
     """What dependent axes and slides have in common; None without a pattern."""
     if task.m == 6:
         if not axes:
-            how = ("parallel", "parallel to one plane", "are four translations of space")[len(slides) - 2]
-            return f"slides {numbers(slides)} {how}"
+            how = (Common.PARALLEL, Common.PARALLEL_TO_ONE_PLANE, Common.ALL_TRANSLATIONS)[len(slides) - 2]
+            return Dependence(how, tuple(slides), sliding=True)
         if slides:
             special = _translations_twice(scene, axes, slides)
         else:
             special = _three_dimensions(scene, axes)
         return special or _transversal(scene, axes, slides)
-    count, lines = len(axes), f"axes {numbers(axes)}"
+    count, lines = len(axes), tuple(axes)
     if slides:
         return None
     if max(task.rows) < 3:  # planes through the tip count
         flat = count == 2 and scene.coplanar(axes, scene.tip).all()
         if flat:
-            return f"{lines} and the tip in one plane"
+            return Dependence(Common.IN_ONE_PLANE_WITH_TIP, lines)
         return None
     if min(task.rows) >= 3:  # directions alone count
         if count == 2 and _parallel(scene, axes):
-            return f"{lines} parallel"
+            return Dependence(Common.PARALLEL, lines)
         flat = count == 3 and (np.abs(_dot(scene.z[axes[0]], np.cross(*scene.z[axes[1:]]))) < ALIGNED).all()
         if flat:
-            return f"{lines} parallel to one plane"
+            return Dependence(Common.PARALLEL_TO_ONE_PLANE, lines)
         return None
     return None
 
 
-def _three_dimensions(scene: Scene, axes: Sequence[int]) -> str | None:
+def _three_dimensions(scene: Scene, axes: Sequence[int]) -> Dependence | None:
     """Axes alone: parallel, concurrent or coplanar ones have rank 3, so that no circuit of them has more than four."""
     if len(axes) == 2:
-        return f"axes {numbers(axes)} aligned"
+        return Dependence(Common.ALIGNED, tuple(axes))
     if len(axes) > 4:
         return None
     if _parallel(scene, axes):
-        word = "parallel"
+        kinds = (Common.PARALLEL_AND_COPLANAR, Common.PARALLEL)
     elif scene.common_point(axes)[1].all():
-        word = "concurrent"
+        kinds = (Common.CONCURRENT_AND_COPLANAR, Common.CONCURRENT)
+    elif len(axes) == 4 and scene.coplanar(axes).all():
+        return Dependence(Common.COPLANAR, tuple(axes))
     else:
-        word = None
-    if len(axes) == 4 and word is None and scene.coplanar(axes).all():
-        word = "coplanar"
-    return word and f"axes {numbers(axes)} {word}{' and coplanar' * (len(axes) == 3)}"
+        return None
+    return Dependence(kinds[len(axes) - 3], tuple(axes))
 
 
-def _translations_twice(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
+def _translations_twice(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> Dependence | None:
     """Axes and slides: turning forth and back about parallel axes is a translation, and the slides make it too."""
     if not _parallel(scene, axes):
         return None
     normal = all(scene.perpendicular[axes[0], i].all() for i in slides)
     if normal:
-        how = "normal to them"
+        way = SlideWay.NORMAL_TO_AXES
     else:
-        how = "along what they translate"
+        way = SlideWay.ALONG_TRANSLATION
     if len(axes) == 2 and len(slides) == 1:
-        how = "normal to their plane"
-    return f"axes {numbers(axes)} parallel, {_slides(slides)} {how}"
+        way = SlideWay.NORMAL_TO_PLANE
+    return Dependence(Common.PARALLEL, tuple(axes), tuple(slides), way)
 
 
-def _slides(slides: Sequence[int]) -> str:
-    return f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
-
-
-def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
+def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> Dependence | None:
     """Six axes that meet one line; a line at infinity is met by axes and slides parallel to one plane."""
     circuit = sorted([*axes, *slides])
     if len(circuit) != 6:
@@ -303,7 +359,9 @@ def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> st
     blocked = np.linalg.svd(np.concatenate([about_tip, columns[..., 3:]], axis=-1))[2][:, -1]
     if not _pure_force(blocked):
         return None
-    return f"axes {numbers(axes)} meet one line" + (f", {_slides(slides)} normal to it" if slides else "")
+    if not slides:
+        return Dependence(Common.MEET_ONE_LINE, tuple(axes))
+    return Dependence(Common.MEET_ONE_LINE, tuple(axes), tuple(slides), SlideWay.NORMAL_TO_LINE)
 
 
 def _parallel(scene: Scene, axes: Sequence[int]) -> bool:
@@ -406,6 +464,10 @@ def _holds(scene: Scene, group: Group) -> bool:
     meet, on = scene.crossings
     through = meet[pairs] & on[pairs][:, :, list(joints)].all(axis=2)
     return bool(through.any(axis=(0, 1)).all())
+
+
+def _slides(slides: Sequence[int]) -> str:
+    return f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
 
 
 def _relation(scene: Scene, kind: str, joints: tuple[int, ...], structural: bool) -> Relation:

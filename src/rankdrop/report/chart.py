@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families import Slice, Solid, Sweep, Workspace
+from rankdrop.distance import Workspace
+from rankdrop.families import Slice, Solid, Sweep
 from rankdrop.problem import wrap
 from rankdrop.robot import Array, Robot
 from rankdrop.text import joint_symbol

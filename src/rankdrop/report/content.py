@@ -23,20 +23,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop import conditions
+from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families import (
-    NearShare,
-    Slice,
-    Solid,
-    Sweep,
-    Workspace,
-    slow_share,
-    solids,
-    sweeps,
-    telling_slices,
-    workspace,
-)
-from rankdrop.family import Family, Verdict
+from rankdrop.families import Family, Slice, Solid, Sweep, Verdict, solids, sweeps, telling_slices
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,
@@ -115,7 +104,7 @@ class Content:
 
     Attributes:
         analysis: the families and how they were verified, each with its witness in a posture that can be looked at
-            (`rankdrop.families.posed`).
+            (`rankdrop.viewer.upright.upright`).
         blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
             freedom lost.
         blame_words: per family the sets from which all its dependencies follow, in words.

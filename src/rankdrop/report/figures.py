@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.distance import Workspace
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families import Slice, Solid, Sweep, Workspace
-from rankdrop.family import Family
+from rankdrop.families import Family, Slice, Solid, Sweep
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
 from rankdrop.report.chart import COLOURS, joint_axes, pieces, slice_chart, sweep_chart, workspace_chart

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.family import Family
+from rankdrop.families import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import blame, lost_directions, singular_values
 from rankdrop.report.content import Content, first_view, limit_range, page_data, robot_data, slider_range, standing

@@ -12,7 +12,7 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
-from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
+from rankdrop.path import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
 from rankdrop.report.content import LIVE, first_view, robot_data
 from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page

@@ -12,9 +12,10 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.exact import ExactFamily, typeset
-from rankdrop.families import Slice, Workspace
-from rankdrop.family import CorankSummary, ExactRow, Family
+from rankdrop.distance import Workspace
+from rankdrop.exact import ExactFamily
+from rankdrop.families import CorankSummary, ExactRow, Family, Slice
+from rankdrop.formula import typeset
 from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis, Conditions

@@ -19,11 +19,12 @@ from rankdrop.codec import Record as Record
 from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
+from rankdrop.distance.share import Near
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.share import Near
-from rankdrop.family.equation import Equation
-from rankdrop.family.record import CorankSummary, Derivation, Family, SpeedDistances
-from rankdrop.family.summary import FamilySummary, Verdict
+from rankdrop.families.equation import Equation
+from rankdrop.families.name import FamilyName
+from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
+from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
@@ -284,6 +285,7 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
+    given["called"] = FamilyName.of_words(record["name"])
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

@@ -12,23 +12,23 @@ from typing import TYPE_CHECKING, ClassVar
 
 from numpy.typing import ArrayLike
 
+from rankdrop.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.notation import Step
-from rankdrop.family.record import Check
-from rankdrop.family.summary import FamilySummary, Verdict
+from rankdrop.families.record import Check
+from rankdrop.families.summary import FamilySummary, Verdict
+from rankdrop.formula.notation import Step
 from rankdrop.questions import ConditionsOptions
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
 
 if TYPE_CHECKING:
-    from rankdrop.exact.aspects import Between, Flags
     from rankdrop.exact.determinants import Determinants
     from rankdrop.exact.lint import LintResult
+    from rankdrop.exact.signs import Between, Flags
 
 
 SCHEMA = "rankdrop/conditions/1"
@@ -163,17 +163,17 @@ class Conditions(Result):
             TaskError: the task Jacobian is not square.
             ConfigurationError: q is not one configuration of this arm.
         """
-        from rankdrop.exact.aspects import configuration_flags
+        from rankdrop.exact.signs import configuration_flags
 
         return configuration_flags(self.chain, q)
 
     def between(self, first: ArrayLike, second: ArrayLike) -> Between:
-        """Which families part two configurations: see `rankdrop.exact.aspects.between`.
+        """Which families part two configurations: see `rankdrop.exact.signs.between`.
 
         Raises:
             TaskError, ConfigurationError: as `flags`.
         """
-        from rankdrop.exact.aspects import between
+        from rankdrop.exact.signs import between
 
         return between(self.chain, first, second)
 

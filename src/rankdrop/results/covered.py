@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.covering import Covering
 from rankdrop.codec import Result
-from rankdrop.families.box_matching import Spot
-from rankdrop.family.record import Family
+from rankdrop.cover.box_matching import Spot
+from rankdrop.cover.covering import Covering
+from rankdrop.families.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, words_of

@@ -16,14 +16,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.codec import Result
 from rankdrop.configuration import Cause, Configuration, Rank, at
+from rankdrop.cover.ball import LARGEST, Certificate, certified_radius
+from rankdrop.distance.distance import FamilyDistance, family_distances
 from rankdrop.errors import OptionError
-from rankdrop.families.distance import FamilyDistance, family_distances
 from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.record import Family, Incidence, families_at
 from rankdrop.families.searching import Outcome, refine
-from rankdrop.family.record import Family, Incidence, families_at
 from rankdrop.local.axes import (
     LARGEST_CHAIN,
     Circuit,

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.codec import Result
-from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.determinants import ClosedInverse
-from rankdrop.exact.notation import Latex, Python, latex_name
-from rankdrop.exact.writing import FOLDED, form_of, text_of
+from rankdrop.formula.notation import Latex, Python, latex_name
+from rankdrop.formula.writing import FOLDED, form_of, text_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS, Task

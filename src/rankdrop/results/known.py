@@ -26,17 +26,18 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from rankdrop.algebra.polynomial import Polynomial, flint, root_values, with_inner
+from rankdrop.algebra.ring import Ring
 from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
-from rankdrop.exact.algebra.polynomial import Polynomial, flint, root_values, with_inner
-from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.notation import Step
-from rankdrop.exact.writing import AnglePin, Condition
-from rankdrop.family.equation import Equation
-from rankdrop.family.lost import LostFreedom, freedoms_at_witness
-from rankdrop.family.record import Check, Family, family_from_metres
+from rankdrop.families.equation import Equation
+from rankdrop.families.lost import LostFreedom, freedoms_at_witness
+from rankdrop.families.name import FamilyName
+from rankdrop.families.record import Check, Family, family_from_metres
+from rankdrop.formula.notation import Step
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.local.directions import lost_directions
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import SCHEMA, Conditions
@@ -328,7 +329,7 @@ def _family(
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
-        name=record["name"],
+        called=FamilyName.of_words(record["name"]),
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rankdrop.family.lost import LostFreedom, freedoms_of
+from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task

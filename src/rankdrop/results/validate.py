@@ -11,11 +11,11 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from rankdrop.distance.share import Near
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.families.share import Near
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import CorankSummary, Derivation, ExactRow, Family, Pin, SpeedDistances
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.record import CorankSummary, Derivation, ExactRow, Family, Pin, SpeedDistances
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.results.settings import Residual, Settings

@@ -7,9 +7,9 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.certify.ball import ModelTolerance
 from rankdrop.codec import Positive, many, mapping, num, optional, row, some, table, whole
-from rankdrop.family.record import Pin
+from rankdrop.cover.ball import ModelTolerance
+from rankdrop.families.record import Pin
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, Mimic, Source
 from rankdrop.task import Frame

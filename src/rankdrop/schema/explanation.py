@@ -9,7 +9,7 @@ from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
-from rankdrop.families.tolerant import Place
+from rankdrop.distance.tolerant import Place
 from rankdrop.local.axes import Circuit, Relation, ScrewSystem
 from rankdrop.local.directions import Screw
 from rankdrop.local.nearest import Nearest

@@ -9,17 +9,17 @@ from typing import Any, Literal
 from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
-from rankdrop.exact.aspects import Between, Crossing, Flag, Flags
+from rankdrop.distance.share import Near
 from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.lint import Difference, Example, LintResult
-from rankdrop.exact.notation import C, Python, Step
+from rankdrop.exact.signs import Between, Crossing, Flags
+from rankdrop.families.equation import Term
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
 from rankdrop.families.searching import Outcome
-from rankdrop.families.share import Near
-from rankdrop.family.equation import Term
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
-from rankdrop.family.summary import FamilySummary, RankSummary
+from rankdrop.families.summary import FamilySummary, RankSummary
+from rankdrop.formula.notation import C, Python, Step
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost import lost_sentences
@@ -291,8 +291,21 @@ EXAMPLE = table(
 )
 MISSING = table("missing", of=Difference)
 TEST = table("test", of=LintResult, verdict=Literal["exact", "too small", "too large", "both"])
-FLAGS = table("flags", of=Flag, sign=Literal[-1, 0, 1] | None, value=num("1"))
-CONDITIONS_FLAGS = table("conditions_flags", of=Flags, q=some(num("joint")), tolerance=num("1", ge=0))
+FLAGS = table(
+    "flags",
+    factor=(str, "the function, in s_j = sin θ_j and c_j = cos θ_j."),
+    name=(str, 'of the family where it is zero, as `analyze` names it; "" where no real configurations are on it.'),
+    sign=(Literal[-1, 0, 1] | None,
+        "+1, −1, or 0 on the family; None where the factor has no sign on the torus."),
+    value=(num("1"), "of the factor, scaled: |value| ≤ 1 without slides."),
+)
+CONDITIONS_FLAGS = table(
+    "conditions_flags",
+    of=Flags,
+    q=some(num("joint")),
+    flags=many(FLAGS),
+    tolerance=num("1", ge=0),
+)
 CROSSINGS = table(
     "crossings",
     of=Crossing,
@@ -305,8 +318,8 @@ BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), o
 def _exact_families(conditions: Any) -> list[dict[str, Any]]:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
     return [
-        {**vars(family), "conditions": family.texts, "latex": family.latex, "equations": family.equations,
-         "lost_words": lost_sentences(family.lost_freedoms),
+        {**vars(family), "name": family.name, "conditions": family.texts, "latex": family.latex,
+         "equations": family.equations, "lost_words": lost_sentences(family.lost_freedoms),
          "terms": _terms(family),
          "pinned": [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned(conditions.robot)]}
         for family in conditions.families

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
-from rankdrop.families.box_matching import Spot
+from rankdrop.cover.box_matching import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
 from rankdrop.version import VERSION

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, degrees, floor
 from typing import Any
 
+from rankdrop.distance.share import Near
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.share import Near
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.lost import LostFreedom
-from rankdrop.family.record import Family, Pin, SpeedDistance, short_name
+from rankdrop.families.equation import pretty_angle
+from rankdrop.families.lost import LostFreedom
+from rankdrop.families.record import Family, Pin, SpeedDistance
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count, degrees_text
@@ -32,6 +32,7 @@ from rankdrop.text.families import (
     within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
+from rankdrop.text.read_names import read_name
 from rankdrop.text.words import listing
 
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
@@ -145,7 +146,7 @@ def lost_section(robot: Robot, generic_rank: int, families: Sequence[Family | Ex
     mine = [one for one in families if one.corank == first]
     if not mine:
         return None
-    lines = tuple(f"{short_name(one.name)}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine)
+    lines = tuple(f"{one.called.short}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine)
     freedoms: list[LostFreedom] = [lost for one in mine for lost in one.lost_freedoms]
     note = lost_note(robot, freedoms)
     return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
@@ -187,7 +188,7 @@ def _measured(record: Mapping[str, Any]) -> str:
     coranks = sorted({one["corank"] for one in families})
     for corank in coranks:
         mine = [one for one in families if one["corank"] == corank]
-        named = ", ".join(dict.fromkeys(short_name(one["name"]) for one in mine))
+        named = ", ".join(dict.fromkeys(read_name(one["name"]).short for one in mine))
         parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
     if record.get("verdict", "verified") != "verified":
         parts += [record["sentence"]]
@@ -234,7 +235,7 @@ def speed_section(analysis: Any) -> Section | None:
     told = analysis.speeds
     if told is None:
         return None
-    names = {family.id: short_name(family.name) for family in analysis.families}
+    names = {family.id: family.called.short for family in analysis.families}
     pace = f"{1000 * told.tool_speed:.4g} mm/s"
     middle = degrees_text(told.around, (joint.unit for joint in analysis.robot.variables))
     notes = [

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.polynomial import Equality, Polynomial
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.algebra.polynomial import Equality, Polynomial
+from rankdrop.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import listed, structure_of, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
 from rankdrop.exact.determinants import Decoupling
-from rankdrop.exact.notation import Step, Text, fourier
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Proof, Suppression
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.writing import Condition, Value, atoms_text, condition_text, single_angles, text_of
+from rankdrop.formula.notation import Step, Text, fourier
+from rankdrop.formula.writing import Condition, Value, atoms_text, condition_text, single_angles, text_of
 from rankdrop.sections import Formula
 from rankdrop.task import ROWS
 

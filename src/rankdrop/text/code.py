@@ -10,9 +10,9 @@ from math import pi
 from textwrap import indent
 from typing import TYPE_CHECKING
 
+from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.notation import C, Latex, Python, latex_name
+from rankdrop.formula.notation import C, Latex, Python, latex_name
 from rankdrop.text.latex import as_text
 
 if TYPE_CHECKING:

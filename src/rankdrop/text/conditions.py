@@ -18,9 +18,8 @@ from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.notation import typeset
-from rankdrop.family.equation import pretty_angle
-from rankdrop.family.summary import (
+from rankdrop.families.equation import pretty_angle
+from rankdrop.families.summary import (
     CONTRADICTED,
     INCOMPLETE,
     INEXACT,
@@ -34,6 +33,7 @@ from rankdrop.family.summary import (
     Verdict,
     summarised,
 )
+from rankdrop.formula.notation import typeset
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count

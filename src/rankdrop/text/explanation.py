@@ -20,8 +20,8 @@ import numpy as np
 
 from rankdrop.codec import Record
 from rankdrop.configuration import Cause, at
-from rankdrop.families.distance import FamilyDistance
-from rankdrop.family.record import Family, short_name
+from rankdrop.distance.distance import FamilyDistance
+from rankdrop.families.record import Family
 from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
@@ -182,7 +182,9 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     else:
         following = NOT_SEARCHED
     if summary.next_distance is not None:
-        other = parts_words(summary.next_place) or short_name(summary.next_family)
+        other = parts_words(summary.next_place)
+        if not other and explanation.next.family is not None:
+            other = explanation.next.family.called.short
         following = f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
     facts = _summarised(explanation, summary)
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"

@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rankdrop.distance.distance import nearest_turns
+from rankdrop.distance.share import Near, NearShare
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.distance import nearest_turns
-from rankdrop.families.share import Near, NearShare
-from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Check, CorankSummary, Derivation, Family, Pin
+from rankdrop.families.equation import Equation, pretty_angle
+from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from rankdrop.family.record import Family
+from rankdrop.families.record import Family
 from rankdrop.sections import Section
 from rankdrop.text.lost import lost_sentences
 

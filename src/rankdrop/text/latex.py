@@ -11,7 +11,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from math import ceil
 
-from rankdrop.family.record import CorankSummary, Derivation, Family
+from rankdrop.families.record import CorankSummary, Derivation, Family
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
 from rankdrop.text.lost import lost_note

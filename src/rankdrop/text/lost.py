@@ -1,6 +1,6 @@
 """Motions that families take away, in words: sentences, what their letters and links mean, the line of a family.
 
-What is lost is a fact, `rankdrop.family.lost.LostFreedom`; nothing here is read from a sentence.
+What is lost is a fact, `rankdrop.families.lost.LostFreedom`; nothing here is read from a sentence.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from rankdrop.family.lost import LostFreedom, MotionKind
+from rankdrop.families.lost import LostFreedom, MotionKind
 from rankdrop.local.directions import axis_text, frame_name, main_axis, words
 from rankdrop.robot.model import Robot
 

@@ -1,6 +1,6 @@
 """Paths in words, made from their facts: checks, remedies, paths through a singularity.
 
-A check: five lines first, then crossings, with `full` free stretches and notes. Records are those of `rankdrop.motion`.
+A check: five lines first, then crossings, with `full` free stretches and notes. Records are those of `rankdrop.path`.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def evidence_words(stretch: Any, check: Any) -> str:
 
 def _remedies() -> str:
     """What computes changes of a path."""
-    return advised("remedies", python="rankdrop.motion.mend_path")
+    return advised("remedies", python="rankdrop.path.mend_path")
 
 
 def branch_chosen(tool: Any) -> str:

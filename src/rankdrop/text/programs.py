@@ -1,4 +1,4 @@
-"""Checked robot programs in words, with the lines of the program. Records are those of `rankdrop.motion.program`."""
+"""Checked robot programs in words, with the lines of the program. Records: `rankdrop.path.check.program`."""
 
 from __future__ import annotations
 

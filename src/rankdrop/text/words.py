@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families.tolerant import Place, Tolerant
+from rankdrop.distance.tolerant import Place, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
 from rankdrop.local.ordered import Hunt, OrderedReport

@@ -7,13 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rankdrop.distance.share import check_within, near_shares
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
-from rankdrop.families.searching import search
-from rankdrop.families.share import check_within, near_shares
-from rankdrop.families.table import families, posed
-from rankdrop.family.record import (
+from rankdrop.families.record import (
     AGREES,
     DIFFERS,
     INTERRUPTED,
@@ -25,6 +23,8 @@ from rankdrop.family.record import (
     SpeedDistances,
     family_out_of_units,
 )
+from rankdrop.families.searching import search
+from rankdrop.families.table import families, posed
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.options import takes
@@ -41,7 +41,7 @@ from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
-    from rankdrop.certify.speed import SpeedRegion
+    from rankdrop.cover.speed import SpeedRegion
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
@@ -251,7 +251,7 @@ def _region(robot: Robot, task: Task, how: AnalyzeOptions) -> SpeedRegion | None
     """
     if how.speed is None:
         return None
-    from rankdrop.certify.speed import SpeedRegion  # with the enclosures, which no other analysis needs
+    from rankdrop.cover.speed import SpeedRegion  # with the enclosures, which no other analysis needs
 
     if isinstance(how.around, str):
         raise OptionError("a posture is a list of joint values", where="around", got=how.around,

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.certify.covering import (
+from rankdrop.cover.box_matching import FamilyBoxes, spots
+from rankdrop.cover.covering import (
     BUDGET,
     SPENT,
     SPLIT,
@@ -31,8 +32,7 @@ from rankdrop.certify.covering import (
     write_covering,
 )
 from rankdrop.errors import OptionError
-from rankdrop.families.box_matching import FamilyBoxes, spots
-from rankdrop.family.record import Family
+from rankdrop.families.record import Family
 from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale

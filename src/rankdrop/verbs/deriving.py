@@ -14,9 +14,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from rankdrop.exact.algebra.polynomial import PRIMES
-from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work, failure
-from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.algebra.polynomial import PRIMES
+from rankdrop.algebra.work import SLOWER, OutOfTime, Work, failure
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.derivation import CorankOne, check_method, corank_one
@@ -32,12 +32,12 @@ from rankdrop.exact.letters import (
     with_equal_lengths,
 )
 from rankdrop.exact.lint import round_points
-from rankdrop.exact.notation import Step
 from rankdrop.exact.tree import Drop, Tree, rank_tree
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.points import Cloud, cloud, explained
+from rankdrop.families.record import Check
 from rankdrop.families.table import posed
-from rankdrop.family.record import Check
+from rankdrop.formula.notation import Step
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
 from rankdrop.questions import ConditionsOptions

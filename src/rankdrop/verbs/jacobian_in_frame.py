@@ -8,14 +8,14 @@ from math import atan2
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.algebra.polynomial import Polynomial
+from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.structure import check_frame, frame_jacobian, sizes
 from rankdrop.exact.determinants import ClosedInverse, closed_inverse
-from rankdrop.exact.writing import Quotient, number_at, single_angles
+from rankdrop.formula.writing import Quotient, number_at, single_angles
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
 from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular

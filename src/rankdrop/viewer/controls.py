@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.local import damped_inverse, sampling_box
-from rankdrop.motion import Aim
+from rankdrop.poses import Aim
 from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot
 from rankdrop.task import WORLD_ALIGNED, Task

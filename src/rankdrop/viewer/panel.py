@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from html import escape
 from math import isfinite
 
-from rankdrop.family import Family
+from rankdrop.families import Family
 from rankdrop.local import Circuit
 from rankdrop.results import Explanation, Record
 from rankdrop.robot import count

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families import Monitor, Sighting
-from rankdrop.family import Family
+from rankdrop.distance import Monitor, Sighting
+from rankdrop.families import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, Circuit, arrow_of, blame, lost_directions, ring_about, skeleton
 from rankdrop.results import first_verdict

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.motion import Trajectory
+from rankdrop.path import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot, meshes_of, visuals_of
 from rankdrop.task import Task, resolve_task

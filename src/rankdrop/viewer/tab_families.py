@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families import Walk, family_distances, in_slice
-from rankdrop.family import Family, LostFreedom, MotionKind, short_name
+from rankdrop.distance import family_distances
+from rankdrop.families import ArmPart, Family, LostFreedom, MotionKind, Walk, in_slice
 from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
 from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot, count
@@ -161,15 +161,14 @@ def _walking(walk: Walk, q: Array | None, joint: int, pace: float) -> Iterator[A
         q = walk.step(q, joint, pace)
 
 
-_PARTS = ("shoulder", "elbow", "wrist")
 _STOPS = 8
 
 
 def stops_of(families: tuple[Family, ...]) -> tuple[Family, ...]:
     """The families of a tour: shoulder, elbow and wrist of corank 1 first, then others of corank 1, at most eight."""
     first = [family for family in families if family.corank == 1 and family.named]
-    order = {part: place for place, part in enumerate(_PARTS)}
-    ranked = sorted(first, key=lambda family: order.get(short_name(family.name).split(" ")[0], len(_PARTS)))
+    places = {part: place for place, part in enumerate(ArmPart)}
+    ranked = sorted(first, key=lambda family: min((places[part] for part in family.called.parts), default=len(places)))
     return tuple(ranked[:_STOPS])
 
 

@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.disk import replace_file
+from rankdrop.distance import Monitor
 from rankdrop.errors import RobotError
-from rankdrop.families import Monitor
-from rankdrop.motion import Trajectory, parse_trajectory
+from rankdrop.path import Trajectory, parse_trajectory
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.text import angle, short
 from rankdrop.viewer import panel

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from rankdrop.families import posed
-from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import Family, family_in_metres
+from rankdrop.families.naming import lost_motions
+from rankdrop.families.record import Family, family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
 from rankdrop.local.special import specials_at

@@ -13,8 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rankdrop.errors import TaskError
-from rankdrop.exact.algebra.polynomial import (
+from rankdrop.algebra.polynomial import (
     ROOTS,
     Number,
     Polynomial,
@@ -25,8 +24,9 @@ from rankdrop.exact.algebra.polynomial import (
     root_values,
     roots_of,
 )
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import OutOfTime
+from rankdrop.errors import TaskError
 from rankdrop.exact.arm.geometry import (
     Deviation,
     Section,

@@ -19,8 +19,8 @@ from math import acos, atan2, degrees, pi, radians, remainder, tan
 
 import numpy as np
 
+from rankdrop.algebra.polynomial import ROOTS, Number, surd
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.exact.algebra.polynomial import ROOTS, Number, surd
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter

@@ -24,8 +24,8 @@ from math import acos, degrees
 
 import numpy as np
 
+from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Deviation, Section
 from rankdrop.robot.model import JointKind

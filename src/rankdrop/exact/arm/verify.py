@@ -9,9 +9,9 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from rankdrop.exact.algebra.field import Point, random_point, rank, residue
+from rankdrop.algebra.field import Point, random_point, rank, residue
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.family.record import Check
+from rankdrop.families.record import Check
 from rankdrop.robot.model import JointKind
 
 

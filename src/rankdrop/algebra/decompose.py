@@ -1,0 +1,568 @@
+"""Systems of conditions taken apart into irreducible sets, and a set cut by one more condition.
+
+A condition A·t_k + B = 0 is solved for t_k and put into the others, which factor again. What the solution leaves out
+is looked at apart: A = B = 0, where t_k is free, and t_k = ∞, where θ_k = π.
+
+Where one more condition does not hold on all of a set, an irreducible set loses exactly one dimension, everywhere
+(Krull): pieces of another dimension are dropped. Of several sets given by the same two conditions those on which it
+holds are first separated from the others (`ZeroSet.parted`), for which the same is true.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations, islice
+
+from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
+from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, divides, factor, gcd, primitive, used
+from rankdrop.algebra.ring import Form, Ring
+from rankdrop.algebra.solving import (
+    Solved,
+    atoms,
+    binds_more,
+    combined,
+    divisions,
+    eliminable,
+    factors,
+    linear,
+    nowhere,
+    pairs,
+    put,
+    remainder,
+    unit,
+    without_real_root,
+    without_real_zero,
+)
+from rankdrop.algebra.work import Work, tick
+from rankdrop.algebra.zeroset import ZeroSet, independent
+
+Done = frozenset[tuple[str, str, int]]
+"""Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
+
+
+def decompose(
+    ring: Ring,
+    pins: Mapping[int, str],
+    conditions: Sequence[Form],
+    most: int,
+    work: Work,
+    done: Done = frozenset(),
+) -> list[ZeroSet]:
+    """Irreducible sets that together hold every large piece of where all half-angle polynomials vanish.
+
+    Args:
+        ring: of the polynomials.
+        pins: joints at simple angles; the polynomials do not contain them any more.
+        conditions: forms.
+        most: pieces of a codimension above this, the pins not counted, are not wanted.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        Sets, none inside another one; empty where there is no real solution.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    work.check()
+    tick(100)
+    choices = [atoms(form, work) for form in conditions if form.f != 0]
+    if not all(choices):
+        return []
+    found: list[ZeroSet] = []
+    for system in _distinct(choices):
+        angles = {atom.joint: atom.value for atom in system if atom.pinned}
+        polynomials = [atom.f for atom in system if not atom.pinned]
+        if angles:
+            there = [ring.form(f).at(angles) for f in polynomials]
+            found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
+        else:
+            found += _irreducible(ring, dict(pins), polynomials, most, work, done)
+    return independent(found)
+
+
+def _irreducible(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[ZeroSet]:
+    """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
+    if min(len(system), 2) > most:
+        # two conditions without a common factor; for special lengths they may have one
+        work.special = work.special or (most > 0 and bool(work.lengths) and not _bound(ring, system, most, work))
+        return []
+    if _bound(ring, system, most, work):
+        return []
+    if len(system) <= 1:
+        return [_single(ring, pins, system)]
+    if any(without_real_root(f) for f in system):
+        return []
+    for f, g, k in divisions(ring, system):
+        if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
+            others = [ring.form(h) for h in system if h is not g]
+            return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+    work.special = work.special or any(_always(ring, f, work) for f in system)
+    found = list(_at_infinity(ring, pins, system, most, work, done))
+    inside = _eliminated(ring, pins, system, most, work, done)
+    return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)
+
+
+def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
+    """Whether a system binds more than `most` freedoms: see `binds_more`."""
+    return binds_more(system, most, ring.moving, work.lengths)
+
+
+def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> ZeroSet:
+    """At most one condition."""
+    if not system:
+        return ZeroSet(ring, pins)
+    solved = linear(ring, system[0])
+    if solved is None:
+        return ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))
+    return ZeroSet(ring, pins, solved=(solved,), equations=tuple(system))
+
+
+def _at_infinity(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> Iterator[ZeroSet]:
+    """Components with a further joint at π: there two leading coefficients vanish together."""
+    for k, joint in enumerate(ring.revolute):
+        if joint in pins or not any(f.degrees()[k] for f in system):
+            continue
+        there = [ring.form(f).at({joint: "pi"}) for f in system]
+        # more than two conditions may meet there without a common factor, where they may bind more than two freedoms
+        if most > 2 < len(system) or any(_share(one, two, work) for one, two in combinations(there, 2)):
+            yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
+
+
+def _share(one: Form, two: Form, work: Work) -> bool:
+    """Whether two forms have a common factor, be it at π of a joint."""
+    at_pi = dict(one.at_pi).keys() & dict(two.at_pi).keys()
+    return bool(at_pi) or bool(factors(one.ring, gcd(one.f, two.f), work))
+
+
+def _eliminated(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[ZeroSet] | None:
+    """Solve one condition for a variable and go on with the others; None where none is linear in a variable."""
+    solvable = [(solved, f) for f in system if (solved := linear(ring, f)) is not None]
+    if not solvable:
+        return None
+    solved, f = min(solvable, key=lambda pair: (not unit(ring, pair[0].denominator), len(pair[1])))
+    others = [g for g in system if g != f]
+    found: list[ZeroSet] = []
+    factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
+    if not unit(ring, solved.denominator):
+        both = (*others, solved.numerator, solved.denominator)
+        found += decompose(ring, pins, [ring.form(g) for g in both], most, work, done)
+    values = [put(ring.form(g), solved) for g in others]
+    for piece in decompose(ring, pins, values, most - 1, work, done):
+        if not piece.half_vanishes(solved.denominator):
+            found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in used(g)])
+    return found
+
+
+def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomial]) -> list[ZeroSet]:
+    """A set in the other variables, with the one that a condition is linear in added; other conditions on it are kept
+    in mind for where it cannot be solved.
+    """
+    f = piece.ring.form(f).at(piece.pins).f
+    parts = coefficients(f, place)
+    if len(parts) != 2:
+        return []
+    return [
+        replace(
+            piece,
+            solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
+            equations=(*(primitive(h) for h, _ in factor(f) if place in used(h)), *piece.equations),
+            known=(*piece.known, *(_at_pins(piece, others) if used(parts[1]) else ())),
+        )
+    ]
+
+
+def _at_pins(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
+    """Conditions with the joints that a set pins at their angles; those that say nothing there are left out."""
+    here = [piece.ring.form(f).at(piece.pins).f for f in conditions]
+    return [f for f in here if f != 0]
+
+
+def _reduced(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[ZeroSet]:
+    """No condition is linear: combine two of them into one that is, or into one with a variable less."""
+    for f, g, k in divisions(ring, system):
+        work.check()
+        others = [ring.form(h) for h in system if h is not g]
+        pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+        return [replace(piece, known=(*piece.known, *_at_pins(piece, [g]))) for piece in pieces]
+    known = {str(f) for f in system}
+    for f, g, k in pairs(ring, system):
+        work.check()
+        one, two = sorted((str(f), str(g)))
+        pair = (one, two, k)
+        if pair in done or not eliminable(f, g, k):
+            continue
+        done |= {pair}
+        both = combined(ring, f, g, k)
+        if both == 0:
+            continue
+        parts = factors(ring, both, work)
+        if not parts:
+            return []
+        if any(str(h) in known for h in parts):
+            continue
+        if len(parts) > 1 or linear(ring, parts[0]) is not None:
+            found: list[ZeroSet] = []
+            for h in parts:
+                found += decompose(ring, pins, [ring.form(g) for g in (*system, h)], most, work, done)
+            return found
+    if len(system) <= 2:
+        return [ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))]
+    return _several(ring, pins, system, most, work)
+
+
+def _several(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
+) -> list[ZeroSet]:
+    """Three or more conditions that no step makes simpler: some of them; the others tell their zeros apart.
+
+    Two conditions without a common factor bind two freedoms, and each one after them, in a variable of its own, one
+    more, but where all its coefficients vanish. So the wanted zeros of all conditions are sets, or points, of as many
+    of them as freedoms are bound at most, or of as many as there are variables. Where these are not met again, the
+    system is left over: nothing is dropped without a reason.
+    """
+    places = {place for f in system for place in used(f) if place < ring.moving}
+    size = min(most, len(places))
+    if without_real_zero(ring, system):
+        return []
+    for f, g in combinations(sorted(system, key=len), 2):
+        tops = _tops(ring, [f, g], system, size - 2)
+        held = [f, g, *tops]
+        if len(held) != max(size, 2) or not {place for h in held for place in used(h)} >= places:
+            continue
+        others = [h for h in system if not any(h is one for one in held)]
+        zero = tuple(map(ring.trig_zero_set, others))
+        found = ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
+        if found.samples:
+            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
+        if size == 2:
+            break  # every zero of all is one of these two: those of another two need not be looked for
+    if size == 3:
+        if nowhere(system, ring.moving, work.lengths):
+            return []
+        for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
+            if {place for h in three for place in used(h)} >= places and solvable_in_space(three, ring.moving):
+                work.check()
+                others = [h for h in system if not any(h is one for one in three)]
+                zero = tuple(map(ring.trig_zero_set, others))
+                found = ZeroSet(ring, pins, rest=three, zero=zero, equations=tuple(system))
+                if found.samples:
+                    return [found]
+    base, tops = _tower(ring, system)
+    if tops and len(base) == 2 and len(system) <= most:
+        one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
+        return [*_free_on_top(ring, pins, base, tops, [], most, work), one]
+    work.leave(pins, system)
+    return []
+
+
+_TRIPLES = 3  # of conditions that are tried
+
+
+def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: int) -> list[Polynomial]:
+    """Up to so many conditions, short ones first, each in one variable that the ones before it are not in."""
+    held, tops = {place for f in base for place in used(f)}, list[Polynomial]()
+    waiting = [h for h in sorted(system, key=len) if not any(h is f for f in base)]
+    while len(tops) < count:
+        own = [(h, {p for p in used(h) if p < ring.moving} - held) for h in waiting]
+        top = next(((h, new) for h, new in own if len(new) == 1), None)
+        if top is None:
+            break
+        tops.append(top[0])
+        held |= top[1]
+        waiting = [h for h in waiting if h is not top[0]]
+    return tops
+
+
+def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list[Polynomial]]:
+    """Conditions, and those that are each in a variable which the ones before them are not in."""
+    base, tops = list(system), list[Polynomial]()
+    while len(base) > 2:
+        free = [
+            f for f in base
+            if any(
+                place < ring.moving and not any(g is not f and place in used(g) for g in base) for place in used(f)
+            )
+        ]  # fmt: skip
+        if not free:
+            break
+        top = max(free, key=len)
+        base = [f for f in base if f is not top]
+        tops.insert(0, top)
+    return base, tops
+
+
+def _free_on_top(
+    ring: Ring,
+    pins: dict[int, str],
+    base: list[Polynomial],
+    tops: list[Polynomial],
+    besides: list[Polynomial],
+    most: int,
+    work: Work,
+) -> list[ZeroSet]:
+    """Sets on which a condition holds whatever its own variable is: all its coefficients vanish, and so do others."""
+    found: list[ZeroSet] = []
+    for number, top in enumerate(tops):
+        before = [*base, *tops[:number]]
+        known = {place for f in before for place in used(f)}
+        own = next(place for place in used(top) if place < ring.moving and place not in known)
+        others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
+        found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
+    return found
+
+
+def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
+    """Whether a condition always holds for the arm's own lengths."""
+    if not work.lengths or not any(place >= ring.moving for place in used(f)):
+        return False
+    values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
+    values.update((name, residue(value)) for name, value in work.lengths.items())
+    values.update(roots_at(ring, values.prime))
+    return value_at(ring, f, values) == 0
+
+
+def _distinct(choices: list[list[Atom]]) -> list[dict[Atom, None]]:
+    """Systems that hold an atom of each condition, none of which contains another one or pins a joint at two angles."""
+    systems: list[dict[Atom, None]] = [{}]
+    for choice in choices:
+        longer: list[dict[Atom, None]] = []
+        for system in systems:
+            if any(atom in system for atom in choice):
+                longer.append(system)
+                continue
+            pins = {atom.joint for atom in system if atom.pinned}
+            longer += [{**system, atom: None} for atom in choice if not (atom.pinned and atom.joint in pins)]
+        systems = []
+        for system in sorted(longer, key=len):
+            if not any(other.keys() <= system.keys() for other in systems):
+                systems.append(system)
+    return systems
+
+
+def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
+    """The irreducible components of the points of a set at which a trigonometric polynomial vanishes.
+
+    Where two conditions hold on several sets, those on which it vanishes are told from those that it cuts.
+
+    Args:
+        one: irreducible set, or several.
+        p: trigonometric polynomial.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        `[one]` where p vanishes on all of it; else components of one dimension less, and of several sets also those
+        on which p vanishes, of the same dimension.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    ring = one.ring
+    p = ring.at(p, one.pins)
+    if p == 0:
+        return [one]
+    found = ring.factor(p)
+    for letters, _ in found.letters:
+        work.assume(letters)
+    pieces: list[ZeroSet] = []
+    for atom, _ in found.atoms:
+        if one.several:
+            inside, outside = one.split_by_zero(zero_where(ring, atom), atom.f)
+        else:
+            inside, outside = (None, one)
+        if inside is not None:
+            if atom.pinned:
+                pieces += pinned(one, atom.joint, atom.value, work, one.codimension)
+            else:
+                pieces += [inside]
+        if outside is None:
+            return pieces
+        if atom.pinned:
+            parts = pinned(outside, atom.joint, atom.value, work)
+        else:
+            parts = cut_half(outside, atom.f, work)
+        if parts and parts[0] is one:
+            return [one]
+        pieces += parts
+    return independent(pieces)
+
+
+def meet(one: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> list[ZeroSet]:
+    """The components, of one dimension less, of the points of a set at which several trigonometric polynomials vanish.
+
+    Args:
+        one: irreducible set, or several.
+        polynomials: none of them vanishes on one of the sets.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        Components of all points that satisfy its conditions, in the closure of the set or not.
+    """
+    ring = one.ring
+    conditions = [ring.form(f) for f in (*one.equations, *one.known)]
+    conditions += [ring.to_half(ring.at(p, one.pins)) for p in polynomials]
+    found = decompose(ring, one.pins, conditions, one.codimension + 1 - len(one.pins), work)
+    return [piece for piece in found if piece.codimension == one.codimension + 1]
+
+
+def zero_where(ring: Ring, atom: Atom) -> Polynomial:
+    """A trigonometric polynomial that is zero, over the reals and modulo P, where an atom holds and nowhere else."""
+    if not atom.pinned:
+        return ring.trig_zero_set(atom.f)
+    cosine, sine = COS_SIN[atom.value]
+    return ring.one - ring.c[atom.joint] * cosine - ring.s[atom.joint] * sine
+
+
+def pinned(one: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
+    """The components of a set on which a joint stands at a simple angle.
+
+    Args:
+        one: irreducible set, or several.
+        joint, value: of `atom.SIMPLE`.
+        work: deadline.
+        codimension: of the components; 0 for one more than that of the set.
+    """
+    ring = one.ring
+    if joint in one.pins:
+        if one.pins[joint] == value:
+            return [one]
+        return []
+    if one.stands(joint, value):
+        return [one]
+    conditions = [ring.form(f).at({joint: value}) for f in (*one.equations, *one.known)]
+    codimension = codimension or one.codimension + 1
+    most = codimension - len(one.pins) - 1
+    found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
+    return [piece for piece in found if piece.codimension == codimension]
+
+
+def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
+    """As `cut`, for a half-angle polynomial that does not contain pinned joints."""
+    ring = one.ring
+    form = _normal(one, f)
+    if form.f == 0 or one.half_vanishes(f):
+        return [one]
+    pieces: list[ZeroSet] = []
+    taken = {solved.place for solved in one.solved}
+    for joint, _ in form.at_pi:
+        if joint not in one.pins and ring.index[f"t{joint}"] not in taken:
+            pieces += pinned(one, joint, "pi", work)
+    # where a denominator vanishes, the condition as it was given still binds the solved variable
+    if any(solved.place in used(f) and used(solved.denominator) for solved in one.solved):
+        given = [f]
+    else:
+        given = []
+    for part in factors(ring, form.f, work):
+        cuts = _with(one, part, work)
+        if given:
+            pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts]
+        else:
+            pieces += cuts
+    pieces += _edges(one, work)
+    pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
+    zero = ring.trig_zero_set(f)
+    vanishing = [piece.split_by_zero(zero, f)[0] if piece.several else piece for piece in pieces]
+    return independent([piece for piece in vanishing if piece is not None and piece.half_vanishes(f)])
+
+
+def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
+    """The sets that have points modulo a prime. Those that may be real all the same are noted.
+
+    With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with
+    letters that is a matter of chance.
+    """
+    for piece in pieces:
+        if not piece.samples and not any(without_real_root(f) for f in piece.equations):
+            work.without_points[piece.key] = piece
+    return [piece for piece in pieces if piece.samples]
+
+
+def _with(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
+    """An irreducible set cut by an irreducible polynomial in variables that are still free on it."""
+    ring = one.ring
+    atom = ring.atom(h)
+    if atom.pinned:
+        return pinned(one, atom.joint, atom.value, work)
+    h = atom.f
+    if any(divides(h, solved.denominator) for solved in one.solved):
+        return []  # the solution does not exist there: see `_edges`
+    if not one.rest:
+        solved = linear(ring, h)
+        if solved is not None:
+            factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
+            return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
+        return [replace(one, rest=(h,), equations=(*one.equations, h))]
+    if len(one.rest) > 1:
+        found = _on_top(one, h, work)
+        if found is not None:
+            return found
+    system = [ring.form(f) for f in (*one.equations, *one.known, h)]
+    return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+
+
+def _on_top(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | None:
+    """A set held by unsolved conditions cut by a condition on a variable that they are not in; None for another one.
+
+    It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
+    """
+    ring = one.ring
+    bound = {place for f in one.rest for place in used(f)}
+    own = [place for place in used(h) if place < ring.moving and place not in bound]
+    if not own:
+        return None
+    place = min(own, key=lambda k: int(h.degrees()[k]))
+    parts = coefficients(h, place)
+    system = [*(ring.form(f) for f in (*one.equations, *one.known)), *ring.form(h).coefficients(place)]
+    flat = decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+    kept = [piece for piece in flat if piece.codimension == one.codimension + 1]
+    if len(parts) == 2:
+        solved = Solved(place, -parts[0], parts[1])
+        factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
+        return [*kept, replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
+    return [*kept, replace(one, rest=(*one.rest, h), equations=(*one.equations, h))]
+
+
+def _normal(one: ZeroSet, f: Polynomial) -> Form:
+    """f in the free variables of a set, times denominators; the solved variables do not occur, not even at π."""
+    form = one.ring.form(f)
+    for solved in one.solved:
+        if solved.place < one.ring.angles:
+            counted = form.degrees
+        else:
+            counted = form.f.degrees()
+        if counted[solved.place]:
+            form = put(form, solved)
+    return form
+
+
+def _edges(one: ZeroSet, work: Work) -> list[ZeroSet]:
+    """Components of an irreducible set at which one of its solutions has no denominator: there t_k is ∞, or free."""
+    kept = one.__dict__.get("edges")
+    if kept is not None:
+        return list(kept)
+    ring, found = one.ring, list[ZeroSet]()
+    most = one.codimension + 1 - len(one.pins)
+    for place, solved in enumerate(one.solved):
+        later = replace(one, solved=one.solved[place + 1 :])
+        bottom, top = _normal(later, solved.denominator).f, _normal(later, solved.numerator).f
+        for part in factors(ring, bottom, work) if bottom != 0 else []:
+            work.check()
+            if solved.place < ring.angles:
+                joint = ring.revolute[solved.place]
+                there = [ring.form(f).at({joint: "pi"}) for f in (*one.equations, *one.known, part)]
+                found += decompose(ring, {**one.pins, joint: "pi"}, there, most - 1, work)
+            if top == 0:
+                continue
+            system = (*one.equations, *one.known, part, solved.numerator, solved.denominator)
+            found += decompose(ring, one.pins, [ring.form(f) for f in system], most, work)
+    edges = [piece for piece in independent(found) if piece.codimension == one.codimension + 1]
+    one.__dict__["edges"] = edges  # remembered: a set is cut many times
+    return edges

@@ -1,0 +1,365 @@
+"""Arithmetic modulo a prime: exact ranks at random points, which decide what holds on a whole set.
+
+A polynomial that is not zero on an irreducible set vanishes at a random point of it modulo p with a probability of the
+order degree / p (Schwartz and Zippel), here below 1e-15. With p ≡ 3 mod 4, −1 is not a square: 1 + t² has no zero, as
+over the reals. The primes up to 43 are squares: √2, √3, √5 … exist, as over the reals. Of other roots some exist modulo
+one prime and others modulo the next: a point knows which prime its values are residues of.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+from math import prod
+from typing import Any
+
+from rankdrop.algebra.polynomial import (
+    COS_SIN,
+    PRIMES,
+    ROOTS,
+    TANGENT,
+    Atom,
+    Number,
+    Polynomial,
+    Surd,
+    flint,
+    residues_of_roots,
+    roots_of,
+)
+from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.work import tick
+
+P = PRIMES[0]
+"""The one that is taken first."""
+
+_SHORT = 24  # terms up to which a polynomial is evaluated term by term: a call of the library costs as much
+
+
+class Point(dict[str, int]):
+    """Values modulo a prime of the variables of both rings, by name; t_j is absent where θ_j = π.
+
+    Args:
+        values: by name.
+        prime: out of `PRIMES`.
+    """
+
+    def __init__(self, values: Mapping[str, int] | Iterable[tuple[str, int]] = (), prime: int = P) -> None:
+        super().__init__(values)
+        self.prime = prime
+
+    def changed(self, values: Mapping[str, int]) -> Point:
+        """The point with other values of some variables."""
+        return Point({**self, **values}, self.prime)
+
+
+def modulo(value: Any, prime: int = P) -> int:
+    """A rational number (`flint.fmpq`) modulo a prime."""
+    bottom = int(value.q)
+    top = int(value.p) % prime
+    if bottom == 1:
+        return top
+    return top * pow(bottom, -1, prime) % prime
+
+
+def residue(value: Number, prime: int = P) -> int:
+    """An exact number modulo a prime."""
+    if isinstance(value, Surd):
+        roots = residues_of_roots(tuple(roots_of([value])), prime) or {}
+        return sum(residue(part, prime) * prod(roots[name] for name in names) for names, part in value.terms) % prime
+    return value.numerator % prime * pow(value.denominator, -1, prime) % prime
+
+
+def roots_at(ring: Ring, prime: int) -> dict[str, int]:
+    """Values of the roots of a ring modulo one of its primes."""
+    found = residues_of_roots(tuple(name for name in ring.letters if name in ROOTS), prime)
+    if found is None:
+        raise AssertionError("a ring takes its points modulo primes with its roots")
+    return found
+
+
+def reduced(f: Polynomial, prime: int = P) -> Polynomial:
+    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables)."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
+    return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
+
+
+Terms = list[tuple[int, list[tuple[str, int]]]]
+"""Coefficient modulo a prime, and (variable, power) of each variable that occurs, of each term."""
+Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
+"""A polynomial, so that its id is no other one's, `reduced`, names of the variables, and the terms of a short one."""
+
+
+def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
+    key = (id(f), prime)
+    known: Image | None = ring.images.get(key)
+    if known is None:
+        image, names = reduced(f, prime), tuple(f.context().names())
+        short: Terms = []
+        if len(f) <= _SHORT:
+            short = [
+                (int(value), [(name, int(power)) for name, power in zip(names, powers, strict=True) if power])
+                for powers, value in image.to_dict().items()
+            ]
+        known = ring.images.keep(key, (f, image, names, short), len(f))
+    return known
+
+
+def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
+    """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
+    tick(3 + 0.12 * len(f))
+    prime = point.prime
+    _, image, names, short = _image(ring, f, prime)
+    if not short:
+        return int(image(*[point.get(name, 0) for name in names]))
+    total = 0
+    for value, powers in short:
+        for name, power in powers:
+            x = point.get(name, 0)
+            value = value * (x if power == 1 else pow(x, power, prime)) % prime
+        total += value
+    return total % prime
+
+
+def residues(
+    ring: Ring, columns: Sequence[Sequence[Polynomial]], points: Sequence[Point]
+) -> list[tuple[list[list[int]], int]]:
+    """A matrix at each of the points, and the prime that its entries are modulo."""
+    return [
+        ([[0 if x.is_zero() else value_at(ring, x, point) for x in column] for column in columns], point.prime)
+        for point in points
+    ]
+
+
+def univariate(ring: Ring, f: Polynomial, name: str, point: Point) -> list[int]:
+    """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
+    put, names = _put(ring, f, (name,), point)
+    return dense(put, names.index(name))
+
+
+def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Point) -> Polynomial:
+    """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
+    return slice_at(ring, f, (one, two), point)
+
+
+def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: Point) -> Polynomial:
+    """f as a polynomial in two or three variables modulo the prime of a point (`flint.nmod_mpoly` in x, y, z)."""
+    put, names = _put(ring, f, moving, point)
+    places = [names.index(name) for name in moving]
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list("xyz"[: len(moving)]), point.prime, module.Ordering.lex)
+    return context.from_dict({tuple(int(e[k]) for k in places): int(value) for e, value in put.to_dict().items()})
+
+
+def _put(
+    ring: Ring, f: Polynomial, left: Sequence[str], point: Point
+) -> tuple[Polynomial, tuple[str, ...]]:
+    """f modulo the prime with every variable but those left at a point, and the names of its variables."""
+    tick(10 + len(f))
+    _, image, names, _ = _image(ring, f, point.prime)
+    return image.subs({name: point[name] for name in names if name not in left and name in point}), names
+
+
+def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
+    """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
+    degrees = f.degrees()
+    far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
+    return value_at(ring, ring.form(f).at(far).f if far else f, point)
+
+
+def stands(point: Point, joint: int, value: str) -> bool:
+    """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
+    cosine, sine = COS_SIN[value]
+    prime = point.prime
+    return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % prime, sine % prime)
+
+
+def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
+    """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
+    if not isinstance(f, Atom):
+        return value_at(ring, f, point) == 0
+    if f.pinned:
+        return stands(point, f.joint, f.value)
+    return half_angle_value(ring, f.f, point) == 0
+
+
+def roots(values: Sequence[int], prime: int = P) -> list[int]:
+    """Zeros modulo a prime of a polynomial in one variable, coefficients from power 0 up; none where it is zero."""
+    kept = list(values)
+    while kept and kept[-1] % prime == 0:
+        kept.pop()
+    if len(kept) < 2:
+        return []
+    if len(kept) == 2:
+        return [-kept[0] * pow(kept[1], -1, prime) % prime]
+    tick(20 * len(kept))
+    return [int(root) for root, _ in flint().nmod_poly(kept, prime).roots()]
+
+
+def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
+    """All common zeros (x, y) of two polynomials from `bivariate`; none where they have a common factor."""
+    if f == 0 or g == 0:
+        return
+    eliminated = f.resultant(g, "x")
+    tick(100 + 3 * len(f) * len(g))
+    if eliminated == 0:
+        return
+    module, prime = flint(), int(f.context().modulus())
+    for y in roots(dense(eliminated, 1), prime):
+        one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
+        for x in roots([int(value) for value in one.gcd(two).coeffs()], prime):
+            yield x, y
+
+
+_LARGEST = 400  # terms that a resultant of three conditions on the way to their zeros may have
+
+
+def plane_size(f: Polynomial, g: Polynomial, place: int) -> int:
+    """Number of terms that the resultant of two polynomials in one of three variables may have."""
+    one, two = (list(map(int, h.degrees())) for h in (f, g))
+    others = [k for k in range(len(one)) if k != place]
+    return prod(1 + one[k] * two[place] + two[k] * one[place] for k in others)
+
+
+def solvable_in_space(conditions: Sequence[Polynomial], moving: int) -> bool:
+    """Whether three conditions have zeros that `zeros_in_space` finds in short time, whichever three of the first so
+    many variables they are solved for.
+    """
+    places = sorted({k for f in conditions for k, d in enumerate(f.degrees()[:moving]) if d})
+    degrees = [list(map(int, f.degrees())) for f in conditions]
+    for chosen in combinations(places, 3):
+        here = [[d[k] for k in chosen] for d in degrees]
+        best = min(_work_in_space(here, place) for place in range(3))
+        if best > _LARGEST:
+            return False
+    return True
+
+
+def _work_in_space(degrees: Sequence[Sequence[int]], place: int) -> int:
+    """Terms of the longest resultant where three polynomials of these degrees are solved after one variable is
+    eliminated.
+    """
+    inside = sorted((d for d in degrees if d[place]), key=lambda d: d[place])
+    return max((prod(1 + inside[0][k] * d[place] + d[k] * inside[0][place] for k in range(3) if k != place)
+                for d in inside[1:]), default=0)  # fmt: skip
+
+
+def zeros_in_space(conditions: Sequence[Polynomial]) -> list[tuple[int, ...]] | None:
+    """All common zeros (x, y, z) of three polynomials modulo a prime (`flint.nmod_mpoly` in x, y, z).
+
+    Returns:
+        None where they are not isolated as far as is seen, or would take too long.
+    """
+    if any(f == 0 for f in conditions):
+        return None
+    degrees = [list(map(int, f.degrees())) for f in conditions]
+    for place in sorted(range(3), key=lambda k: (sum(d[k] > 0 for d in degrees), max(d[k] for d in degrees))):
+        inside = sorted((f for f in conditions if f.degrees()[place]), key=lambda f: (int(f.degrees()[place]), len(f)))
+        outside = [f for f in conditions if not f.degrees()[place]]
+        if not inside:
+            continue
+        if any(plane_size(inside[0], f, place) > _LARGEST for f in inside[1:]):
+            continue
+        for f in inside[1:]:
+            tick(200 + 5 * plane_size(inside[0], f, place))
+        name = "xyz"[place]
+        outside += [inside[0].resultant(f, name) for f in inside[1:]]
+        zeros = _zeros_in_plane(outside, place)
+        if zeros is None:
+            found = None
+        else:
+            found = _lines_through(conditions, inside, zeros, place)
+        if found is not None:
+            return found
+    return None
+
+
+def _zeros_in_plane(pair: Sequence[Polynomial], without: int) -> list[tuple[int, int]] | None:
+    """The common zeros of two polynomials in two of x, y, z; None where they have a common factor."""
+    one, two = pair
+    if one == 0 or two == 0:
+        return None
+    module, prime = flint(), int(one.context().modulus())
+    context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
+    f, g = (
+        context.from_dict({tuple(int(x) for k, x in enumerate(e) if k != without): int(c)
+                           for e, c in h.to_dict().items()})
+        for h in (one, two)
+    )  # fmt: skip
+    if not f.gcd(g).is_constant():
+        return None
+    return list(common_zeros(f, g))
+
+
+def _lines_through(
+    conditions: Sequence[Polynomial], inside: Sequence[Polynomial], zeros: Sequence[tuple[int, int]], place: int
+) -> list[tuple[int, ...]] | None:
+    """Zeros in space above zeros in the plane; None where a whole line is one."""
+    module, found = flint(), list[tuple[int, ...]]()
+    for a, b in zeros:
+        values = iter((a, b))
+        there = {"xyz"[k]: next(values) for k in range(3) if k != place}
+        prime = int(inside[0].context().modulus())
+        lines = [module.nmod_poly(dense(f.subs(there), place), prime) for f in inside]
+        lines = [line for line in lines if line.degree() >= 0]
+        if not lines:
+            return None
+        common = lines[0]
+        for line in lines[1:]:
+            common = common.gcd(line)
+        for x in roots([int(value) for value in common.coeffs()], prime):
+            point = {**there, "xyz"[place]: x}
+            if all(int(f(*(point[name] for name in "xyz"))) == 0 for f in conditions):
+                found.append((point["x"], point["y"], point["z"]))
+    return found
+
+
+def dense(f: Polynomial, place: int) -> list[int]:
+    """Coefficients from power 0 up of a polynomial modulo a prime (`flint.nmod_mpoly`) in one variable."""
+    parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
+    return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
+
+
+def rank(rows: Sequence[Sequence[int]], prime: int = P) -> int:
+    """Rank modulo a prime of a matrix of residues."""
+    if not rows or not rows[0]:
+        return 0
+    tick(15)
+    return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], prime).rank())
+
+
+def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | None:
+    """Add sines and cosines to values of t_j, q_j and lengths, modulo their prime; None where 1 + t_j² = 0, which does
+    not happen.
+
+    Args:
+        ring: of the variables.
+        tangents: value of every variable of the half-angle ring that is not pinned.
+        pins: joints at simple angles.
+    """
+    prime = tangents.prime
+    point = Point(tangents, prime)
+    point.update(roots_at(ring, prime))
+    for j in ring.revolute:
+        if j in pins:
+            cosine, sine = COS_SIN[pins[j]]
+            if pins[j] != "pi":
+                point[f"t{j}"] = TANGENT[pins[j]] % prime
+            else:
+                point.pop(f"t{j}", None)
+        else:
+            t = point[f"t{j}"]
+            if (1 + t * t) % prime == 0:
+                return None
+            inverse = pow(1 + t * t, -1, prime)
+            cosine, sine = (1 - t * t) * inverse, 2 * t * inverse
+        point[f"c{j}"], point[f"s{j}"] = cosine % prime, sine % prime
+    return point
+
+
+def random_point(ring: Ring, rng: random.Random) -> Point:
+    """A random point of the whole joint space modulo P, lengths random too."""
+    point = complete(ring, Point({name: rng.randrange(1, P) for name in ring.names}), {})
+    assert point is not None  # −1 is not a square modulo P
+    return point

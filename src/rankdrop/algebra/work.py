@@ -1,0 +1,169 @@
+"""What a derivation carries along: the clock of its work, its limits, random points, what it had to assume.
+
+The clock ticks with the work done, not with time: what a derivation finds does not depend on the machine's load. Every
+costly step says what it costs: terms read, terms written, degrees. The unit is a microsecond, roughly, of one core of
+2020 that does nothing else; within a factor of two or three the clock agrees with the time.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+from math import inf
+from time import process_time
+from typing import Any
+
+from rankdrop.algebra.polynomial import OutOfTime as OutOfTime
+from rankdrop.algebra.polynomial import Polynomial, is_number, primitive
+from rankdrop.algebra.polynomial import TooLong as TooLong
+from rankdrop.algebra.polynomial import watched as watched
+
+_spent = 0.0
+
+
+def tick(microseconds: float) -> None:
+    """Count a step that takes so long on an idle machine [µs]."""
+    global _spent  # one derivation runs at a time in a process: readers only ever look at differences
+    _spent += microseconds
+
+
+def spent() -> float:
+    """The work done since the process began [s of an idle machine]."""
+    return _spent * 1e-6
+
+
+def failure(error: BaseException) -> str:
+    """What ended a derivation: the limit that was met, or the error, in words."""
+    if isinstance(error, OutOfTime):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
+
+
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)"""
+GRACE = 5.0
+"""Time left after the user has asked to stop [s]."""
+
+
+SLOWER = 2.0
+"""Seconds of the processor's time for each second of work: a machine so many times slower finds the same, and so does a
+busy one."""
+
+
+class Work:
+    """One derivation in progress.
+
+    Args:
+        seconds: limit on work from now on, by `spent`; infinity for none. `SLOWER` times as much of the
+            processor's time.
+        seed: of the random points.
+        progress: called now and then as progress(label, done, total).
+
+    Attributes:
+        seed: of the random points.
+        rng: source of random numbers.
+        limited: a limit on work or on the processor's time was met: with a longer one more is derived.
+        interrupted: the user has asked to stop; only what was found is put in order.
+        unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
+        without_points: sets (`ZeroSet`, by their key) without a point modulo the prime, though they may be real.
+        assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
+        lengths: of the arm at hand, for letters: what is said not to be there is shown for these.
+        special: conditions are dependent for these lengths that are not for general ones: what holds for general
+            lengths says nothing of this arm.
+    """
+
+    def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
+        self._end = spent() + seconds
+        self._last = process_time() + SLOWER * seconds
+        self.seed = seed
+        self._progress = progress
+        self.rng = random.Random(seed)
+        self.assumed: dict[str, Polynomial] = {}
+        self.unresolved: list[str] = []
+        self.without_points: dict[str, Any] = {}
+        self.lengths: Mapping[str, Fraction] = {}
+        self.special = False
+        self.interrupted = False
+        self.limited = False
+
+    def check(self) -> None:
+        """Call this in every loop that may be long.
+
+        Raises:
+            OutOfTime: the limit has passed.
+        """
+        if spent() > self._end:
+            self.limited = True
+            raise OutOfTime
+        if process_time() > self._last:
+            self.limited = True
+            raise OutOfTime("the processor's time ran out")
+
+    def show(self, label: str, done: int, total: int) -> None:
+        """Tell how far the derivation is."""
+        if self._progress is not None:
+            self._progress(label, done, total)
+
+    @contextmanager
+    def share(self, part: float) -> Iterator[None]:
+        """Until the end of the block the limit is this part of the work that is left."""
+        end = self._end
+        if part >= 1.0:
+            self._end = end
+        else:
+            self._end = spent() + part * self.left
+        try:
+            yield
+        finally:
+            self._end = end
+
+    @contextmanager
+    def attempt(self, seconds: float) -> Iterator[Callable[[], None]]:
+        """Until the end of the block the limit is so much work; the function given undoes what was noted in it."""
+        noted = list(self.unresolved), dict(self.without_points), dict(self.assumed), self.special, self.limited
+        end = self._end
+        self._end = min(end, spent() + seconds)
+
+        def undo() -> None:
+            self.unresolved, self.without_points, self.assumed = list(noted[0]), dict(noted[1]), dict(noted[2])
+            self.special, self.limited = noted[3:]
+
+        try:
+            yield undo
+        finally:
+            self._end = end
+
+    def again(self) -> Work:
+        """A derivation begun anew, with the same limits."""
+        new = Work(self.left, self.seed, self._progress)
+        new._last = self._last
+        return new
+
+    def interrupt(self) -> None:
+        """Stop: `GRACE` is left to put in order what was found."""
+        self.interrupted = True
+        self._last = min(self._last, process_time() + GRACE)
+
+    @property
+    def left(self) -> float:
+        """Work until the limit [s]."""
+        return self._end - spent()
+
+    @property
+    def time_left(self) -> float:
+        """Time until the outermost limit [s]."""
+        return self._last - process_time()
+
+    def assume(self, f: Polynomial) -> None:
+        """Keep a factor in lengths alone as assumed ≠ 0."""
+        f = primitive(f)
+        if not is_number(f):
+            self.assumed.setdefault(str(f), f)
+
+    def leave(self, pins: Mapping[int, str], system: Sequence[Polynomial]) -> None:
+        """Keep a system that could not be taken apart."""
+        self.unresolved.append(
+            "; ".join([*(f"θ{j} = {value}" for j, value in pins.items()), *(f"{f} = 0" for f in system)])
+        )

@@ -1,5 +1,0 @@
-"""Proofs: balls, coverings, certificates as files, and their checker."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,5 @@
+"""Coverings of the joint space: boxes, balls and speeds that are proven; certificates as files."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

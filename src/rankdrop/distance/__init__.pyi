@@ -1,0 +1,10 @@
+from .distance import Distances as Distances
+from .distance import distances as distances
+from .distance import family_distances as family_distances
+from .monitor import Monitor as Monitor
+from .monitor import Sighting as Sighting
+from .share import NearShare as NearShare
+from .share import slow_share as slow_share
+from .tolerant import most_tolerant as most_tolerant
+from .workspaces import Workspace as Workspace
+from .workspaces import workspace as workspace

@@ -1,0 +1,395 @@
+"""Names of singularity families, from the geometry of the axes at sample points; never from the arm's name.
+
+And the motions that a family takes away, as directions.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.families.facts import Fact, Structure, candidate_facts, structure_of
+from rankdrop.families.lost import LostFreedom, freedoms_at_witness, freedoms_of
+from rankdrop.families.name import (
+    ArmPart,
+    Detail,
+    FamilyName,
+    Geometry,
+    JointValues,
+    LowRank,
+    Shorter,
+    Variable,
+    is_right,
+)
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.axes import Common, Scene, dependence_of, line_meets_all, to_blame
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.directions import lost_directions, lost_over_family
+from rankdrop.problem import Problem
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import wrapped
+from rankdrop.task import Task
+from rankdrop.units import as_given
+
+
+def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[LostFreedom, ...]]:
+    """Lost directions at a configuration in the task's frame, and as the freedoms that the family takes away.
+
+    These are for the whole family where some frame of the chain sees the same directions at all its points; else they
+    are for the configuration, in the frame where they are sparsest.
+
+    Args:
+        problem: the arm, and the corank of the family.
+        at: (n,) a configuration on the family, of exactly its corank.
+        points: (N, n) others.
+    """
+    robot, task, corank = problem.robot, problem.task, problem.corank
+    directions = lost_directions(robot, at, task, corank)
+    steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)
+    if steady is not None:
+        return directions, freedoms_of(robot, steady, everywhere=True)
+    return directions, freedoms_at_witness(robot, at, task, corank)
+
+
+_POINTS = 12  # sample points looked at
+_AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
+_LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
+
+
+def name_family(
+    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[int] = (), *, coupled: Sequence[int] | None = None
+) -> FamilyName:
+    """The name of a family of singular configurations.
+
+    1. Joints that matter: those whose motion alone raises the rank at the samples, and the pinned ones.
+    2. Facts about the axes that hold at every sample but not at every configuration (`candidate_facts`), the most
+       telling first, are taken until each joint that matters breaks one of them when it moves. In an arm without
+       redundancy facts that cost rank by themselves come first, and have to add up to the corank.
+    3. Facts that concern the shoulder, the elbow or the wrist give the name its first words.
+    4. What the facts leave open: joints that other conditions bind ("with a condition on θ3–θ6"), and values that tell
+       the posture: those that are no simple angles, and those of joints that break none of the facts. Without any fact:
+       "all axes meet one line" where the blocked wrench is a pure force, else the smallest dependent sets of joint
+       screws ("screws 2–6 dependent").
+
+    What a name states is true at every sample point. Names are not unique, and may be long:
+    `distinct_names` mends both.
+
+    Args:
+        robot: the arm.
+        task: the rows that matter.
+        points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are looked
+            at, all of them for the values of single joints.
+        pinned: numbers of the family's pinned joints, if known.
+        coupled: numbers of the joints that conditions bind beside the pinned ones; None: not known, not told.
+
+    Raises:
+        ConfigurationError: no points, the wrong shape, or points that are not singular.
+    """
+    q = np.asarray(points, dtype=np.float64)
+    if q.ndim != 2 or q.shape[0] == 0 or q.shape[1] != robot.n or not np.isfinite(q).all():
+        raise ConfigurationError("points of a family are needed", got=q.shape, allowed=f"(N, {robot.n}), N ≥ 1, finite")
+    scene = Scene(robot, q[:_POINTS])
+    generic = generic_rank(robot, task)
+    corank = generic - int((singular_values(robot, scene.q, task)[:, :generic] > _LOST).sum(axis=1).max())
+    if corank == 0:
+        raise ConfigurationError("these points are not all singular", mend="polish them, or drop the regular ones")
+    structure = structure_of(robot, task, generic)
+    matter = _joints_that_matter(scene, task, generic - corank) | {number - 1 for number in pinned}
+    facts, covered = _explain(structure, scene, matter, corank)
+    if facts:
+        name = _compose(facts, structure.tight, corank)
+        if coupled is None:
+            return name
+        return _with_open_joints(name, robot, q, matter - covered, pinned, coupled)
+    return _systematic(scene, structure, task, corank, generic)
+
+
+_FEW = 2  # values of one joint that a name lists
+_ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
+
+
+def _with_open_joints(
+    name: FamilyName, robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], coupled: Sequence[int]
+) -> FamilyName:
+    """The name with what its facts leave open: joints with a condition, and values that tell the posture.
+
+    Args:
+        name: with its facts.
+        robot: the arm.
+        q: (N, n) points of the family.
+        uncovered: joints (from 0) that matter and break none of the facts.
+        pinned, coupled: numbers of joints.
+    """
+    bound = sorted({*(number - 1 for number in (*pinned, *coupled)), *uncovered})
+    values = {j: _values(q[:, j], turns=bool(robot.periodic[j])) for j in bound}
+    few = {j: one for j, one in values.items() if len(one) <= _FEW}
+    varying = [j for j in bound if j not in few]
+    if uncovered & set(varying):
+        conditions = tuple(_variable(robot, j) for j in varying)
+    else:
+        conditions = ()
+    told = tuple(
+        JointValues(_variable(robot, j), tuple(_as_given(robot, j, x) for x in one))
+        for j, one in few.items() if j in uncovered or not all(map(is_right, one))
+    )  # fmt: skip
+    return replace(name, bound=conditions, values=told)
+
+
+def _values(column: Array, *, turns: bool) -> list[float]:
+    """The different values of one joint, sorted; angles in (−π, π]."""
+    found: list[float] = []
+    for value in np.pi - np.mod(np.pi - column, 2 * np.pi) if turns else column:
+        off = (value - other for other in found)
+        if all(abs(wrapped(x) if turns else x) > _ONE for x in off):
+            found.append(float(value))
+        if len(found) > _FEW:
+            break
+    return sorted(found)
+
+
+def _slides(robot: Robot, joint: int) -> bool:
+    return robot.variables[joint].unit != "rad"
+
+
+def _variable(robot: Robot, joint: int) -> Variable:
+    return Variable(joint + 1, _slides(robot, joint))
+
+
+def _as_given(robot: Robot, joint: int, value: float) -> float:
+    """A value in the unit that the arm was given in."""
+    if _slides(robot, joint):
+        return float(as_given(robot, np.eye(robot.n)[joint] * value)[joint])
+    return value
+
+
+def _joints_that_matter(scene: Scene, task: Task, rank: int) -> set[int]:
+    """Joints whose motion alone raises the rank at more than half of the samples."""
+    matter = set()
+    for joint in range(scene.robot.n):
+        sigma = singular_values(scene.robot, scene.moved(joint, _AWAY).q, task)[:, rank]
+        if np.mean(sigma > _LOST) > 0.5:
+            matter.add(joint)
+    return matter
+
+
+def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) -> tuple[list[Fact], set[int]]:
+    """Facts of the family, and the joints each of which breaks one of them.
+
+    Without redundancy the facts have to cost as much rank as is lost; else none is claimed.
+    """
+    true = [f for f in candidate_facts(structure, scene) if f.holds(scene).all() and not structure.always(f.holds)]
+    breaking = [{j for j in matter if not f.holds(scene.moved(j, _AWAY)).all()} for f in true]
+    if structure.tight:
+        chosen = _losing(true, breaking, corank)
+    else:
+        chosen = []
+    if structure.tight and sum(true[i].losses for i in chosen) < corank:
+        return [], set()
+    covered = {j for i in chosen for j in breaking[i]}
+    for i in range(len(true)):
+        if i not in chosen and breaking[i] - covered:
+            chosen.append(i)
+            covered |= breaking[i]
+    return [true[i] for i in chosen], covered
+
+
+def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) -> list[int]:
+    """Numbers of facts that cost rank by themselves, until as much is lost as the corank says."""
+    chosen: list[int] = []
+    covered: set[int] = set()
+    for i, fact in enumerate(facts):
+        short = sum(facts[j].losses for j in chosen) < corank
+        if fact.losses and short and (breaking[i] - covered or (fact.roles and breaking[i])):
+            chosen.append(i)
+            covered |= breaking[i]
+    return chosen
+
+
+def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> FamilyName:
+    """Parts and details; the parts are `independent` where each of several facts is one part's own."""
+    named = {role for fact in facts for role in fact.roles}
+    parts = tuple(part for part in ArmPart if part in named)
+    if tight and corank > 1 and len(parts) == corank:
+        return FamilyName(parts, True, _details([fact for fact in facts if len(fact.roles) != 1]))
+    return FamilyName(parts, False, _details(facts))
+
+
+def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
+    """The facts as a name lists them; the first in full, later relations in brief."""
+    own = [(fact, fact.detail) for fact in facts if fact.detail is not None]
+    parallel = _parallel_to_bundles(facts, [fact for fact, _ in own])
+    if len(own) < len(facts):  # the word "elbow" says it
+        own = [
+            (fact, detail) for fact, detail in own
+            if fact.roles != (ArmPart.ELBOW,) or fact.geometry is Geometry.NEARLY_STRETCHED
+        ]  # fmt: skip
+    details = [detail for fact, detail in own if fact.roles]
+    details += [*_aligned(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
+    relations = _relations(facts, {fact.joints for fact, _ in own})
+    if relations and not details:
+        first = relations.pop(0)
+        details.append(Detail(first.geometry, (first.joints,)))
+    details += [Detail(fact.geometry, (fact.joints,), brief=True) for fact in relations]
+    return tuple(details)
+
+
+def _aligned(facts: Sequence[Fact]) -> list[Detail]:
+    groups = tuple(fact.joints for fact in facts if fact.geometry is Geometry.ALIGNED)
+    if groups:
+        return [Detail(Geometry.ALIGNED, groups)]
+    return []
+
+
+def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
+    """What is parallel, then what is perpendicular, but for joints of which more is told."""
+    kinds = (Geometry.PARALLEL, Geometry.PERPENDICULAR)
+    return [fact for kind in kinds for fact in facts if fact.geometry is kind and fact.joints not in told]
+
+
+def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[Detail]:
+    """Axes parallel to a bundle, bundle by bundle, but for what other facts tell."""
+    firsts: dict[tuple[int, ...], list[int]] = {}
+    for first, *bundle in (fact.joints for fact in facts if fact.geometry is Geometry.AGAINST):
+        if not any({first, *bundle} <= set(other.joints) for other in own):
+            firsts.setdefault(tuple(bundle), []).append(first)
+    return [Detail(Geometry.AGAINST, (tuple(first), bundle)) for bundle, first in firsts.items()]
+
+
+_PATTERNLESS = (Common.DEPENDENT_SCREWS, Common.DEPENDENT_JOINTS)
+
+
+def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> FamilyName:
+    """A name from the smallest dependent sets of joint screws."""
+    usual = task_jacobian(scene.robot, structure.scene.q, task)
+    blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
+    found = tuple(dependence_of(scene, circuit, task) for circuit in blame)
+    if len(blame) == corank and all(one.common not in _PATTERNLESS for one in found):
+        return FamilyName(details=found)
+    if corank == 1 and generic == task.m and line_meets_all(scene, task):
+        if structure.tip_is_centre:
+            return FamilyName(details=(Detail(Geometry.LINE_THROUGH_TIP),))
+        return FamilyName(details=(Detail(Geometry.LINE_MEETS_ALL),))
+    if len(blame) == corank and (structure.tight or min(len(circuit) for circuit in blame) < generic):
+        return FamilyName(details=found)
+    return FamilyName(details=(LowRank(scene.robot.n, generic - corank, task.m == 6),))
+
+
+_SHORT = 24  # characters of a condition that stands in a name
+
+
+def distinct_names(
+    names: Sequence[FamilyName], conditions: Sequence[Callable[[], Sequence[str]]]
+) -> list[FamilyName]:
+    """Names made unique: of those with the same words each gets the first short condition that only it has; then short.
+
+    Args:
+        names: of the families of one corank, in their order.
+        conditions: of each, how to get its conditions for people; asked where it is needed only.
+
+    Returns:
+        The names; where no short condition tells them apart they are counted: "wrist (second)".
+
+    Example:
+        >>> from rankdrop.families.name import ArmPart
+        >>> elbow, wrist = FamilyName((ArmPart.ELBOW,)), FamilyName((ArmPart.WRIST,))
+        >>> found = distinct_names([elbow, wrist, elbow], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
+        >>> [str(name) for name in found]
+        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
+    """
+    result = list(names)
+    words = [str(name) for name in names]
+    for same, count in Counter(words).items():
+        if count == 1:
+            continue
+        places = [place for place, other in enumerate(words) if other == same]
+        texts = [conditions[place]() for place in places]
+        for number, place in enumerate(places):
+            others = {text for k, one in enumerate(texts) if k != number for text in one}
+            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
+            if own:
+                result[place] = replace(names[place], condition=own[0])
+            else:
+                result[place] = replace(names[place], ordinal=number + 1)
+    return shortened(result)
+
+
+LONGEST = 60
+"""Characters that a name should have at most."""
+
+
+def shortened(names: Sequence[FamilyName]) -> list[FamilyName]:
+    """Names of at most `LONGEST` characters that stay different; shorter ones keep every word.
+
+    A long one gives up as little as it must: first the way its values are written, then relations of single axes, then
+    other details and values. The part of the arm is always told. One that cannot be that short is the shortest that no
+    other has.
+    """
+    result = list(names)
+    words = [str(name) for name in names]
+    for place, name in enumerate(names):
+        if len(words[place]) > LONGEST:
+            others = {*words[:place], *words[place + 1 :]}
+            best = name
+            for tried in _shorter(name):
+                text = str(tried)
+                if text not in others:
+                    if best is name or len(text) < len(words[place]):
+                        best, words[place] = tried, text
+                    if len(text) <= LONGEST:
+                        break
+            result[place] = best
+    return result
+
+
+_COSTS = {
+    Shorter.PLUS_MINUS: 1, Shorter.STRETCHED: 2, Shorter.CONDITION_WITHOUT_WITH: 4, Shorter.FIRST_OF_TWO: 8,
+    Shorter.WHOLE_DEGREES: 12, Shorter.CONDITION_WITHOUT_JOINTS: 14,
+}  # fmt: skip
+_RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
+"""Cost of leaving out "4 ⟂ 6", another fact, a value, and that there is a condition."""
+
+
+def _shorter(name: FamilyName) -> Iterator[FamilyName]:
+    """What a name may become, what it loses least by first."""
+    costs = [_RELATION if isinstance(one, Detail) and one.brief else _FACT for one in name.details]
+    costs += [_BOUND] * bool(name.bound)
+    marks = (name.condition != "") + (name.ordinal > 0 and not name.values)  # a number goes with the value before it
+    many = len(name.values) + marks
+    choices = []
+    for kept, told in product(_subsets(costs, bool(name.parts)), range(many + 1)):
+        lost = sum(cost for place, cost in enumerate(costs) if place not in kept) + _VALUE * (many - told)
+        for chosen in product((False, True), repeat=len(_COSTS)):
+            spent = sum(price for price, wanted in zip(_COSTS.values(), chosen, strict=True) if wanted)
+            choices.append((lost + spent, kept, told, chosen))
+    for _, kept, told, chosen in sorted(choices, key=lambda one: one[0]):
+        shorter = Shorter.NOTHING
+        for flag, wanted in zip(_COSTS, chosen, strict=True):
+            if wanted:
+                shorter |= flag
+        yield replace(
+            name,
+            details=tuple(one for place, one in enumerate(name.details) if place in kept),
+            bound=name.bound if len(name.details) in kept else (),
+            values=name.values[:told],
+            condition=name.condition if told > len(name.values) else "",
+            ordinal=name.ordinal if told == many else 0,
+            shorter=shorter,
+        )
+
+
+_MANY = 6  # details of which every choice is tried
+
+
+def _subsets(costs: Sequence[int], parted: bool) -> list[tuple[int, ...]]:
+    """Which details may be kept, in their order: with a fact, if there is one; none where a part of the arm is told."""
+    count = len(costs)
+    every = range(2**count) if count <= _MANY else [2**first - 1 for first in range(count + 1)]
+    chosen = [tuple(i for i in range(count) if number >> i & 1) for number in every]
+    facts = {i for i, cost in enumerate(costs) if cost == _FACT} or set(range(count))
+    return [one for one in chosen if facts & set(one) or (parted and not one)]

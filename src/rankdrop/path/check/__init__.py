@@ -1,0 +1,1 @@
+"""Paths proven free between their samples; what happens where they are not."""

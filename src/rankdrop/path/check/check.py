@@ -1,0 +1,606 @@
+"""`check_path`: does a path reach a singularity between its samples, come too near to one, or break a joint limit?
+
+`check_poses`: straight moves between poses of the tip, through the arm's own inverse kinematics.
+
+The tip goes straight from pose to pose and turns about one axis, as a linear move of a controller does. Joint values
+are solved along this curve on one branch (`motion.inverse`), at rows so close that the joints, going straight between
+them, are proven to keep the tip within a tolerance of the curve (`Aim.deviation`). That joint path is checked as any
+other (`check_path`), with the joint rates of the curve itself at both ends of every piece. Where the branch ends, the
+part up to there is checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.cover.setting import settings_for
+from rankdrop.errors import ConfigurationError, OptionError, TaskError
+from rankdrop.kinematics import check_robot, configurations
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.local.pointing import asked_task
+from rankdrop.local.posture import by_habit
+from rankdrop.options import takes
+from rankdrop.path.check.certificate import margin
+from rankdrop.path.check.follow import Followed, ToolBranch, follow
+from rankdrop.path.check.prove import prove
+from rankdrop.path.check.record import (
+    CROSSING,
+    FREE,
+    NOT_FOLLOWED,
+    OUTSIDE,
+    TOO_FAST,
+    TOO_NEAR,
+    TOUCHING,
+    UNDECIDED,
+    VERDICTS,
+    GivenPoses,
+    PathCheck,
+    Remark,
+    Stretch,
+    Verdict,
+    Violation,
+)
+from rankdrop.path.check.survey import Survey, crossings
+from rankdrop.path.check.tool_line import half_turns, poses_at
+from rankdrop.path.curve import Curve, curve
+from rankdrop.path.read.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
+from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
+from rankdrop.poses.inverse import Aim, apart, distinct, near_and_within
+from rankdrop.poses.postures import posture_names
+from rankdrop.problem import whole_turns
+from rankdrop.questions import PathOptions
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation import known_families
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
+from rankdrop.robot.transform import as_numbers
+from rankdrop.task import Task, resolve_task
+from rankdrop.text.paths import degrees_advice, reading_remarks
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres, task_in_metres
+
+MOST_POSES, MOST_BRANCHES = 300, 16
+"""Of a tool path whose branches are all followed."""
+_AT_ONE = 1e-5  # σ_r of a row below which it counts as singular: a pose there is reached to half the digits only
+_FOR_BRANCH = 50_000  # enclosures of the proof of one of the other branches
+_EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
+_NEAR_START = 0.5  # a start so far from where Newton's method ends may belong to another branch [rad]
+STARTS = 512
+"""Random configurations, and the one nearest to zero, that solutions at the first pose are searched from."""
+_SAME = 1e-4  # solutions nearer to each other are one [rad]
+
+
+@takes(PathOptions)
+def check_path(
+    robot: Robot,
+    q: ArrayLike,
+    t: ArrayLike | None = None,
+    *,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
+    task: Task | str | None = None,
+    analysis: Analysis | None = None,
+    options: PathOptions | None = None,
+    tolerances: Tolerances = DEFAULT,
+    progress: Callable[[int, int], None] | None = None,
+    **given: Any,
+) -> PathCheck:
+    """Check a path at every one of its points, between its samples too.
+
+    Nothing is sampled: boxes and curves are enclosed (`motion.prove`), and halved until every piece of the path is
+    proven free or so narrow that double precision decides. The rest is decided by signs (`motion.survey`): a
+    *crossing* is proven by the intermediate value theorem; where σ_r is within the tolerance without a change of sign
+    the path is *touching*, which is a measurement; anything else is *undecided*. A path that is free but leaves the
+    range of a joint, or its largest rate, is *outside limits* or *too fast*.
+
+    Args:
+        robot: the arm.
+        q: (T, n) samples, in order [rad, m].
+        t: (T,) times [s], increasing; None where there are none.
+        velocities, accelerations: (T, n) of the samples, for cubic and quintic interpolation.
+        task: name, rows or Task; None is the task the arm is made for, or, of an arm of five joints that cannot do a
+            pose, position and tool axis.
+        analysis: families of this arm and task; else from the catalogue, else found on the spot.
+        options: how it is checked; its fields are taken as keywords as well.
+        tolerances: `singular` decides what counts as touching.
+        progress: called with (stretches decided, stretches).
+
+    Returns:
+        The verdict, and every stretch, worst first.
+
+    Raises:
+        ConfigurationError: q, t, velocities or accelerations have the wrong shape, are not finite, or time goes back.
+        OptionError: an option outside what is allowed, or a task that cannot be certified.
+        TaskError: no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = check_path(open_robot("planar3r"), [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]], [0.0, 2.0])
+        >>> str(found.verdict), [round(float(x), 9) for x in found.crossings[0].closest.q]
+        ('crossing', [0.433333333, 0.0, 0.233333333])
+    """
+    check_robot(robot)
+    how = PathOptions.of(options, given)
+    samples = as_numbers(q, "q", ConfigurationError)
+    if samples.ndim != 2 or not len(samples):
+        raise ConfigurationError(
+            "a path has one row for each sample", where="q", got=f"shape {samples.shape}",
+            allowed=f"shape (T, {robot.n}), T ≥ 1",
+        )  # fmt: skip
+    if samples.shape[1] == robot.n:
+        checked(samples, robot, rows_of("q", robot))
+    rows = configurations(robot, samples)[0].copy()
+    times = _times(t, len(rows), "row")
+    rates, changes = (
+        None if values is None else _like(rows, values, name, robot)
+        for name, values in (("velocities", velocities), ("accelerations", accelerations))
+    )
+    path = curve(rows, times, rates, changes, how.interpolate)
+    remarks: list[tuple[Remark, Any]] = []
+    if (hint := unit_hint(path.control.reshape(-1, robot.n), robot)) is not None:
+        remarks.append(("degrees", hint))
+    if rates is not None and how.interpolate == "linear":
+        remarks.append(("velocities", None))
+    check = check_curve(robot, path, asked_for(robot, task, analysis), how, analysis, tolerances, progress)
+    return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
+
+
+def asked_for(robot: Robot, task: Task | str | None, analysis: Analysis | None) -> Task:
+    """The task that a path is checked for; the one that families are given for where none is named."""
+    resolved = resolve_task(task, robot)
+    if task is None and analysis is None:
+        return asked_task(robot, resolved)
+    return resolved
+
+
+def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
+    if t is None:
+        return None
+    times = as_numbers(t, "t", ConfigurationError)
+    if times.shape != (count,):
+        raise ConfigurationError(f"there is one time for each {what}", where="t", got=f"shape {times.shape}",
+                                 allowed=f"shape ({count},)")  # fmt: skip
+    return checked_times(times, lambda row: f"t, {what} {row + 1}")
+
+
+def _like(rows: Array, values: ArrayLike, name: str, robot: Robot) -> Array:
+    array = as_numbers(values, name, ConfigurationError)
+    if array.shape != rows.shape:
+        raise ConfigurationError(f"{name} have the shape of q", where=name, got=f"shape {array.shape}",
+                                 allowed=f"shape {rows.shape}")  # fmt: skip
+    return checked(array, robot, rows_of(name, robot))
+
+
+def check_curve(
+    robot: Robot,
+    path: Curve,
+    task: Task,
+    options: PathOptions,
+    analysis: Analysis | None = None,
+    tolerances: Tolerances = DEFAULT,
+    progress: Callable[[int, int], None] | None = None,
+) -> PathCheck:
+    """As `check_path`, of a curve."""
+    families, source = known_families(robot, task, analysis, tolerances)
+    resolved = replace(task, length_scale=float(task.scale(robot)))
+    arm, arm_task = in_metres(robot), task_in_metres(resolved, robot)
+    moved = path if arm is robot else replace(path, control=into_metres(robot, path.control), speeds=(
+        None if path.speeds is None else into_metres(robot, path.speeds)))  # fmt: skip
+    proof = prove(
+        arm, settings_for(arm, arm_task), moved, singular=tolerances.singular, evaluations=options.evaluations,
+        progress=progress,
+    )  # fmt: skip
+    survey = Survey(arm, arm_task, moved, families, source, robot, options, tolerances)
+    parts = crossings(arm, arm_task, moved, proof.slivers, survey.families, tolerances)
+    stretches, violations = survey.stretches(parts), survey.violations()
+    spent, kept, remarks = proof.evaluations, None, survey.remarks
+    if options.min_distance > 0.0:
+        nearest = min((one.closest.distance for one in stretches), default=np.inf)
+        if nearest < options.min_distance:
+            kept = "violated"
+        else:
+            kept = "not proven"
+        if kept == "not proven" and proof.complete and not proof.slivers:
+            row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
+            spent, kept = spent + more, "kept" if row < 0 else kept
+            if row >= 0:
+                remarks += (("distance open", row + 1),)
+    length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
+    if arm is not robot:
+        def own(values: Array) -> Array:
+            if len(values):
+                return out_of_metres(robot, values)
+            return values
+
+        stretches = tuple(
+            replace(one, closest=replace(one.closest, q=own(one.closest.q), foot=own(one.closest.foot)),
+                    rates=own(one.rates)) for one in stretches
+        )  # fmt: skip
+    return PathCheck(
+        robot=robot, task=resolved, curve=path, rows=len(path.control) + 1, options=options, tolerances=tolerances,
+        verdict=_verdict(parts, violations, kept, proof.complete), stretches=stretches, violations=violations,
+        free_share=free, undecided_share=undecided, undecided_length=length, undecided_time=time, margin=kept,
+        evaluations=spent, source=source, remarks=remarks, complete=proof.complete, profile=survey.profile,
+    )  # fmt: skip
+
+
+def _verdict(
+    parts: tuple[Stretch, ...], violations: tuple[Violation, ...], kept: str | None, complete: bool
+) -> Verdict:
+    """The worst of all that is known; what is not proven either way is undecided."""
+    kinds = {one.verdict for one in parts} | {
+        (TOO_FAST if one.what == "rate" else OUTSIDE) if one.proven else UNDECIDED for one in violations
+    }
+    if kept in ("violated", "not proven"):
+        kinds.add(TOO_NEAR if kept == "violated" else UNDECIDED)
+    if not complete:
+        kinds.add(UNDECIDED)
+    return next((one for one in Verdict if one in kinds), FREE)
+
+
+def _shares(path: Curve, scale: Array, parts: tuple[Stretch, ...]) -> tuple[float, float, float | None, float]:
+    """Undecided length in joint space, its share of the whole, its time; and the share that is proven free."""
+    lengths = np.linalg.norm(np.diff(path.control, axis=1) / scale, axis=2).sum(axis=1)
+    if not lengths.any():  # the arm stands still: stretches count
+        lengths = np.ones(len(lengths))
+    until = np.concatenate([[0.0], np.cumsum(lengths)])
+
+    def sum_of(values: Array, *verdicts: Verdict) -> float:
+        ends = ([path.spot(one.start), path.spot(one.end)] for one in parts if one.verdict in verdicts)
+        at = (tuple(values[k] + share * (values[k + 1] - values[k]) for k, share in pair) for pair in ends)
+        return float(sum(high - low for low, high in at))
+
+    length, total = sum_of(until, UNDECIDED), float(until[-1])
+    singular = sum_of(until, CROSSING, TOUCHING)
+    if path.times is None:
+        time = None
+    else:
+        time = sum_of(path.times, UNDECIDED)
+    return length, length / total, time, max(0.0, 1.0 - length / total - singular / total)  # rounding
+
+
+@takes(PathOptions)
+def check_poses(
+    robot: Robot,
+    poses: ArrayLike,
+    t: ArrayLike | None = None,
+    *,
+    start: ArrayLike | None = None,
+    branches: bool = True,
+    task: Task | str | None = None,
+    analysis: Analysis | None = None,
+    options: PathOptions | None = None,
+    tolerances: Tolerances = DEFAULT,
+    progress: Callable[[int, int], None] | None = None,
+    **given: Any,
+) -> PathCheck:
+    """Check a tool path: straight moves of the tip from pose to pose, on one branch of the inverse kinematics.
+
+    Args:
+        robot: the arm.
+        poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is ignored.
+        t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
+        start: (n,) configuration near the first pose, which decides the branch: the nearest solution is taken. None: of
+            the solutions found within the joint limits the posture that people use (`by_habit`).
+        branches: follow the other branches as well, of arms that are not redundant and at most `MOST_POSES` poses.
+        task: that the poses are reached for; None is the task the arm is made for. The path is checked as in
+            `check_path`.
+        analysis, options, tolerances, progress: as in `check_path`; the arm itself never leaves its joint limits.
+
+    Returns:
+        The path in joint space, checked; `tool` says which branch was taken, how far it could be followed, why it
+        ended, how near the tip is proven to stay to its curve, and which pose each row is. A path that ends early is
+        never free.
+
+    Raises:
+        ConfigurationError: poses, t or start have the wrong shape or are not finite, or the first pose is not reached.
+        OptionError, TaskError: as `check_path`.
+
+    Example:
+        >>> from rankdrop.kinematics import pose
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("ur5")
+        >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
+        >>> check = check_poses(arm, ends, start=[0, -1, 1, 0.3, 0.8, 0])
+        >>> check.verdict.value, check.tool.complete, check.tool.poses, check.tool.off <= 1e-4
+        ('free', True, 2, True)
+    """
+    check_robot(robot)
+    how = PathOptions.of(options, given)
+    wanted = _checked(poses)
+    times = _times(t, len(wanted), "pose")
+    resolved = resolve_task(task, robot)
+    first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
+    tolerance = tip_tolerance(how, robot)
+    branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
+    away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
+    ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
+    tool = replace(
+        branch, poses=len(wanted), solutions=0 if start is not None else len(solutions),
+        more=robot.n > resolved.m, off=away, turned=turned,
+        next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
+        half_turns=half_turns(wanted) if any(row > 2 for row in resolved.rows) else (),
+    )  # fmt: skip
+    path = timed_branch(robot, resolved, wanted, times, branch)
+    asked = asked_for(robot, task, analysis)
+    check = check_curve(robot, path, asked, how, analysis, tolerances, progress)
+    if branch.complete:
+        ended = FREE
+    elif branch.reason in ("stuck", "budget"):
+        ended = UNDECIDED
+    else:
+        ended = NOT_FOLLOWED
+    # a start on a singularity is found to half the digits only: its joints are free, and the tool path is not
+    passed = TOUCHING if branch.passed else FREE
+    worst = min(check.verdict, ended, passed, key=VERDICTS.index)
+    tool = replace(tool, moved=moved)
+    if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
+        tool = replace(tool, branches=_branches(
+            robot, wanted, solutions, first, resolved, asked, tolerance, tool, check, tolerances))  # fmt: skip
+    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, poses=GivenPoses(wanted, times, resolved))
+
+
+def tip_tolerance(options: PathOptions, robot: Robot) -> tuple[float, float]:
+    """How far the tip may leave its curve between rows: [m, or what the arm counts in], [rad]."""
+    return options.tip_tolerance * counted_length(robot), options.turn_tolerance
+
+
+def _branches(
+    robot: Robot, poses: Array, solutions: Array, first: Array, task: Task, asked: Task,
+    tolerance: tuple[float, float], taken: Followed, check: PathCheck, tolerances: Tolerances,
+) -> tuple[ToolBranch, ...]:  # fmt: skip
+    """Every branch that begins at a solution of the first pose, each followed and proven for itself."""
+    if len(taken.q):
+        first = taken.q[0]
+    away = np.linalg.norm(apart(robot, first, solutions) / joint_scale(robot, task), axis=1)
+    same = away <= _SAME
+    if same.any():
+        starts = solutions
+    else:
+        starts = np.concatenate([first[None], solutions])
+    chosen = int(away.argmin()) if same.any() else 0
+    starts[chosen] = first
+    if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
+        return ()
+    found = []
+    for row, q in enumerate(starts):
+        if row == chosen:
+            branch, place = taken, 0.0
+            if check.crossings:
+                place = min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
+            elif taken.passed:
+                place = min(one.place for one in taken.passed)
+            elif any(one.verdict == UNDECIDED for one in check.stretches):
+                place = 1.0
+        else:
+            branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
+            place = _not_free(robot, asked, branch, tolerances)
+        found.append(ToolBranch(
+            q, posture_names(robot, task, q[None])[0], branch.complete, branch.reached, branch.reason, branch.joint,
+            branch.folds, branch.turn, place == 0.0, place, row == chosen,
+        ))  # fmt: skip
+    return tuple(found)
+
+
+def _pose_at(branch: Followed, row: float) -> float:
+    """Number of the pose, with a share, of a place among the rows (from 1) of a branch."""
+    return float(np.interp(row, np.arange(1, len(branch.place) + 1), branch.place))
+
+
+def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances) -> float:
+    """Pose at which the joint path of a branch is first not proven free of singularities; 0: it is."""
+    if not len(branch.q):
+        return 1.0
+    arm, arm_task = in_metres(robot), task_in_metres(replace(task, length_scale=float(task.scale(robot))), robot)
+    rows = into_metres(robot, branch.q)
+    sigma = singular_values(arm, rows, arm_task)[:, generic_rank(arm, arm_task) - 1]
+    if (sigma <= _AT_ONE).any():
+        return float(branch.place[int((sigma <= _AT_ONE).argmax())])
+    proof = prove(arm, settings_for(arm, arm_task), curve(rows, None), singular=tolerances.singular,
+                  evaluations=_FOR_BRANCH)  # fmt: skip
+    if not proof.slivers:
+        return 0.0
+    (row, share), *_ = proof.slivers[0]
+    return _pose_at(branch, 1.0 + row + share)
+
+
+def followed_branch(
+    robot: Robot, poses: Array, first: Array, task: Task, tolerance: tuple[float, float], *, free: bool
+) -> Followed:
+    """The branch of a configuration at the first pose.
+
+    Args:
+        robot, poses, first, task, tolerance: as for `follow`.
+        free: the configuration may be turned with the tool held still: it was not asked for.
+    """
+    branch = follow(robot, poses, first, task, tolerance=tolerance, through=True)
+    turn = branch.turn
+    if turn is None:
+        return branch
+    k = int(turn.place) - 1
+    rest = follow(robot, poses[k:], turn.to, task, tolerance=tolerance, through=True)
+    if free and k == 0:
+        return rest
+    return replace(branch, turn=replace(turn, rest_complete=rest.complete, rest_reached=rest.reached + k))
+
+
+def tip_apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
+    """How far the tip leaves its curve at most, at the rows (K, n) and between them: [m], [rad]."""
+    off, chord = aim.missing(poses, q)
+    if len(q) > 1:
+        away, turned = aim.deviation(q, poses)
+    else:
+        away, turned = off, 2 * np.arcsin(np.minimum(1.0, chord / 2))
+    return float(away.max(initial=0.0)), float(turned.max(initial=0.0))
+
+
+def _checked(poses: ArrayLike) -> Array:
+    wanted = as_numbers(poses, "poses", ConfigurationError)
+    if wanted.ndim != 3 or wanted.shape[1:] != (4, 4) or not len(wanted):
+        raise ConfigurationError("a tool path has one matrix for each pose", where="poses",
+                                 got=f"shape {wanted.shape}", allowed="shape (P, 4, 4), P ≥ 1")  # fmt: skip
+    finite = np.asarray(np.isfinite(wanted).all(axis=(1, 2)))
+    turn = np.where(finite[:, None, None], wanted[:, :3, :3], 0.0)
+    right = np.abs(turn @ turn.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2)) <= 1e-6
+    right &= np.linalg.det(turn) > 0.0
+    for i in np.flatnonzero(~(finite & right))[:1]:
+        if not finite[i]:
+            raise ConfigurationError("the pose is not finite", where=f"poses, pose {i + 1}")
+        raise ConfigurationError("the pose is no rotation with a translation", where=f"poses, pose {i + 1}")
+    return wanted
+
+
+def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
+    """(S, n) configurations at a pose (4, 4) within the joint limits, those first that people use, of those found.
+
+    Newton's method from `STARTS` random configurations and from the one nearest to zero; a redundant arm has more.
+    """
+    low, high = sampling_box(robot, task, limits=True)
+    home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
+    starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
+    q = near_and_within(robot, Aim(robot, task).reached(goal, starts), home, limits=True)
+    far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
+    found = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
+    if len(found) and robot.n <= task.m:
+        return found[by_habit(robot, task, found)]
+    return found
+
+
+def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
+    """A configuration at the first pose, all that were found, and how far it is from the start that was given."""
+    solutions = within_limits(robot, goal, task)
+    if start is not None:
+        given = as_numbers(start, "start", ConfigurationError)
+        if given.shape != (robot.n,) or not np.isfinite(given).all():
+            raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
+                                     allowed=f"{robot.n} finite numbers")  # fmt: skip
+        reached = follow(robot, goal[None], given, task)
+        scale = joint_scale(robot, task)
+        ends = solutions + whole_turns(robot, given - solutions)
+        inside = np.asarray(((ends >= robot.lower - _EDGE) & (ends <= robot.upper + _EDGE)).all(axis=1))
+        ends = np.where(inside[:, None], ends, solutions)  # whole turns as in the start, where the limits allow them
+        if reached.complete:
+            far = float(np.linalg.norm((reached.q[0] - given) / scale))
+            if far <= _NEAR_START or not len(ends) or robot.n > task.m:
+                return reached.q[0], solutions, far
+            ends = np.concatenate([reached.q[:1], ends])
+        if len(ends) and not reached.joint:
+            away = np.linalg.norm((ends - given) / scale, axis=1)
+            return ends[away.argmin()], solutions, float(away.min())
+        if not reached.complete:
+            raise ConfigurationError(
+                "pose 1 is not reached from this start: " + (
+                    f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
+                ), where="start", mend="a start nearer to it, or none",
+            )  # fmt: skip
+    if not len(solutions):
+        raise ConfigurationError(
+            "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
+            got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
+            typed="look at its units and its frame, or give --start",
+        )  # fmt: skip
+    return solutions[0], solutions, 0.0
+
+
+def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
+    """The joint path with its times, and with the joint rates J⁺ẋ that the curve needs at both ends of each piece."""
+    if times is None:
+        when = None
+    else:
+        when = np.interp(branch.place, np.arange(1, len(poses) + 1), times)
+    path = curve(branch.q, when)
+    if times is None or len(branch.q) < 2:
+        return path
+    way = np.minimum(np.floor(branch.place[:-1]).astype(np.int64) - 1, len(poses) - 2)
+    lasts = np.diff(times)[way][:, None]
+    move = (poses[way + 1, :3, 3] - poses[way, :3, 3]) / lasts
+    turn = poses[way + 1, :3, :3] @ poses[way, :3, :3].swapaxes(1, 2)
+    omega = orientation_coordinates(turn, "rotvec") / lasts
+    aim = Aim(robot, task)
+    ends = (np.abs(aim.rates(q, move, omega)) for q in (branch.q[:-1], branch.q[1:]))
+    return replace(path, speeds=np.maximum(*ends))
+
+
+@dataclass(frozen=True)
+class PathQuestion:
+    """What is asked of a path in a file.
+
+    Attributes:
+        task, analysis, options: as for `check_path`.
+        deg: angles without a unit are in degrees.
+        topic: of a bag in which several have joint values.
+        start: configuration near the first pose, which decides the branch of the inverse kinematics.
+    """
+
+    task: Task | str | None
+    analysis: Analysis | None
+    options: PathOptions
+    deg: bool = False
+    topic: str | None = None
+    start: tuple[float, ...] | None = None
+
+
+def check_file(
+    robot: Robot,
+    file: Path,
+    question: PathQuestion,
+    *,
+    say: Callable[[str], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> PathCheck:
+    """Check one file: joint values, or poses of the tip.
+
+    Args:
+        robot: the arm.
+        file: trajectory or poses.
+        question: what is asked of it.
+        say: called with what a reader of the file should know: columns that are ignored, angles in the wrong unit.
+        progress: called with (stretches decided, stretches).
+
+    Raises:
+        RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
+    """
+    deg, start = question.deg, question.start
+    wanted = resolve_task(question.task, robot)
+    read: Poses | Trajectory
+    if question.topic is None and holds_poses(file, robot):
+        read = read_poses(file, deg=deg)
+        hint = length_hint(read, reach(robot))
+    elif start is not None:
+        raise OptionError("a start is for poses of the tip, these are joint values", where="start",
+                          got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
+    else:
+        read = read_trajectory(file, robot, deg=deg, topic=question.topic)
+        if not deg:
+            refuse_degrees(read, robot, file)
+        hint = unit_hint(read.q, robot, deg=deg)
+        if hint is None or deg:
+            hint = hint
+        else:
+            hint = degrees_advice(hint)
+    if say is not None:
+        for line in reading_remarks(read.name, hint, read.notes, read.unused):
+            say(line)
+    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=question.task,
+                    analysis=question.analysis, options=question.options, progress=progress)  # fmt: skip
+    if isinstance(read, Trajectory):
+        return check(read.q, read.times if read.timed else None, velocities=read.velocities,
+                     accelerations=read.accelerations)  # fmt: skip
+    if not read.turned and max(wanted.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", got=wanted.name,
+                        where=str(file),
+                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use task='position'",
+                        typed="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
+    try:
+        return check(read.matrices, read.times, start=start)
+    except ConfigurationError as error:
+        raise ConfigurationError(**error.parts | {"where": f"{file}, {error.where}"}) from error

@@ -1,0 +1,432 @@
+"""Tool paths followed on one branch of the inverse kinematics, up to where it ends, and through singularities.
+
+Between two poses of a tool path the tip goes straight and turns about one axis at a constant rate, as a linear move of
+a controller does. It is followed by steps from near (`Aim.solve`). A step counts only where the corrector has little
+left to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so
+that the branch is kept up to the singularity or the limit at which it stops. What the branch does at a singularity is
+decided by the local geometry (`motion.passing`). Poses passed over by a step are filled in from a straight guess
+between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven to
+stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop import _core
+from rankdrop.kinematics import one_configuration
+from rankdrop.local.block import singular_values
+from rankdrop.path.check.passing import Departure, Turn, departures, internal_turn
+from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.curve import numbered
+from rankdrop.poses.inverse import Aim
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.text.paths import branch_chosen
+
+Pull = Callable[[Array], Array]
+"""pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""
+
+_LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
+_BENT = 0.2  # share of a step that the corrector may add to the predictor
+_SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
+_TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
+_MOST = 4096  # poses passed over by one step
+_ROWS = 400_000  # at most
+_FILLS, _PARTS = 8, 64  # of putting rows in within one step, and of one piece in one round
+_PUT_IN = 20_000  # rows of one step; a bound that does not fall with them would ask for more and more
+_SPARE = 1.1  # rows are put in for a bound so many times tighter
+_SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its reason
+_SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
+_TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
+_CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
+_SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A singularity through which a branch goes on.
+
+    Attributes:
+        place: pose, from 1, with the share of the way to the next.
+        rest: the arm has to rest there: at constant path speed joint rates have no bound. False: it may pass at any
+            speed.
+    """
+
+    place: float
+    rest: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ToolBranch:
+    """One branch of the inverse kinematics along a tool path, that of one configuration at the first pose.
+
+    Attributes:
+        start: (n,) the configuration at the first pose [rad, m].
+        posture: signs of the parts of the arm there, such as "elbow +"; empty where none are known.
+        complete, reached, reason, joint, folds, turn: as of `Followed`.
+        free: proven free of singularities up to where it ends.
+        place: pose, from 1, where it is first not proven free; 0 where it is.
+        chosen: the path takes it.
+    """
+
+    start: Array
+    posture: tuple[str, ...]
+    complete: bool
+    reached: float
+    reason: str
+    joint: int
+    folds: bool
+    turn: Turn | None
+    free: bool
+    place: float
+    chosen: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """Joint values along a tool path, and how they were found.
+
+    Attributes:
+        q: (K, n) configurations at the places [rad, m]; angles run on, they are not wrapped.
+        place: (K,) poses reached, from 1; with a tolerance places between poses as well, as shares of the way.
+        complete: every pose was reached.
+        reached: number of the last pose reached, from 1, with the share of the way to the next.
+        last: (n,) configuration there.
+        reason: why it ended: "" where complete, else "start", "singular", "limit", "turn": the path goes on from here
+            only after an internal turn, "stuck", or "budget": the steps or the rows that one path may have were used
+            up.
+        joint: number of the joint at its limit, from 1; 0 for other reasons.
+        sigma: σ_r where it ended [1].
+        poses: how many were given.
+        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
+        more: the arm is redundant, so that there are more.
+        next_reachable: a configuration within the joint limits was found for the pose after the end.
+        off: the tip stays within this distance of its curve, proven [m].
+        turned: … and within this angle, as far as the task asks for orientations [rad].
+        passed: singularities at which the branch goes on.
+        folds: it ends because it folds back at a singularity: what is near was followed, and is behind.
+        turn: the internal turn after which the path goes on, where that is why it ended.
+        half_turns: numbers of the poses, from 1, from which the tool turns by half a turn to the next one: of the two
+            ways round one was taken.
+        branches: all branches that were found at the first pose and followed, those first that people use; empty for a
+            redundant arm and a path of very many poses.
+        moved: how far the start that was given is from the configuration at the first pose [rad; slides by the length
+            scale].
+    """
+
+    q: Array
+    place: Array
+    complete: bool
+    reached: float
+    last: Array
+    reason: str = ""
+    joint: int = 0
+    sigma: float = np.inf
+    poses: int = 0
+    solutions: int = 0
+    more: bool = False
+    next_reachable: bool = False
+    off: float = 0.0
+    turned: float = 0.0
+    passed: tuple[Passed, ...] = ()
+    folds: bool = False
+    turn: Turn | None = None
+    half_turns: tuple[int, ...] = ()
+    branches: tuple[ToolBranch, ...] = ()
+    moved: float = 0.0
+
+    @property
+    def start(self) -> list[float]:
+        """(n,) configuration at the first pose."""
+        return [float(x) for x in self.q[0]]
+
+    @property
+    def chosen(self) -> str:
+        """Which branch of the inverse kinematics the path takes, in words."""
+        return branch_chosen(self)
+
+
+def follow(
+    robot: Robot,
+    poses: ArrayLike,
+    start: ArrayLike,
+    task: Task | str | None = None,
+    *,
+    limits: bool = True,
+    pull: Pull | None = None,
+    tolerance: tuple[float, float] | None = None,
+    through: bool = False,
+) -> Followed:
+    """Follow poses of the tip from a configuration at the first of them, on the branch of that configuration.
+
+    Args:
+        robot: the arm.
+        poses: (T, 4, 4) of the tip in the base frame [m]; rows that the task leaves free are ignored.
+        start: (n,) configuration near the first pose [rad, m]; Newton brings it there.
+        task: name, `Task`, or None for the task the arm is made for.
+        limits: end at joint limits.
+        pull: null-space motion of a redundant arm; None for the shortest motion.
+        tolerance: how far the tip may leave its curve between rows, proven: its place [m] and its turn [rad]; None:
+            rows at the poses alone.
+        through: go on where the branch leads through a singularity, or begins at one; False: end there.
+
+    Returns:
+        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
+
+    Raises:
+        ConfigurationError: the start is not one configuration.
+        TaskError: there is no such task, or its reference point does not move with the tip.
+
+    Example:
+        >>> from rankdrop.kinematics import pose
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("ur5")
+        >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
+        >>> found = follow(arm, ends, [0, -1, 1, 0.3, 0.8, 0])
+        >>> found.complete, (found.q[1].round(6) + 0.0).tolist()
+        (True, [0.2, -1.1, 1.2, 0.3, 0.8, 0.0])
+    """
+    wanted = np.asarray(poses, dtype=np.float64)
+    aim = Aim(robot, resolve_task(task, robot))
+    return _Walk(aim, wanted, limits, pull, tolerance, through).run(one_configuration(robot, start))
+
+
+@dataclass(eq=False)
+class _Walk:
+    aim: Aim
+    poses: Array
+    limits: bool
+    pull: Pull | None
+    tolerance: tuple[float, float] | None
+    through: bool = False
+    passed: list[Passed] = field(default_factory=list)
+
+    def run(self, start: Array) -> Followed:
+        """From the first pose on."""
+        found, arrived = self.aim.solve(self.poses[:1], start[None])
+        joint = self._beyond(found) if arrived[0] else -1
+        if not arrived[0] or joint >= 0:
+            reason = "limit" if arrived[0] else "start"
+            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, reason, joint + 1)
+        now, last = found[0], len(self.poses) - 1.0
+        if self.through and last > 0.0 and self._singular(now):
+            now = self._snapped(now)
+        rows, places = [now[None]], [np.zeros(1)]
+        place, h, side, size = 0.0, 1.0, self._side(now), 1
+        tries = _TRIES[0] + _TRIES[1] * len(self.poses)
+        spent, joint, fold, turn = False, -1, False, None
+        while place < last:
+            spent = tries < 0 or size > _ROWS
+            if spent:
+                break
+            tries -= 1
+            at_one = side == 0.0 and self._singular(now)
+            if not at_one:
+                ahead = min(place + h, last)
+                if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
+                    ahead = float(int(ahead + 1e-9))
+                step = self._try(now, place, ahead, side)
+                if step is None:
+                    joint = -1
+                else:
+                    joint = self._beyond(step[1])
+                if (step is None or joint >= 0) and h >= _SHORTEST:
+                    h = (ahead - place) / 2
+                    continue
+            if at_one or step is None:
+                step, fold, turn = self._onward(now, place)
+                if step is None:
+                    joint = -1
+                else:
+                    joint = self._beyond(step[1])
+            if step is None or joint >= 0:
+                break
+            if self.passed and self.passed[-1].place == place + 1.0 and not self.passed[-1].rest:
+                rows, places, step = self._spanned(rows, places, step)
+            at, q = step
+            if self.tolerance is not None:
+                kept = slice(None)
+            else:
+                kept = at == np.floor(at)
+            rows.append(q[kept])
+            places.append(at[kept])
+            size += len(rows[-1])
+            h = min(max(2.0 * (at[-1] - place), _SHORTEST), float(_MOST))
+            place, now = float(at[-1]), q[-1]
+            if self.through:
+                side = self._side(now)
+        ended, sigma = "", np.inf
+        if place < last:
+            sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
+            singular = fold or sigma <= (_SINGULAR if self.decides else _SMALL)
+            if singular:
+                cause = "singular"
+            elif spent:
+                cause = "budget"
+            else:
+                cause = "stuck"
+            if turn is not None:
+                ended = "turn"
+            elif joint >= 0:
+                ended = "limit"
+            else:
+                ended = cause
+        q, at = np.concatenate(rows), np.concatenate(places) + 1.0
+        found_here = Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma)
+        return self._confirmed(replace(found_here, passed=tuple(self.passed), folds=fold, turn=turn))
+
+    @property
+    def decides(self) -> bool:
+        """The local geometry at a singularity is asked for."""
+        return self.through and self.aim.rank == self.aim.task.m
+
+    def _singular(self, q: Array) -> bool:
+        sigma = singular_values(self.aim.robot, q, self.aim.task)[self.aim.rank - 1]
+        return self.decides and bool(sigma <= _SINGULAR)
+
+    def _side(self, q: Array) -> float:
+        """Sign of the determinant; 0 for arms that have none, and at a singularity that may be left."""
+        if self._singular(q):
+            return 0.0
+        return self.aim.side(q)
+
+    def _snapped(self, q: Array) -> Array:
+        """A start at a singularity, brought to the nearest configuration of its self-motion from which the path goes on
+        if that is very near.
+        """
+        if departures(self.aim, self.poses, 0.0, q)[0]:
+            return q
+        end = internal_turn(self.aim, self.poses, 0.0, q, limits=self.limits)
+        near = end is not None and np.linalg.norm((end - q) / self.aim.joints) <= _SNAPPED
+        if end is not None and near:
+            return end
+        return q
+
+    def _onward(self, now: Array, place: float) -> tuple[tuple[Array, Array] | None, bool, Turn | None]:
+        """From a configuration at or next to a singularity: a step ahead; else whether the branch folds back there, and
+        the turn that it needs first.
+        """
+        sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
+        if not self.decides or sigma > _SMALL:
+            return None, False, None
+        found, folds = departures(self.aim, self.poses, place, now)
+        for one in found:
+            step = self._leap(now, place, one)
+            if step is not None and (self._beyond(step[1]) < 0 or one is found[-1]):
+                self.passed.append(Passed(place + 1.0, one.rest))
+                return step, False, None
+        if found or folds or sigma > _SINGULAR:
+            return None, folds, None
+        end = internal_turn(self.aim, self.poses, place, now, limits=self.limits)
+        return None, False, None if end is None else Turn(place + 1.0, now, end)
+
+    def _spanned(
+        self, rows: list[Array], places: list[Array], step: tuple[Array, Array]
+    ) -> tuple[list[Array], list[Array], tuple[Array, Array]]:
+        """Rows and places, and a step over a singularity.
+
+        Rows so near to it that their rates are ill-conditioned are left out, where one step leads over them.
+        """
+        q, at, (ahead, ends) = np.concatenate(rows), np.concatenate(places), step
+        away = np.linalg.norm((q - q[-1]) / self.aim.joints, axis=1)
+        if (away >= _CLEAR).any():
+            base = int(np.flatnonzero(away >= _CLEAR)[-1])
+        else:
+            base = 0
+        if base == len(q) - 1 or int(at[base]) != int(at[-1]):
+            return rows, places, step
+        over = self._filled(np.array([at[base], ahead[-1]]), np.stack([q[base], ends[-1]]), _LONGEST)
+        if over is None or self._beyond(over[1]) >= 0:
+            return rows, places, step
+        return [q[: base + 1]], [at[: base + 1]], over
+
+    def _leap(self, now: Array, place: float, to: Departure) -> tuple[Array, Array] | None:
+        """Places and configurations from a singular configuration to a departure."""
+        at = np.append(np.arange(int(place) + 1.0, np.ceil(to.place - 1e-12)), to.place)
+        off = float(np.linalg.norm((to.q - now) / self.aim.joints))
+        return self._filled(np.append(place, at), np.stack([now, to.q]), off)
+
+    def _confirmed(self, found: Followed) -> Followed:
+        """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
+        good = self.aim.confirmed(poses_at(self.poses, found.place - 1.0), found.q)
+        if good.all():
+            return found
+        count = int(good.argmin())
+        reached = float(found.place[max(0, count - 1)])
+        q = found.q[:count]
+        return Followed(q, found.place[:count], False, reached, q[-1] if count else found.last, "stuck")
+
+    def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
+        """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
+        target = poses_at(self.poses, np.array([ahead]))
+        error = self.aim.error(target, now[None])
+        if np.linalg.norm(error) > 1.0:  # Newton is not to be trusted so far
+            return None
+        guess = now + self.aim.step(now[None], error)[0]
+        first = float(np.linalg.norm((guess - now) / self.aim.joints))
+        if first > _LONGEST:
+            return None
+        guess = guess + self._null_space_pull(now, first)
+        found, arrived = self.aim.solve(target, guess[None])
+        if not arrived[0]:
+            return None
+        end = found[0]
+        added = float(np.linalg.norm((end - guess) / self.aim.joints))
+        if added > _BENT * first + 1e-9 or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
+            return None
+        at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
+        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9)
+
+    def _changed(self, end: Array, side: float, *, touch: bool) -> bool:
+        """The determinant changed its sign; with `touch` zero is no change for a branch that may go on from there."""
+        if not self.aim.square:
+            return False
+        if self._singular(end):
+            return not touch
+        return self.aim.side(end) != side
+
+    def _filled(self, at: Array, ends: Array, off: float) -> tuple[Array, Array] | None:
+        """Places and configurations of one step, solved from straight guesses, none farther than `off` from its guess.
+
+        With a tolerance more places are put in until the tip keeps it between all of them.
+        """
+        known, q = at[[0, -1]], ends
+        for _ in range(_FILLS):
+            line = np.stack([np.interp(at, known, column) for column in q.T], axis=1)
+            solved, reached = self.aim.solve(poses_at(self.poses, at), line)
+            apart = np.linalg.norm((solved - line) / self.aim.joints, axis=1)
+            if not reached.all() or (apart > off).any():
+                return None
+            solved[0], known, q = ends[0], at, solved
+            if self.tolerance is None:
+                return at[1:], q[1:]
+            away, turned = self.aim.deviation(q, poses_at(self.poses, at))
+            wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1])
+            if (wide <= 1.0).all():
+                return at[1:], q[1:]
+            parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
+            if int(parts.sum()) > _PUT_IN:  # the step is halved instead
+                return None
+            k, part = numbered(parts)
+            at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
+        return None
+
+    def _null_space_pull(self, now: Array, length: float) -> Array:
+        """(n,) the part of the pull in the null space, for a step of some length."""
+        if self.pull is None:
+            return np.zeros_like(now)
+        joints = self.aim.joints
+        _, _, v = _core.svd(np.ascontiguousarray(self.aim.jacobian(now[None])))
+        null = v[0][:, self.aim.rank :]
+        return np.asarray(length * joints * (null @ (null.T @ (self.pull(now) / joints))))
+
+    def _beyond(self, q: Array) -> int:
+        """First joint beyond its limit in any row; −1 for none, or where limits do not count."""
+        low, high = self.aim.robot.lower - 1e-9, self.aim.robot.upper + 1e-9
+        out = np.argwhere(self.limits & ((q < low) | (q > high)))
+        return int(out[0, 1]) if len(out) else -1

@@ -1,0 +1,596 @@
+"""The parts of a path: where it reaches a singularity, and between, which family is nearest and how near.
+
+A sliver that is not proven free is decided by signs: where a determinant or a family's condition has opposite signs,
+beyond rounding, on both sides, the path crosses, by the intermediate value theorem. Where σ_r is within the tolerance
+and no sign changes it touches, which is a measurement: a path that passes at 1e-10, or crosses twice within as little,
+looks the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop.distance.distance import QUICK, Ruler
+from rankdrop.errors import RankdropError
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.record import Family, families_at, family_in_metres
+from rankdrop.families.row import soundness
+from rankdrop.kinematics import chain_of, task_view
+from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
+from rankdrop.local.directions import words
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.local.rates import rate_limits
+from rankdrop.path.check.prove import Sliver
+from rankdrop.path.check.record import (
+    CROSSING,
+    FREE,
+    LEADS,
+    TOUCHING,
+    UNDECIDED,
+    VERDICTS,
+    Closest,
+    Evidence,
+    Profile,
+    Remark,
+    Stretch,
+    Verdict,
+    Violation,
+)
+from rankdrop.path.curve import Curve, Index, Place, largest
+from rankdrop.problem import Problem
+from rankdrop.questions import PathOptions
+from rankdrop.results.explanation import lost_seen_from
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+from rankdrop.units import counted_length, in_metres, metre_exponent
+
+_LOOKS = 65  # points of a sliver
+_DENSE = 1025  # points of a sliver that was not finished
+_CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of a determinant
+_CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
+_HALVINGS = 60
+_SAME = 1e-5  # zeros of two functions nearer to each other are one crossing: rounding blurs touching ones so far [rad]
+_LYING = 1e-3  # slivers longer than this, singular at every point evaluated, lie in the singular set [rad]
+_SPOTS = 12  # families fitted or named, and nearest points searched, without an atlas: some 0.1 s each
+_PLACES = 400  # of the profile, evenly along the length; as many rows besides
+_ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
+_BEYOND, _KEPT = 1e-9, 1.0 + 1e-9  # beyond a range [rad, m], and of a rate limit: below it rounding
+_LOST = 40  # crossings whose lost motions are worked out
+
+Signs = Callable[[Array], NDArray[np.int8]]
+"""(N, n) configurations -> +1, −1, or 0 where rounding could have made the sign."""
+SignFunctions = dict[str, Signs]
+"""Left-hand side of a condition, "" for the determinant -> its signs; a change of sign proves a crossing."""
+
+
+def crossings(
+    robot: Robot, task: Task, path: Curve, slivers: Sequence[Sliver], families: Sequence[Family], tolerances: Tolerances
+) -> tuple[Stretch, ...]:
+    """What every sliver holds, in order along the path; where it is nearest to a singularity, the configuration.
+
+    Args:
+        robot, task: the arm and its task.
+        path: the curve.
+        slivers: from `prove`.
+        families: known ones; the sign of a single condition shows crossings.
+        tolerances: `singular`.
+    """
+    functions = signs(robot, task, families)
+    every: list[Stretch] = []
+    looks = _SPOTS
+    for sliver in slivers:
+        judge = _Judge(robot, task, path, sliver, functions, tolerances)
+        part = judge.crossings()
+        touched = [one for one in part if one.verdict == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        looks -= len(touched)
+        more = signs_at(robot, task, [one.closest.q for one in touched], tolerances)
+        if more.keys() - functions.keys():
+            functions = functions | more
+            part = replace(judge, functions=functions).crossings()
+        every += part
+    return tuple(every)
+
+
+def signs(robot: Robot, task: Task, families: Sequence[Family]) -> SignFunctions:
+    """The determinant, and conditions of families of one condition that passed their test."""
+    square = robot.n == task.m == generic_rank(robot, task)
+    found: SignFunctions = {"": _determinant(robot, task)} if square else {}
+    single = (one for one in families if one.dimension == robot.n - 1 and len(one.equations) == 1)
+    return found | {one.equations[0].text(): _condition(one) for one in single if one.soundness.holds}
+
+
+def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], tolerances: Tolerances) -> SignFunctions:
+    """As `signs`, of families of one condition that no list has: through configurations (n,) of corank 1.
+
+    The condition is fitted to the neighbourhood, and used where random solutions of it, anywhere, are singular.
+    """
+    found: SignFunctions = {}
+    problem = Problem(robot, task, 1, tolerances)
+    for q in configurations:
+        try:
+            family = name_on_the_spot(robot, q, task, 1, fit=True, tolerances=tolerances)
+        except RankdropError:  # rounding: singular to the tolerance and not to that of its neighbours
+            continue
+        single = family.dimension == robot.n - 1 and len(family.equations) == 1
+        if single and soundness(problem, family.system, 1, np.random.default_rng(0))[0].holds:
+            found[family.equations[0].text()] = _condition(family)
+    return found
+
+
+def _determinant(robot: Robot, task: Task) -> Signs:
+    def sign(q: Array) -> NDArray[np.int8]:
+        matrix = _core.jacobian(chain_of(robot), task_view(robot, task), np.ascontiguousarray(q))
+        sigma = _core.svd(matrix, False)
+        certain = sigma[:, -1] > _CERTAIN * sigma[:, 0]
+        return np.where(certain, np.sign(np.linalg.slogdet(matrix)[0]), 0).astype(np.int8)
+
+    return sign
+
+
+def _condition(family: Family) -> Signs:
+    equation = family.equations[0]
+
+    def sign(q: Array) -> NDArray[np.int8]:
+        value = equation(q)
+        return np.where(np.abs(value) > _CERTAIN_F, np.sign(value), 0).astype(np.int8)
+
+    return sign
+
+
+def _sigma(robot: Robot, task: Task, q: Array) -> Array:
+    """(...) σ_r at q (..., n); 0 of a task in which nothing moves."""
+    rank = generic_rank(robot, task)
+    if rank:
+        return np.asarray(singular_values(robot, q, task)[..., rank - 1])
+    return np.zeros(q.shape[:-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """One sliver; places on it are counted in stretches from its first one."""
+
+    robot: Robot
+    task: Task
+    path: Curve
+    sliver: Sliver
+    functions: SignFunctions
+    tolerances: Tolerances
+
+    def crossings(self) -> list[Stretch]:
+        (first, start), (last, end), finished = self.sliver
+        size, count = last - first, _LOOKS if finished else _DENSE
+        places = np.linspace(start, size + end, count)
+        if size < count:  # the samples between too while there are few
+            places = np.concatenate([places, np.arange(1, size + 1, dtype=np.float64)])
+        places = np.unique(np.clip(places, start, size + end))
+        wide = places
+        if finished:  # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
+            width = places[-1] - places[0]
+            wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
+        samples = self._at(wide)
+        parts = self._distinct([
+            self._part(CROSSING, low, high, (low + high) / 2, "condition" if condition else "determinant", condition)
+            for condition, function in self.functions.items()
+            for low, high in self._brackets(wide, function(samples), function)
+        ])  # fmt: skip
+        if not finished:
+            return self._between(parts, places)
+        if parts:
+            return self._spread(parts)
+        return [self._still(places)]
+
+    def _spread(self, parts: list[Stretch]) -> list[Stretch]:
+        """Crossings that share the sliver: none of it is proven free."""
+        middles = [self._place((self._count(one.bracket[1]) + self._count(two.bracket[0])) / 2)
+                   for one, two in pairwise(parts)]  # fmt: skip
+        ends = [self.path.place(self.sliver[0]), *middles, self.path.place(self.sliver[1])]
+        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(parts)]
+
+    def _between(self, parts: list[Stretch], places: Array) -> list[Stretch]:
+        """The work ended early: crossings that were seen, and the parts between them, undecided."""
+        cuts = [float(places[0])]
+        for one in parts:
+            cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
+        cuts.append(float(places[-1]))
+        out = list(parts)
+        for low, high in zip(cuts[::2], cuts[1::2], strict=True):
+            inside = places[(places >= low) & (places <= high)]
+            if high > low:
+                if len(inside):
+                    at = self._least(inside)[0]
+                else:
+                    at = (low + high) / 2
+                out.append(self._part(UNDECIDED, low, high, at, "unfinished"))
+        return sorted(out, key=lambda one: (one.start, one.end))
+
+    def _count(self, place: Place) -> float:
+        return place.row - 1 - self.sliver[0][0] + place.share
+
+    def _split(self, places: Array) -> tuple[Index, Array]:
+        first, last = self.sliver[0][0], self.sliver[1][0]
+        whole = np.clip(np.floor(places), 0, last - first).astype(np.int64)
+        return first + whole, places - whole
+
+    def _at(self, places: Array) -> Array:
+        return self.path.at(*self._split(places))
+
+    def _place(self, place: float) -> Place:
+        stretch, share = self._split(np.array([place]))
+        return self.path.place((int(stretch[0]), float(share[0])))
+
+    def _brackets(self, places: Array, sign: NDArray[np.int8], function: Signs) -> list[tuple[float, float]]:
+        """Where the sign changes, between two points where it is certain, as narrow as it stays certain."""
+        certain = np.flatnonzero(sign)
+        turns = np.flatnonzero(np.diff(sign[certain].astype(int)))
+        low, high = places[certain[turns]].copy(), places[certain[turns + 1]].copy()
+        left = sign[certain[turns]]
+        active = np.arange(len(low))
+        for _ in range(_HALVINGS):
+            middle = (low[active] + high[active]) / 2
+            apart = (middle > low[active]) & (middle < high[active])
+            active, middle = active[apart], middle[apart]
+            if not len(active):
+                break
+            found = function(self._at(middle))
+            for side, target in ((found == left[active], low), (found == -left[active], high)):
+                target[active[side]] = middle[side]
+            active = active[found != 0]  # at the zero itself, as far as rounding tells
+        return list(zip(low.tolist(), high.tolist(), strict=True))
+
+    def _part(
+        self, verdict: Verdict, low: float, high: float, at: float, evidence: Evidence, condition: str = ""
+    ) -> Stretch:
+        q = self._at(np.array([at]))[0]
+        sigma = singular_values(self.robot, q, self.task)
+        rank = generic_rank(self.robot, self.task)
+        if verdict == UNDECIDED:
+            corank = 0
+        else:
+            corank = rank - int((sigma[:rank] > self.tolerances.singular).sum())
+        q.flags.writeable = False
+        ends = self._place(low), self._place(high)
+        closest = Closest(self._place(at), q, 0.0, q, float(sigma[rank - 1]) if rank else 0.0, np.nan)
+        return Stretch(*ends, ends, verdict, closest, evidence, condition, corank, evidence == "singular throughout")
+
+    def _distinct(self, parts: list[Stretch]) -> list[Stretch]:
+        """One crossing for zeros of several functions at the same place; a zero where σ is not zero is none."""
+        scale = joint_scale(self.robot, self.task)
+        kept: list[Stretch] = []
+        for one in parts:
+            others = [other.closest.q for other in kept if other.condition != one.condition]
+            same = (np.linalg.norm((one.closest.q - q) / scale) < _SAME for q in others)
+            if one.corank and not any(same):
+                kept.append(one)
+        return sorted(kept, key=lambda one: one.closest.place)
+
+    def _still(self, places: Array) -> Stretch:
+        """No change of sign: the point of least σ."""
+        q = self._at(places)
+        length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
+        limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
+        if length > _LYING and bool((_sigma(self.robot, self.task, q) <= limit).all()):
+            return self._part(TOUCHING, low, high, (low + high) / 2, "singular throughout")
+        at, least = self._least(places)
+        if least <= limit:
+            return self._part(TOUCHING, low, high, at, "small sigma")
+        return self._part(UNDECIDED, low, high, at, "no enclosure")
+
+    def _least(self, places: Array) -> tuple[float, float]:
+        """The place of least σ, zoomed in around the least sample."""
+        best, least = 0.0, np.inf
+        for _ in range(13):
+            values = _sigma(self.robot, self.task, self._at(places))
+            k = int(values.argmin())
+            if values[k] < least:
+                best, least = float(places[k]), float(values[k])
+            places = np.linspace(places[max(k - 1, 0)], places[min(k + 1, len(places) - 1)], 9)
+        return best, least
+
+
+def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
+    """Families to be measured: corank 1, and those of higher corank, in front, that no one of corank 1 holds."""
+    plain = tuple(one for one in families if one.corank == 1)
+    higher = [one for one in families if one.corank > 1 and one.equations]
+    apart = tuple(one for one in higher if not families_at(plain, robot, one.witness, task, tolerances))
+    return (*apart, *plain)
+
+
+def measures(
+    asked: Robot, task: Task, families: Sequence[Family], options: PathOptions, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], tuple[Family, ...], Ruler]:
+    """The families in metres, those that are measured, and what measures them.
+
+    Args:
+        asked: the arm as it was given.
+        task: in metres.
+        families: of `asked`.
+        options, tolerances: of the check.
+    """
+    robot, scaled = in_metres(asked), bool(metre_exponent(asked))
+    every = tuple(family_in_metres(one, asked) if scaled else one for one in families)
+    near = outer(every, robot, task, tolerances)
+    return every, near, Ruler(near, robot, task, limits=options.limits, starts=QUICK)
+
+
+@dataclass
+class Survey:
+    """Measures a path against its arm's families.
+
+    Attributes:
+        robot, task, path: in metres.
+        given: families as they are known, of `asked`.
+        source: where they are from.
+        asked: the arm as it was given.
+        options, tolerances: how it is checked.
+        remarks: what could not be worked out.
+        families: in metres.
+        profile: numbers along the path.
+    """
+
+    robot: Robot
+    task: Task
+    path: Curve
+    given: Sequence[Family]
+    source: str
+    asked: Robot
+    options: PathOptions
+    tolerances: Tolerances
+    remarks: tuple[tuple[Remark, Any], ...] = ()
+    families: tuple[Family, ...] = ()
+    _spots: list[Family] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        robot, task = self.robot, self.task
+        self.families, self._near, self._ruler = measures(self.asked, task, self.given, self.options, self.tolerances)
+        self._rank, self._scale = generic_rank(robot, task), joint_scale(robot, task)
+        self._limits, self._rates = rate_limits(robot), self.path.rates
+        positions = self._positions()
+        stretch, share = self.path.split(positions)
+        q = self.path.at(stretch, share)
+        family, distance, self._feet = self._nearest(q, along=True)
+        rates = np.full(len(q), np.nan)
+        if self._rates is not None and np.isfinite(self._limits).any():
+            rates = self._share_of_limit(self._rates).max(axis=1)[stretch]
+        self.profile = Profile(positions + 1.0, self.path.time(stretch, share), distance, family,
+                               _sigma(robot, task, q), rates, tuple(one.id for one in self._near))  # fmt: skip
+
+    def _share_of_limit(self, rates: Array) -> Array:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(rates > 0.0, rates / self._limits, 0.0)
+
+    def _positions(self) -> Array:
+        """Places evenly along the length, and rows; counted in stretches from 0."""
+        count = len(self.path.control)
+        steps = np.linalg.norm((self.path.control[:, -1] - self.path.control[:, 0]) / self._scale, axis=1)
+        until = np.concatenate([[0.0], np.cumsum(steps)])
+        places = np.unique(np.linspace(0, count, min(_PLACES, count + 1)).round())
+        if until[-1] > 0.0:
+            grows = np.concatenate([[True], np.diff(until) > 0.0])
+            even = np.interp(np.linspace(0.0, until[-1], _PLACES), until[grows], np.flatnonzero(grows))
+            places = np.union1d(places, even)
+        return places
+
+    def _nearest(self, q: Array, *, along: bool = False) -> tuple[Index, Array, Array]:
+        """Index of the nearest family, −1 where another point is nearer, the distance and the point; nan without."""
+        found = self._ruler.measure(q, along=along, proven=False)
+        family, least = found.nearest()
+        feet = found.anywhere_foot.copy()
+        rows = np.flatnonzero(family >= 0)
+        feet[rows] = found.foot[rows, family[rows]]
+        return family, np.where(np.isfinite(least), least, np.nan), feet
+
+    def stretches(self, crossings: Sequence[Stretch]) -> tuple[Stretch, ...]:
+        """All parts of the path, worst first: by verdict, then by distance."""
+        parts = [self._singular(one, with_lost=k < _LOST) for k, one in enumerate(crossings)]
+        if len(crossings) > _LOST:
+            self.remarks = (*self.remarks, ("lost", (_LOST, len(crossings))))
+        first, last = self.path.place((0, 0.0)), self.path.place((len(self.path.control) - 1, 1.0))
+        ends = [first, *(end for one in crossings for end in (one.start, one.end)), last]
+        gaps = zip(ends[::2], ends[1::2], strict=True)
+        free = [part for start, end in gaps if end.position > start.position for part in self._split_up(start, end)]
+        if not crossings and not free:  # the arm stands still in one place
+            free = [(first, last, int(self.profile.family[0]), 0)]
+        return tuple(sorted([*parts, *self._free(free)], key=_badness))
+
+    def violations(self) -> tuple[Violation, ...]:
+        """Joint limits that the path breaks, or may break: the worst rate, and every joint outside its range."""
+        robot, control = self.robot, self.path.control
+        if (fast := self._too_fast()) is None:
+            over = []
+        else:
+            over = [fast]
+        reached, bound = largest(control, lambda q: np.maximum(q - robot.upper, robot.lower - q), _BEYOND)
+        samples = np.concatenate([control[:, 0], control[-1:, -1]])
+        outside = (samples < robot.lower - _BEYOND) | (samples > robot.upper + _BEYOND)
+        for j in np.flatnonzero((bound > _BEYOND).any(axis=0)).tolist():
+            proven = bool((reached[:, j] > _BEYOND).any())
+            excess, rows = (reached if proven else bound)[:, j], np.flatnonzero(outside[:, j])
+            first = int(rows[0] if len(rows) else excess.argmax())
+            place = self.path.place((first, 0.0) if first < len(control) else (first - 1, 1.0))
+            over.append(Violation("range", j + 1, place, float(excess.max()), len(rows), proven, "", np.inf))
+        return tuple(over)
+
+    def _too_fast(self) -> Violation | None:
+        """The largest rate as a multiple of its limit, where it exceeds it."""
+        if self._rates is None or self.path.times is None or not np.isfinite(self._limits).any():
+            return None
+        reached = bound = self._share_of_limit(self._rates)
+        if self.path.degree > 1:
+            lasts = np.diff(self.path.times)[:, None, None]
+            steps = self.path.degree * np.diff(self.path.control, axis=1) / lasts
+            reached, bound = largest(steps, lambda rate: self._share_of_limit(np.abs(rate)), _KEPT)
+        proven = bool((reached > _KEPT).any())
+        shares = reached if proven else bound
+        stretch, joint = (int(k) for k in np.unravel_index(int(shares.argmax()), shares.shape))
+        amount, middle = float(shares[stretch, joint]), np.array([0.5])
+        if amount <= _KEPT:
+            return None
+        family, distance, _ = self._nearest(self.path.at(np.array([stretch]), middle))
+        if family[0] >= 0:
+            name, far = (self._near[family[0]].name, float(distance[0]))
+        else:
+            name, far = ("", np.inf)
+        return Violation("rate", joint + 1, self.path.place((stretch, 0.5)), amount, 0, proven, name, far)
+
+    def _split_up(self, start: Place, stop: Place) -> Iterator[tuple[Place, Place, int, int]]:
+        """A free part cut where the nearest family changes: start, end, family, index of the nearest place inside."""
+        at, low, high = self.profile.position, start.position, stop.position
+        inside = np.flatnonzero((at >= low) & (at <= high))
+        if not len(inside):
+            inside = np.array([int(np.abs(at - (low + high) / 2).argmin())])
+        family = self.profile.family[inside]
+        cuts = [0, *(np.flatnonzero(np.diff(family)) + 1).tolist(), len(inside)]
+        for first, after in pairwise(cuts):
+            mine = inside[first:after]
+            if after == len(inside):
+                end = stop
+            else:
+                end = self._place((at[inside[after - 1]] + at[inside[after]]) / 2 - 1.0)
+            far = self.profile.distance[mine]
+            if np.isfinite(far).any():
+                values = np.where(np.isnan(far), np.inf, far)
+            else:
+                values = self.profile.sigma[mine]
+            yield start, end, int(family[first]), int(mine[int(np.argmin(values))])
+            start = end
+
+    def _free(self, parts: list[tuple[Place, Place, int, int]]) -> Iterator[Stretch]:
+        best = self._zoomed(parts)
+        without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
+        searched = {k for _, k in without[:_SPOTS]}
+        if len(without) > _SPOTS:
+            self.remarks = (*self.remarks, ("distances", (_SPOTS, len(without))))
+        for k, (start, end, family, row) in enumerate(parts):
+            place = self._place(best[k])
+            q, _ = self.path.here(place)
+            number, name, foot, distance = "", "", np.zeros(0), np.inf
+            if family >= 0:
+                foot = self._ruler.feet(q[None], family, self._feet[row][None])[0]
+                distance = float(np.linalg.norm((foot - q) / self._scale))
+                number, name = self._near[family].id, self._near[family].name
+            elif k in searched:
+                number, name, foot, distance = self._searched(q)
+            sigma = float(_sigma(self.robot, self.task, q))
+            closest = Closest(place, q, distance, foot, sigma, self._shares(place, q, 0)[0])
+            free = Stretch(start, end, (start, end), FREE, closest, "covered", family=number, name=name)
+            yield replace(free, **self._speeds(free))
+
+    def _zoomed(self, parts: list[tuple[Place, Place, int, int]]) -> Array:
+        """Positions of the closest approaches, from 0: grids around the nearest place, finer and finer."""
+        at = self.profile.position - 1.0
+        starts = np.array([start.position - 1.0 for start, _, _, _ in parts])
+        ends = np.array([end.position - 1.0 for _, end, _, _ in parts])
+        rows = np.array([part[3] for part in parts], dtype=np.int64)
+        families = np.array([part[2] for part in parts], dtype=np.int64)
+        best = np.clip(at[rows], starts, ends)
+        low = np.maximum(at[np.maximum(rows - 1, 0)], starts)
+        high = np.minimum(at[np.minimum(rows + 1, len(at) - 1)], ends)
+        for family in set(families.tolist()):
+            mine = np.flatnonzero(families == family)
+            near, each = self._feet[rows[mine]].repeat(_NEAR, axis=0), np.arange(len(mine))
+            for _ in range(_ZOOMS):
+                grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
+                q = self.path.at(*self.path.split(grid.reshape(-1)))
+                values = np.linalg.norm((self._ruler.feet(q, family, near) - q) / self._scale, axis=1)
+                if np.isnan(values).all():
+                    values = _sigma(self.robot, self.task, q)
+                k = np.where(np.isnan(values), np.inf, values).reshape(grid.shape).argmin(axis=1)
+                best[mine] = grid[each, k]
+                low[mine], high[mine] = grid[each, np.maximum(k - 1, 0)], grid[each, np.minimum(k + 1, _NEAR - 1)]
+        return best
+
+    def _searched(self, q: Array) -> tuple[str, str, Array, float]:
+        """Id, name, foot and distance of the nearest singular configuration that a search finds."""
+        try:
+            nearest = nearest_singularity(
+                self.robot, q, self.task, limits=self.options.limits, tolerances=self.tolerances
+            )
+        except RankdropError as error:
+            self.remarks = (*self.remarks, ("no distance", error.what))
+            nearest = None
+        if nearest is None:
+            return "", "", np.zeros(0), np.inf
+        foot = np.array(nearest.q)
+        return *self._name_singularity(foot, nearest.corank), foot, nearest.distance
+
+    def _singular(self, part: Stretch, *, with_lost: bool) -> Stretch:
+        """A part that reaches a singularity, or may, with its family and what is lost."""
+        place, q = part.closest.place, part.closest.q
+        weak, null = self._shares(place, q, part.corank)
+        more: dict[str, Any] = self._speeds(part) | {"null_share": null}
+        closest = replace(part.closest, weak=weak)
+        if part.corank:
+            more["family"], more["name"] = self._name_singularity(q, part.corank)
+            if with_lost:
+                framed = lost_seen_from(self.robot, q, self.task, part.corank, self.options.frame)
+                length = counted_length(self.asked)
+                more["lost"] = tuple(words(row, framed.name, length) for row in framed.directions)
+        if part.verdict == UNDECIDED:
+            family, far, feet = self._nearest(q[None])
+            closest = replace(closest, distance=np.inf, foot=np.zeros(0))
+            if family[0] >= 0:
+                closest = replace(closest, distance=float(far[0]), foot=feet[0])
+                more["family"], more["name"] = self._near[family[0]].id, self._near[family[0]].name
+        return replace(part, closest=closest, **more)
+
+    def _speeds(self, part: Stretch) -> dict[str, Any]:
+        """Largest joint rates of a part, and what they mean for the limits."""
+        if self._rates is None:
+            return {}
+        first, last = part.start.row - 1, part.end.row - (part.end.share == 0.0)
+        first = min(first, len(self._rates) - 1)
+        rates = self._rates[first : max(last, first + 1)].max(axis=0)
+        if not np.isfinite(self._limits).any():
+            return {"rates": rates}
+        shares = self._share_of_limit(rates)
+        factor = 1.0 / max(1.0, float(shares.max()))
+        return {"rates": rates, "speed_factor": factor, "slowest": int(shares.argmax()) + 1 if factor < 1.0 else 0}
+
+    def _name_singularity(self, q: Array, corank: int) -> tuple[str, str]:
+        """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
+        found = families_at(self.families, self.robot, q, self.task, self.tolerances, self.source)
+        if found and found[0].family.corank >= corank:
+            return found[0].family.id, found[0].family.name
+        again = families_at(self._spots, self.robot, q, self.task, self.tolerances)
+        if again and again[0].family.corank >= corank:
+            return "", again[0].family.name
+        name = found[0].family.name if found else ""
+        if len(self._spots) >= _SPOTS:
+            return "", name
+        try:
+            local = name_on_the_spot(self.robot, q, self.task, corank)
+        except RankdropError:  # rounding: q is singular to the tolerance and not to that of its neighbours
+            return "", name
+        self._spots.append(local)
+        return "", local.name
+
+    def _place(self, position: float) -> Place:
+        """The place at a position counted in stretches from 0."""
+        stretch, share = self.path.split(np.array([position]))
+        return self.path.place((int(stretch[0]), float(share[0])))
+
+    def _shares(self, place: Place, q: Array, corank: int) -> tuple[float, float]:
+        """Of the tool's travel along the direction that is lost first; of the joints' motion that does not move it."""
+        travel = self.path.here(place)[1]
+        parts = decompose(self.robot, q, self.task)
+        moved = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0] @ travel
+        size, joints, weak, null = float(np.linalg.norm(moved)), float(np.linalg.norm(travel)), np.nan, np.nan
+        if self._rank and size > 0.0:
+            weak = float(abs(parts.u[:, self._rank - 1] @ moved) / size)
+        if corank and joints > 0.0:
+            null = float(np.linalg.norm(parts.v[:, self._rank - corank : self._rank].T @ travel) / joints)
+        return weak, null
+
+
+def _badness(stretch: Stretch) -> tuple[object, ...]:
+    """Worst first; free stretches that lead to a crossing say least and come last."""
+    leads = stretch.verdict == FREE and stretch.closest.distance < LEADS
+    return VERDICTS.index(stretch.verdict), leads, stretch.closest.distance, stretch.start

@@ -1,0 +1,1 @@
+"""Paths changed so that they are free: local remedies, time laws."""

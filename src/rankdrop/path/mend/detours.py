@@ -1,0 +1,324 @@
+"""Local changes of the tool's path: led around a singularity that the joints would cross to the other side.
+
+A joint path that goes from one side of a singularity to the other crosses it whatever is done to it nearby. The tool
+can go on all the same: it is moved by ε B(t) along u, the direction that is lost at the crossing,
+
+    T′(t) = exp(ε B(t) û) T(t),   u the left singular vector of σ_r at the crossing,
+
+with B as in `motion.bumps`, and the joints follow on the branch that they are on. At a wrist they turn half around
+while the tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the
+arm on another branch of the inverse kinematics, up to the next crossing, where it may come back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Self
+
+import numpy as np
+
+from rankdrop.kinematics import pose
+from rankdrop.path.check.follow import Followed
+from rankdrop.path.mend.bumps import Bumper, Change, Core, largest_move, step, tool_off
+from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.read.trajectory import Trajectory, regular_times
+from rankdrop.poses.inverse import Aim, rotation
+from rankdrop.robot.model import Array
+
+_RAMP = 0.3  # shortest ramp of a path in time [s]
+_SLOPE = 0.1  # … and of a path without times [rad]
+_FINEST, _USUAL = 1e-2, 0.5  # sizes that are tried: shares of the clearance, at an edge of reach and else …
+_WIDENED, _GROWING = 8.0, 2.0  # … up to so many times the bound, each so many times the one before
+_LOOKS = 100  # places of a window at first, besides the rows
+_NEARER = 0.9  # share of the clearance that is kept where the joints follow
+_BACK = 1e-6  # a configuration so near to the old path is on it again [rad]
+
+
+class Hindrance(StrEnum):
+    """Why no detour was found at a crossing."""
+
+    END = "end"
+    TOOL = "tool"
+    LIMIT = "limit"
+    REST = "rest"
+
+
+@dataclass(frozen=True, eq=False)
+class Detour:
+    """The tool led around one crossing.
+
+    Attributes:
+        low, high: the window, places counted in stretches from 0.
+        place: (K,) places of its rows.
+        q: (K, n) configurations there.
+        off: how far the tool is from its path at most [m], [rad].
+        rest: places and configurations after it, up to the next window or the end; None where the joints are back on
+            the old path.
+    """
+
+    low: float
+    high: float
+    place: Array
+    q: Array
+    off: tuple[float, float]
+    rest: tuple[Array, Array] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NoDetour:
+    """A crossing without a detour.
+
+    Attributes:
+        core: where it is.
+        hindrance: why.
+        needed: the size that would do where it is above the bound, else nan [rad; lengths by the length scale].
+    """
+
+    core: Core
+    hindrance: Hindrance
+    needed: float = np.nan
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MovedTool(ToolPath):
+    """A tool path with the tool moved along a task direction in a window.
+
+    Attributes:
+        twist: (m,) ε u, in the axes of `Aim` [rad; lengths divided by the length scale].
+        ends: (4,) of the clock: where the ramps begin, where they end, and the same on the way back.
+        clock: (T,) of the rows of the path.
+    """
+
+    twist: Array
+    ends: tuple[float, float, float, float]
+    clock: Array
+
+    def at_places(self, place: Array) -> Self:
+        """The same moved tool path at other places (K,)."""
+        q = self.path.at(*self.path.split(place))
+        time = np.interp(place, np.arange(len(self.clock)), self.clock)
+        begin, full, back, end = self.ends
+        share = np.where(time <= (full + back) / 2, step((time - begin) / (full - begin))[0],
+                         step((end - time) / (end - back))[0])  # fmt: skip
+        poses = moved_along(self.aim, pose(self.robot, q), share[:, None] * self.twist)
+        return replace(self, place=place, q=q, poses=poses)
+
+
+def moved_along(aim: Aim, poses: Array, twist: Array) -> Array:
+    """(N, 4, 4) poses moved by twists (N, m) in the rows and axes of a task, lengths divided by ℓ."""
+    whole = np.zeros((len(poses), 6))
+    whole[:, aim.rows] = twist
+    turn, here = rotation(whole[:, 3:]), poses[:, :3, :3]
+    shift = aim.length * whole[:, :3]
+    if aim.with_tip:
+        shift = (here @ shift[:, :, None])[:, :, 0]
+    out = poses.copy()
+    if aim.with_tip:
+        out[:, :3, :3] = here @ turn
+    else:
+        out[:, :3, :3] = turn @ here
+    out[:, :3, 3] += shift + (here - out[:, :3, :3]) @ aim.point
+    return out
+
+
+@dataclass(eq=False)
+class Detourer:
+    """Looks for detours around the crossings of one path to the other side.
+
+    Attributes:
+        bumper: the path, its clock and its limits.
+        bound: largest size of a detour [rad; lengths divided by the length scale].
+    """
+
+    bumper: Bumper
+    bound: float
+
+    def found(self, crossings: list[Core], clearance: float) -> list[Detour | NoDetour]:
+        """One for each crossing in order, up to the first that has none; between them the tool is on its path."""
+        start: Array | None = None  # at the beginning of the next window; None: on the old path
+        final, out = float(len(self.bumper.path.control)), list[Detour | NoDetour]()
+        last = 0.0
+        for k, core in enumerate(crossings):
+            if k + 1 < len(crossings):
+                until = crossings[k + 1].low
+            else:
+                until = final
+            ends = self._ends(core, last, until)
+            if ends is None:
+                return [*out, NoDetour(core, Hindrance.END)]
+            low, high = self.bumper.place_at(np.array([ends[0], ends[3]])).tolist()
+            if k > 0 and start is not None:
+                rest = self._rest(last, low, start)
+                if rest is None:
+                    return [*out, NoDetour(core, Hindrance.REST)]
+                before = out[-1]
+                assert isinstance(before, Detour)
+                out[-1], start = replace(before, rest=(rest[0][:-1], rest[1][:-1])), rest[1][-1]
+            made = self._at_crossing(core, ends, low, high, start, clearance)
+            out.append(made)
+            if isinstance(made, NoDetour):
+                return out
+            last, start = high, None if self._back(made) else made.q[-1]
+        if start is not None:
+            rest, before = self._rest(last, final, start), out[-1]
+            assert isinstance(before, Detour)
+            if rest is None:
+                out[-1] = NoDetour(crossings[-1], Hindrance.REST)
+            else:
+                out[-1] = replace(before, rest=rest)
+        return out
+
+    def _back(self, made: Detour) -> bool:
+        """After the window the joints are where they were on the old path."""
+        return self._same(made.high, made.q[-1])
+
+    def _same(self, place: float, q: Array) -> bool:
+        return bool((np.abs(q - self.bumper.at(np.array([place]))[0]) < _BACK).all())
+
+    def _at_crossing(
+        self, core: Core, ends: tuple[float, float, float, float], low: float, high: float, start: Array | None,
+        clearance: float,
+    ) -> Detour | NoDetour:  # fmt: skip
+        """The detour around one crossing, of the least size at which the joints follow.
+
+        Of both ways along the lost direction the one that comes back to the old path where the arm has left it. Rates
+        go as 1/ε; where they break limits a new time law keeps them.
+        """
+        bumper = self.bumper
+        lost = self._lost(core)
+        if start is None:
+            begin = bumper.at(np.array([low]))[0]
+        else:
+            begin = start
+        limited = False
+        ways = [lost, -lost]
+        for size in self._sizes(clearance):
+            looks = [(way, *self._look(ends, low, high, begin, size * way)) for way in ways]
+            held = [found.reason == "limit" for _, _, found in looks]  # larger ones turn the joints as far
+            limited |= any(held)
+            ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
+            clear = [one for one in looks if self._clear(one[1], one[2], clearance)]
+            if not clear:
+                continue
+            if size > self.bound * (1 + 1e-9):
+                return NoDetour(core, Hindrance.TOOL, size)
+            clear.sort(key=lambda one: start is not None and not self._same(high, one[2].q[-1]))
+            for _, moved, _ in clear:
+                made = self._made(moved, low, high, begin, clearance)
+                if made is not None:
+                    return made
+        return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
+
+    def _lost(self, core: Core) -> Array:
+        """(m,) the task direction that is lost at a crossing, in the axes of `Aim`."""
+        bumper = self.bumper
+        place = core.stretches[0].closest.place.position - 1.0
+        jacobian = bumper.tool.aim.jacobian(bumper.at(np.array([place])))[0]
+        return np.asarray(np.linalg.svd(jacobian)[0][:, bumper.tool.rank - 1])
+
+    def _clear(self, moved: MovedTool, found: Followed, clearance: float) -> bool:
+        return found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance
+
+    def _sizes(self, clearance: float) -> list[float]:
+        """Sizes of detours that are tried, the least first."""
+        least, most = _USUAL * clearance, _WIDENED * self.bound
+        count = int(np.ceil(np.log(max(most / least, 1.0)) / np.log(_GROWING))) + 1
+        usual = [float(size) for size in least * _GROWING ** np.arange(count) if size <= most]
+        return sorted({_FINEST * clearance, *usual, self.bound})
+
+    def _ends(self, core: Core, last: float, until: float) -> tuple[float, float, float, float] | None:
+        """Where the ramps of a window begin and end by the clock; None where there is no room for them."""
+        bumper = self.bumper
+        first, full, back, final = (float(x) for x in bumper.time(np.array([last, core.low, core.high, until])))
+        if bumper.path.times is not None:
+            shortest = _RAMP
+        else:
+            shortest = _SLOPE
+        ramp = max(shortest, back - full)
+        ahead, behind = min(ramp, 0.9 * (full - first)), min(ramp, 0.9 * (final - back))
+        if min(ahead, behind) <= 0.0:
+            return None
+        return full - ahead, full, back, back + behind
+
+    def _look(
+        self, ends: tuple[float, float, float, float], low: float, high: float, start: Array, twist: Array
+    ) -> tuple[MovedTool, Followed]:
+        """The joints along the moved tool, at the rows and some places between."""
+        bumper = self.bumper
+        rows = np.arange(np.ceil(low), np.floor(high) + 1)
+        place = np.unique(np.concatenate([[low], rows, np.linspace(low, high, _LOOKS), [high]]))
+        plain = {name: getattr(bumper.tool, name) for name in ToolPath.__dataclass_fields__}
+        moved = MovedTool(**plain, twist=twist, ends=ends, clock=bumper.clock).at_places(place)
+        return moved, moved.followed(start)
+
+    def _made(self, moved: MovedTool, low: float, high: float, start: Array, clearance: float) -> Detour | None:
+        """A detour at rows so close that the tool stays on its way between them; None where it comes too near."""
+
+        def run(path: ToolPath) -> Followed:
+            return path.followed(start)
+
+        fine, found = moved.refined(run)
+        if not found.complete or float(fine.room(found.q).min()) < _NEARER * clearance:
+            return None
+        off = self._off(fine.place, found.q)
+        return Detour(low, high, fine.place, found.q, off)
+
+    def _off(self, place: Array, q: Array) -> tuple[float, float]:
+        """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
+        places = np.concatenate([place, (place[1:] + place[:-1]) / 2])
+        return tool_off(self.bumper.robot, self.bumper.at(places), np.concatenate([q, (q[1:] + q[:-1]) / 2]))
+
+    def changes(self, detours: list[Detour]) -> list[Change]:
+        """What each of them changes."""
+        bumper, out = self.bumper, []
+        for one in detours:
+            start, end = (bumper.path.place(bumper.point(place)) for place in (one.low, one.high))
+            moves = one.q - bumper.at(one.place)
+            if self._back(one):
+                after = np.zeros_like(moves[-1])
+            else:
+                after = moves[-1]
+            out.append(Change(start, end, largest_move(moves), one.off, after))
+        return out
+
+    def trajectory(self, detours: list[Detour]) -> tuple[Trajectory, tuple[float, float]]:
+        """The whole path: rows before the first window, and where the joints are back, as they were; and how far the
+        tool is from the old path at most [m], [rad].
+        """
+        bumper, count = self.bumper, len(self.bumper.path.control)
+        rows = np.concatenate([bumper.path.control[:, 0], bumper.path.control[-1:, -1]])
+        first = np.arange(int(np.ceil(detours[0].low)))
+        places, values = [first.astype(np.float64)], [rows[first]]
+        for k, one in enumerate(detours):
+            places.append(one.place)
+            values.append(one.q)
+            if one.rest is not None:
+                places.append(one.rest[0])
+                values.append(one.rest[1])
+                continue
+            if k + 1 < len(detours):
+                until = int(np.ceil(detours[k + 1].low))
+            else:
+                until = count + 1
+            after = np.arange(int(np.floor(one.high)) + 1, until)
+            places.append(after.astype(np.float64))
+            values.append(rows[after])
+        place, q = np.concatenate(places), np.concatenate(values)
+        timed = bumper.path.times is not None
+        made = Trajectory("", bumper.time(place) if timed else regular_times(len(place)), q, timed, ())
+        return made, self._off(place, q)
+
+    def _rest(self, low: float, high: float, start: Array) -> tuple[Array, Array] | None:
+        """Places after one up to another, and the configurations there on the branch of the one at the first place."""
+        tool = self.bumper.tool
+        between = tool.place[(tool.place > low) & (tool.place < high)]
+        place = np.concatenate([[low], between, [high]])
+
+        def run(path: ToolPath) -> Followed:
+            return path.followed(start)
+
+        fine, found = tool.at_places(place).refined(run)
+        if found.complete:
+            return (fine.place[1:], found.q[1:])
+        return None

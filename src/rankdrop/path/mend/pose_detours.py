@@ -1,0 +1,366 @@
+"""Local changes of a tool path that was given as poses: the tool led around each singularity that ends its branch.
+
+The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a window
+are moved, T′ = exp(ε B û) T (`motion.detours`), u the direction lost, and the branch goes on along them: past a wrist,
+where two joints turn half around, or inside the edge of reach, which the poses leave. Of both ways along u, windows of
+some lengths and sizes, all followed side by side, the least is taken that the joints can follow with room to the
+singularity. After the window the poses are as they were, and the joints on whichever branch
+the window led to. All other poses stay as they are, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.path.check.check import tip_tolerance
+from rankdrop.path.check.follow import Followed, follow
+from rankdrop.path.check.record import PathCheck
+from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.curve import Curve, Place
+from rankdrop.path.mend.bumps import step
+from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.detours import Hindrance, moved_along
+from rankdrop.path.read.trajectory import Trajectory, regular_times
+from rankdrop.poses.inverse import Aim
+from rankdrop.problem import Mask
+from rankdrop.robot.model import Array
+
+_RAMP = 0.3  # of a window at least [s]; of poses without times that many metres or rad, lengths by the length scale
+_LONGER = (1.0, 2.0, 4.0, 8.0)  # times the shortest window that are tried
+_FINEST, _GROWING, _WIDENED = 1e-2, 1.6, 8.0  # sizes: from that share of the clearance on, up to times the bound
+_FINER = 5  # … and so many between the least that does and the one before
+_LOOKED, _JUMP = 120, 0.6  # places of a first look on each side; joint motion between two of them at most [rad]
+_CONFIRMED = 8  # looks that are followed in full
+_NEARER = 0.9  # share of the clearance that is kept
+_BESIDE = 15.0  # times the clearance: a joint that reaches its limit after coming so near turned because of that
+_SHORTEST = 0.02  # half of a core at least, by the clock
+_INSTANT = 1e-9  # rows nearer in time are one [s]
+_MET = 0.05  # share of the clearance below which a path counts as at the singularity
+_ROWS = 40  # of a window at least
+_MOST = 12  # windows
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """A part of the poses that is moved.
+
+    Attributes:
+        low, high: its ends, places counted in poses from 0.
+        off: how far the tool is from its path at most [m], [rad].
+    """
+
+    low: float
+    high: float
+    off: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """Where the poses cannot be led around a singularity.
+
+    Attributes:
+        place: counted in poses from 0.
+        hindrance: why.
+        needed: the size that would do where it is above the bound, else nan [rad; lengths by the length scale].
+        joint: number from 1 of the one that reached its limit, where without limits the rest is followed; 0: none.
+        beyond: how far it goes beyond its range there [rad, m].
+    """
+
+    place: float
+    hindrance: Hindrance
+    needed: float = np.nan
+    joint: int = 0
+    beyond: float = np.nan
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """Where a window may be.
+
+    Attributes:
+        kept: row of the branch at which it begins.
+        low, high: its ends, places counted in poses from 0.
+        ends: (4,) of the clock: where its ramps begin, where they end, and the same on the way back.
+        middle: by the clock, where the branch comes nearest to the singularity.
+    """
+
+    kept: int
+    low: float
+    high: float
+    ends: tuple[float, float, float, float]
+    middle: float
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A size ε, a window and a way û along the lost direction, and (n,) how far joints go beyond their limits."""
+
+    size: float
+    span: Span
+    way: Array
+    excess: Array
+
+
+@dataclass(eq=False)
+class PoseDetourer:
+    """Looks for windows in which poses are moved.
+
+    Attributes:
+        check: of the poses.
+        bound: largest size [rad; lengths divided by the length scale].
+        clearance: first-order distance that is left to a singularity [rad].
+    """
+
+    check: PathCheck
+    bound: float
+    clearance: float
+
+    def __post_init__(self) -> None:
+        given = self.check.poses
+        assert given is not None
+        self.poses, times = given.matrices, given.times
+        self.robot, self.task = self.check.robot, given.task
+        self.aim = Aim(self.robot, self.task)
+        self.tolerance = tip_tolerance(self.check.options, self.robot)
+        self.clock = self._lengths() if times is None else times
+        still = np.zeros((1, 1, self.robot.n))
+        self.tool = ToolPath(self.robot, self.task, Curve(still, None), np.zeros(0), np.zeros(0), np.zeros(0), True)
+        self.rows: list[tuple[Array, Array]] = []  # places and configurations that are kept, in order
+
+    def _lengths(self) -> Array:
+        """(P,) the tool's way up to each pose, increasing."""
+        move = np.linalg.norm(np.diff(self.poses[:, :3, 3], axis=0), axis=1) / self.aim.length
+        turn = self.poses[1:, :3, :3] @ self.poses[:-1, :3, :3].swapaxes(1, 2)
+        turned = np.linalg.norm(orientation_coordinates(turn, "rotvec"), axis=1)
+        return np.concatenate([[0.0], np.cumsum(move + turned + 1e-9)])
+
+    def found(self, report: Callable[[int, int], None]) -> list[Window] | Blocked:
+        """Windows after which the whole path is followed; else where there is none."""
+        tool = self.check.tool
+        assert tool is not None
+        if not len(tool.q):
+            return Blocked(0.0, Hindrance.END)
+        place, start, windows = 0.0, tool.q[0], list[Window]()
+        for _ in range(_MOST + 1):
+            at = self._from(place)
+            run = self._as_checked(tool) if not windows else self._followed(at, start)
+            end = self._ends(run)
+            if end is None:
+                self.rows.append((self._places(at, run), run.q))
+                return windows
+            if len(windows) == _MOST:
+                return Blocked(float(self._places(at, run)[-1]), Hindrance.REST)
+            if run.reason == "limit" and end == len(run.q) - 1:
+                # a joint turned too far while the tool passed by: the other way round may do
+                room = self.tool.room(run.q)
+                end = int(room.argmin())
+                if room[end] > _BESIDE * self.clearance:
+                    return self._beyond(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
+            made = self._around(at, run, end)
+            if isinstance(made, Blocked):
+                return self._beyond(made, at, start) if run.reason == "limit" and not made.joint else made
+            window, place, start = made
+            windows.append(window)
+            report(len(windows), len(windows) + 1)
+        return windows
+
+    def _beyond(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
+        """With the joint that needs a wider range for the branch to go on, and by how much."""
+        free = follow(self.robot, poses_at(self.poses, at), start, self.task, limits=False)
+        if not free.complete:
+            return blocked
+        excess = np.maximum(free.q - self.robot.upper, self.robot.lower - free.q).max(axis=0)
+        joint = int((excess / self.aim.joints).argmax())
+        return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
+
+    def _as_checked(self, tool: Followed) -> Followed:
+        """The branch as it was followed already, up to the first singularity that it goes through."""
+        if not tool.passed:
+            return tool
+        kept = tool.place < tool.passed[0].place
+        return replace(tool, q=tool.q[kept], place=tool.place[kept], complete=False, reason="singular")
+
+    def _from(self, place: float) -> Array:
+        """Places from one on: it, and all poses after it."""
+        return np.concatenate([[place], np.arange(np.floor(place) + 1.0, len(self.poses))])
+
+    def _followed(self, at: Array, start: Array, moved: Array | None = None) -> Followed:
+        """The branch of a configuration along poses at places, moved or not."""
+        poses = poses_at(self.poses, at) if moved is None else moved
+        whole = at == np.floor(at)
+        if moved is None:
+            poses[whole] = self.poses[at[whole].astype(np.int64)]
+        return follow(self.robot, poses, start, self.task, tolerance=self.tolerance)
+
+    def _places(self, at: Array, run: Followed) -> Array:
+        """(K,) places of the rows of a run along places."""
+        return np.asarray(np.interp(run.place - 1.0, np.arange(len(at)), at))
+
+    def _ends(self, run: Followed) -> int | None:
+        """The first row of a run that is at a singularity, or its last one; None where it is free to the end."""
+        if not len(run.q):
+            return 0
+        room = self.tool.room(run.q)
+        met = np.flatnonzero(room < _MET * self.clearance)
+        if len(met):
+            first = int(met[0])
+            beyond = np.flatnonzero(room[first:] >= _MET * self.clearance)
+            stop = first + (int(beyond[0]) if len(beyond) else len(room) - first)
+            return first + int(room[first:stop].argmin())
+        if run.complete:
+            return None
+        return len(run.q) - 1
+
+    def _around(self, at: Array, run: Followed, end: int) -> tuple[Window, float, Array] | Blocked:
+        """A window around a row of a run, where the path goes on after it, and the configuration there."""
+        if not len(run.q):
+            return Blocked(float(at[0]), Hindrance.REST)
+        places = self._places(at, run)
+        met, room = float(places[end]), self.tool.room(run.q[: end + 1])
+        clear = np.flatnonzero(room >= self.clearance)
+        if not len(clear):
+            return Blocked(met, Hindrance.END)
+        rows, own = places[: end + 1], run.q
+        windows = [one for longer in _LONGER if (one := self._span(rows, float(places[clear[-1]]), met, longer))]
+        if not windows:
+            return Blocked(met, Hindrance.END)
+        lost = np.linalg.svd(self.aim.jacobian(own[end][None])[0])[0][:, self.tool.rank - 1]
+        sizes = self._sizes()
+        usual = self._looks(windows, own, lost, sizes)
+        if not usual:
+            beyond = [one for one in self._looks(windows, own, lost, sizes, limits=False) if one.size <= self.bound]
+            if not beyond:
+                return Blocked(met, Hindrance.TOOL)
+            least_beyond = min(beyond, key=lambda one: float((one.excess / self.aim.joints).max()))
+            joint = int((least_beyond.excess / self.aim.joints).argmax())
+            return Blocked(met, Hindrance.LIMIT, np.nan, joint + 1, float(least_beyond.excess[joint]))
+        least = usual[0].size
+        if least > self.bound * (1 + 1e-9):
+            return Blocked(met, Hindrance.TOOL, least)
+        before = max((size for size in sizes if size < least), default=least / _GROWING)
+        finer = self._looks([usual[0].span], own, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
+        for look in [*finer, *usual][:_CONFIRMED]:
+            made = self._confirmed(look, own)
+            if look.size <= self.bound * (1 + 1e-9) and made is not None:
+                kept = look.span.kept
+                self.rows.append((rows[: kept + 1], own[: kept + 1]))
+                self.rows.append((made[1][1:-1], made[2][1:-1]))
+                return made[0], look.span.high, made[2][-1]
+        return Blocked(met, Hindrance.TOOL)
+
+    def _sizes(self) -> Array:
+        """Sizes that are tried, the least first, the bound among them."""
+        least, most = _FINEST * self.clearance, _WIDENED * self.bound
+        count = int(np.ceil(np.log(max(most / least, 1.0)) / np.log(_GROWING))) + 1
+        return np.unique(np.append(np.geomspace(least, most, count), self.bound))
+
+    def _span(self, places: Array, core: float, met: float, longer: float) -> Span | None:
+        """Where a window begins and ends around a core; None where there is no room for it."""
+        full, middle = (float(x) for x in self._time(np.array([core, met])))
+        half = longer * max(middle - full, _SHORTEST)
+        back, ramp = middle + half, max(_RAMP, half)
+        kept = int(np.searchsorted(self._time(places), full - ramp, side="right")) - 1
+        if kept < 0 or back + ramp > self.clock[-1]:
+            return None
+        low = float(places[kept])
+        high = min(float(np.ceil(self._place(np.array([back + ramp]))[0])), len(self.poses) - 1.0)
+        begin, end = (float(x) for x in self._time(np.array([low, high])))
+        return Span(kept, low, high, (begin, full, back, end), middle)
+
+    def _moved(self, span: Span, place: Array, twist: Array) -> tuple[Array, Array]:
+        """(N, 4, 4) poses at places of a window, as they were and moved."""
+        time, (begin, full, back, end) = self._time(place), span.ends
+        share = np.where(time <= (full + back) / 2, step((time - begin) / (full - begin))[0],
+                         step((end - time) / (end - back))[0])  # fmt: skip
+        old = poses_at(self.poses, place)
+        return old, moved_along(self.aim, old, share[:, None] * twist)
+
+    def _looks(
+        self, windows: list[Span], q: Array, lost: Array, sizes: Array, *, limits: bool = True
+    ) -> list[Look]:
+        """Sizes, windows and ways that the joints can follow with room, the least first: all of them followed side by
+        side, at places that are close together near the singularity.
+        """
+        u = np.linspace(-1.0, 1.0, 2 * _LOOKED + 1)
+        x = np.sign(u) * u * u
+        looks, poses, starts, steps = [], [], [], []
+        still = np.zeros(self.robot.n)
+        for span in windows:
+            begin, *_, end = span.ends
+            time = span.middle + np.where(x < 0.0, span.middle - begin, end - span.middle) * x
+            place = self._place(time).clip(span.low, span.high)
+            for size in sizes.tolist():
+                for way in (lost, -lost):
+                    looks.append(Look(size, span, way, still))
+                    poses.append(self._moved(span, place, size * way)[1])
+                    starts.append(q[span.kept])
+                    steps.append(np.diff(time))
+        target, lasts = np.stack(poses, axis=1), np.stack(steps, axis=1)
+        found = np.full((*target.shape[:2], self.robot.n), np.nan)
+        found[0] = starts
+        alive = np.ones(len(looks), dtype=np.bool_)
+        for k in range(1, len(target)):
+            here = found[k - 1, alive]
+            guess = here
+            if k > 1:
+                guess = here + (here - found[k - 2, alive]) * (lasts[k - 1, alive] / lasts[k - 2, alive])[:, None]
+            solved, arrived = self.aim.solve(target[k, alive], guess)
+            good = arrived & (np.abs((solved - here) / self.aim.joints).max(axis=1) < _JUMP)
+            if limits:
+                good &= self._inside(solved)
+            rows = np.flatnonzero(alive)
+            found[k, rows[good]] = solved[good]
+            alive[rows[~good]] = False
+            if not alive.any():
+                return []
+        kept = np.flatnonzero(alive)
+        room = self.tool.room(found[:, kept].reshape(-1, self.robot.n)).reshape(len(target), len(kept)).min(axis=0)
+        excess = np.maximum(found - self.robot.upper, self.robot.lower - found).max(axis=0)
+        clear = [replace(looks[i], excess=excess[i]) for i in kept[room >= _NEARER * self.clearance]]
+        return sorted(clear, key=lambda one: (one.size, one.span.high - one.span.low))
+
+    def _inside(self, q: Array) -> Mask:
+        return np.asarray(((q >= self.robot.lower) & (q <= self.robot.upper)).all(axis=1))
+
+    def _confirmed(self, look: Look, q: Array) -> tuple[Window, Array, Array] | None:
+        """A window followed as any tool path is: its places and rows; None where it is not free."""
+        span = look.span
+        inner = np.arange(np.floor(span.low) + 1.0, np.ceil(span.high))
+        begin, *_, end = span.ends
+        fine = self._place(np.linspace(begin, end, _ROWS)).clip(span.low, span.high)
+        at = np.unique(np.concatenate([[span.low], inner, fine, [span.high]]))
+        old, moved = self._moved(span, at, look.size * look.way)
+        run = self._followed(at, q[span.kept], moved)
+        if not run.complete or float(self.tool.room(run.q).min()) < _NEARER * self.clearance:
+            return None
+        apart = np.linalg.norm(moved[:, :3, 3] - old[:, :3, 3], axis=1)
+        turn = orientation_coordinates(moved[:, :3, :3] @ old[:, :3, :3].swapaxes(1, 2), "rotvec")
+        off = float(apart.max()), float(np.linalg.norm(turn, axis=1).max())
+        return Window(span.low, span.high, off), self._places(at, run), run.q
+
+    def _time(self, place: Array) -> Array:
+        return np.asarray(np.interp(place, np.arange(len(self.clock)), self.clock))
+
+    def _place(self, time: Array) -> Array:
+        return np.asarray(np.interp(time, self.clock, np.arange(len(self.clock))))
+
+    def at(self, place: float) -> Place:
+        """A place by the number of its pose."""
+        given = self.check.poses
+        timed = given is not None and given.times is not None
+        row = int(np.floor(place))
+        return Place(row + 1, place - row, float(self._time(np.array([place]))[0]) if timed else None)
+
+    def trajectory(self) -> Trajectory:
+        """The joint path along the moved poses."""
+        place, q = (np.concatenate(parts) for parts in zip(*self.rows, strict=True))
+        distinct = np.concatenate([[True], np.diff(self._time(place)) > _INSTANT])
+        place, q = place[distinct], q[distinct]
+        given = self.check.poses
+        timed = given is not None and given.times is not None
+        times = self._time(place) if timed else regular_times(len(place))
+        return Trajectory("", times, q, timed, ())

@@ -1,0 +1,608 @@
+"""`mend_path`: what would make a path free of singularities, or keep its limits, each proven by a new check.
+
+Local changes are made in `motion.bumps` and `motion.detours`, other joint paths for the tool in `motion.candidates`,
+new time laws in `motion.retime`. One remedy is made here: a corner cut short, where a straight path reaches a
+singularity around a row at which it turns. A parabola from a point before the corner to one after it, with the corner
+as its control point, leaves the path in the direction it has there and comes back in the direction it goes on in. It
+stays half as far in as the corner does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from operator import attrgetter
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.codec import Result
+from rankdrop.errors import OptionError, TaskError
+from rankdrop.kinematics import pose
+from rankdrop.local.block import joint_scale
+from rankdrop.local.rates import rate_limits
+from rankdrop.options import takes
+from rankdrop.path.check.check import check_path
+from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck
+from rankdrop.path.check.turns import FarTurn, far_turns
+from rankdrop.path.curve import Curve
+from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bump, Bumper, Change, NoBump, Obstacle
+from rankdrop.path.mend.candidates import (
+    Candidate,
+    Parameter,
+    Ranking,
+    ToolPath,
+    branches,
+    null_spaces,
+    shifts,
+    tilts,
+    tool_path,
+)
+from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
+from rankdrop.path.mend.retime import Usage, retimed, usage
+from rankdrop.path.mend.slow_down import slowed_down
+from rankdrop.path.read.trajectory import Trajectory
+from rankdrop.questions import RemedyOptions
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation import known_families
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section
+from rankdrop.text import paths as text
+
+_CORNER = np.cos(np.radians(3.0))  # directions that differ by less are one
+_POINTS = 33  # of a parabola
+_SIZES = 8
+_LOOKS = 201
+_CHECKED = 4  # candidates of a kind that are checked, widest first
+_ON_PATH = 1e-4  # of a tool that leaves its path by less, lengths divided by the length scale
+_SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
+_CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
+_ROUNDS = 3  # of that
+MANY = 200
+"""Places on one path above which no local remedy is tried: such a file is not what it was meant to be."""
+_DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
+BUMP, DETOUR, SLOW, RETIME, NULL, FLIP, BLEND, TILT, SHIFT = (
+    "bump", "detour", "slow-down", "retime", "null-space", "flip", "blend", "tool tilt", "base shift",
+)  # fmt: skip
+KINDS = (NULL, FLIP, BUMP, DETOUR, BLEND, TILT, SHIFT, SLOW, RETIME)
+LOCAL = (BUMP, DETOUR, SLOW)
+"""Those that change the path around its singularities: a bump keeps the joints of the rest, a detour the tool, a
+slow-down all of the path and the time that the rest takes."""
+Progress = Callable[[str, int, int], None]
+"""progress(kind, done, all)."""
+Failure = tuple[str, Any]
+"""A kind without a remedy, and what was tried: as `rankdrop.text.paths.remedy_note` reads it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A changed path to be checked.
+
+    Attributes:
+        how: what is done, and a fact about it.
+        parameters: with which numbers.
+        made: its rows.
+        off: how far off the tool is [m, rad].
+        changes: the parts that are changed; empty where all of it is.
+    """
+
+    how: tuple[str, Any]
+    parameters: tuple[Parameter, ...]
+    made: Trajectory
+    off: tuple[float, float]
+    changes: tuple[Change, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Remedy:
+    """A path that was mended and checked again.
+
+    Attributes:
+        kind: one of `KINDS`.
+        how: what is done, and a fact about it.
+        parameters: what with.
+        gains: distance, speed, duration -> the number before and after; inf or nan where not known. The distance is 0
+            where the path reaches a singularity.
+        trajectory: the new path; in time where the old one is.
+        interpolate: between its rows.
+        check: the new judgement: free, proven, with the distance asked for kept. Of retime, which keeps the path, it
+            may be any; that kind is accepted by its limits.
+        usage: shares of the rate and acceleration limits that it nowhere exceeds, at most 1; None without times or
+            limits.
+        off: how far the tool is from the path meant, at most, in the middle between two of its rows [m], [rad];
+            at the rows it is on it. Of a blend and a bump: from the old path, at sampled points.
+        retimed: it has a new time law as well, because the old one would break limits.
+        changes: of a local remedy the parts that it changes, in order.
+    """
+
+    kind: str
+    how: tuple[str, Any]
+    parameters: tuple[Parameter, ...]
+    gains: dict[str, tuple[float, float]]
+    trajectory: Trajectory
+    interpolate: str
+    check: PathCheck
+    usage: Usage | None
+    off: tuple[float, float]
+    retimed: bool
+    changes: tuple[Change, ...] = ()
+
+    @property
+    def deviation(self) -> tuple[float, float]:
+        """How far the tool leaves the path that it was given at most [m], [rad]: `off`, and what the tool is tilted."""
+        tilt = next((value for name, value, _ in self.parameters if name == "tool tilt"), 0.0)
+        assert isinstance(tilt, float)
+        return self.off[0], float(np.nan_to_num(self.off[1])) + tilt
+
+    @property
+    def turns(self) -> tuple[FarTurn, ...]:
+        """Joints that turn far on the new path."""
+        return far_turns(self.check.robot, self.check.curve)
+
+    @property
+    def rank(self) -> tuple[bool, bool, float, float]:
+        """What remedies are sorted by: proven free, the base where it is, deviation of the tool, duration."""
+        away, turned = self.deviation
+        size = away / self.check.length_scale + turned
+        _, after = self.gains.get("duration", (0.0, 0.0))
+        return not self.check.clear, self.kind == SHIFT, 0.0 if size < _ON_PATH else size, after
+
+    @property
+    def words(self) -> str:
+        """What is done, as a sentence."""
+        return text.remedy_words(*self.how)
+
+
+@dataclass(frozen=True, eq=False)
+class Mending(Result):
+    """What was tried of a path.
+
+    Attributes:
+        before: the judgement of the path as it was.
+        remedies: found and proven; those first whose tool leaves its path least, then the shorter ones.
+        failures: for each kind without one, what was tried.
+        needed: the path needs one: it is not proven free and far enough, or breaks limits.
+        complete: False where it was interrupted; what was found until then holds.
+    """
+
+    before: PathCheck
+    remedies: tuple[Remedy, ...]
+    failures: tuple[Failure, ...]
+    needed: bool
+    complete: bool
+    FILE: ClassVar[str] = "remedies"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """For each kind without a remedy, what was tried and what came of it."""
+        return tuple(text.remedy_note(kind, fact) for kind, fact in self.failures)
+
+    @property
+    def best(self) -> Remedy | None:
+        """The first that is proven free; None where there is none."""
+        return next((one for one in self.remedies if one.check.clear), None)
+
+    def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
+        """As sections of text."""
+        return text.remedy_sections(self, deg=deg)
+
+    @property
+    def sentence(self) -> str:
+        """One line for people."""
+        return text.remedies_sentence(self)
+
+
+def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
+    """Paths with the corners nearest to where it reaches singularities cut, less first, the tool within `most` [m]."""
+    robot, path = check.robot, check.curve
+    bad = [one for one in check.stretches if one.verdict != FREE]
+    near = bad or [one for one in check.stretches if one.closest.distance < check.options.min_distance]
+    steps = np.diff(path.control, axis=1)[:, 0] / joint_scale(robot, check.task)
+    size = np.linalg.norm(steps, axis=1)
+    cosine = (steps[1:] * steps[:-1]).sum(axis=1) / np.maximum(size[1:] * size[:-1], 1e-300)
+    corners = np.flatnonzero(cosine < _CORNER) + 1  # rows at which the direction changes, from 0
+    if path.degree != 1 or not near or not len(corners):
+        return
+    until = np.concatenate([[0.0], np.cumsum(size)])
+    at = np.interp([one.closest.place.position - 1.0 for one in near], np.arange(len(until)), until)
+    away = np.abs(until[corners][None] - at[:, None])
+    cut, least = np.unique(away.argmin(axis=1)), float(away.min(axis=1).max())
+    ends = np.concatenate([[0.0], until[corners], until[-1:]])
+    room = min(min(ends[k + 1] - ends[k], ends[k + 2] - ends[k + 1]) for k in cut)
+    room *= 0.5 if (np.diff(cut) == 1).any() else 1.0
+    rows = ", ".join(str(int(corner) + 1) for corner in corners[cut])
+    tool = tool_path(robot, check.task, path)
+    for radius in np.geomspace(max(1.05 * least, 1e-3 * room), room, _SIZES) if least < room else ():
+        place, q, off = _cut(robot, path, until, corners[cut], float(radius))
+        if off <= most:
+            parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
+            made = replace(tool, place=place).trajectory(q, "linear")
+            yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan))
+
+
+def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float) -> tuple[Array, Array, float]:
+    """Places and rows of a path with corners cut, and how far the tool point is from the old path at most [m]."""
+    def joints_at(place: Array) -> Array:
+        return path.at(*path.split(place))
+
+    rows = np.arange(len(until), dtype=np.float64)
+    keep = np.ones(len(rows), dtype=np.bool_)
+    places, values, off = [], [], 0.0
+    share = np.linspace(0.0, 1.0, _POINTS)
+    for corner in corners.tolist():
+        low, high = np.interp([until[corner] - radius, until[corner] + radius], until, rows)
+        keep &= (rows < low) | (rows > high)
+        start, middle, end = joints_at(np.array([low, float(corner), high]))
+        s = share[:, None]
+        curve = (1 - s) ** 2 * start + 2 * s * (1 - s) * middle + s**2 * end
+        places.append(low + share * (high - low))
+        values.append(curve)
+        old = pose(robot, joints_at(np.linspace(low, high, _LOOKS)))[:, :3, 3]
+        new = pose(robot, curve)[:, :3, 3]
+        off = max(off, float(np.linalg.norm(new[:, None] - old[None], axis=2).min(axis=1).max()))
+    place = np.concatenate([rows[keep], *places])
+    order = np.argsort(place, kind="stable")
+    return place[order], np.concatenate([joints_at(rows[keep]), *values])[order], off
+
+
+@takes(RemedyOptions)
+def mend_path(
+    found: PathCheck,
+    *,
+    analysis: Analysis | None = None,
+    acceleration: ArrayLike | None = None,
+    kinds: Collection[str] = KINDS,
+    options: RemedyOptions | None = None,
+    progress: Progress | None = None,
+    **given: Any,
+) -> Mending:
+    """Remedies of a checked path: computed, and checked again as `check_path` checked the path itself.
+
+    null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
+    flip          the same tool path on another branch of the inverse kinematics
+    bump          the joints moved aside around each singularity, within `bump`, and the rest of the path as it is
+    detour        where the joints go to the other side of a singularity: the tool led around it, within `detour`
+    blend         a corner cut, where the path meets the singularity around it, within `blend`
+    tool tilt     the tool held tilted, within `tool_tilt`
+    base shift    the base moved, within `base_shift`
+    slow-down     the same path, slower where it is too fast, and the rest of its times only shifted
+    retime        the same path in a new time: inside the limits of joint rates and accelerations; where no slow-down
+                  is found
+
+    A change of the path is a remedy only where its judgement is free, proven for every point, with the distance asked
+    for proven to be kept. A new time law is one only where the limits hold at every instant, by bounds on the curve
+    between its rows (`Usage.how`). Paths in time that would break limits once changed get a new time law as well. That
+    no remedy is found is no proof that there is none.
+
+    Args:
+        found: the judgement; its settings are those of the new ones.
+        analysis: families, where `found` was checked with an analysis.
+        acceleration: () or (n,) limits [rad/s², m/s²]; None: none. Arms state none of their own.
+        kinds: those of `KINDS` that are tried.
+        options: how far the path may be changed; its fields are taken as keywords as well.
+        progress: called with the kind, and how much of it is done.
+
+    Returns:
+        The remedies found, one of each kind at most, and for the other kinds what was tried.
+
+    Raises:
+        OptionError: a bound outside what is allowed.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> path = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]]
+        >>> mended = mend_path(check_path(open_robot("planar3r"), path), kinds=["blend"], blend=0.5)
+        >>> [(one.kind, one.check.verdict.value) for one in mended.remedies]
+        [('blend', 'free')]
+    """
+    how = RemedyOptions.of(options, given)
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown:
+        raise OptionError("there is no such remedy", where="kinds", got=unknown[0], allowed=", ".join(KINDS))
+    work = _Mender(found, analysis, _limits(found, acceleration), frozenset(kinds), progress)
+    results: list[Remedy | Failure] = []
+    complete = True
+    try:
+        for one in work.results(how):
+            results.append(one)  # what is made before Ctrl-C is kept
+    except KeyboardInterrupt:
+        complete = False
+    remedies = sorted((one for one in results if isinstance(one, Remedy)), key=attrgetter("rank"))
+    failures = tuple(one for one in results if not isinstance(one, Remedy))
+    return Mending(found, tuple(remedies), failures, not found.clear or work.breaks(found), complete)
+
+
+def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
+    """(n,) each: of rates and accelerations."""
+    given = np.asarray(np.inf if acceleration is None else acceleration, dtype=np.float64)
+    if given.shape not in ((), (check.robot.n,)) or np.isnan(given).any() or not (given > 0.0).all():
+        raise OptionError("an acceleration limit is above zero", where="acceleration", got=given.tolist(),
+                          allowed=f"one number, or {check.robot.n}, one for each joint")  # fmt: skip
+    return rate_limits(check.robot), np.array(np.broadcast_to(given, (check.robot.n,)))
+
+
+@dataclass(eq=False)
+class _Mender:
+    found: PathCheck
+    analysis: Analysis | None
+    limits: tuple[Array, Array]
+    kinds: frozenset[str]
+    progress: Progress | None
+
+    def __post_init__(self) -> None:
+        self.scale = joint_scale(self.found.robot, self.found.task)
+        self.interpolate = self.found.options.interpolate
+        self.limited = bool(np.isfinite(self.limits[0]).any() or np.isfinite(self.limits[1]).any())
+
+    def breaks(self, check: PathCheck) -> bool:
+        """Whether a path in time breaks a limit."""
+        took = self._usage(check.curve)
+        return took is not None and took.slower > _SLOWER
+
+    def results(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """A remedy of each kind, or what was tried."""
+        if not self.found.clear:
+            yield from self._changed_paths(most)
+        if not self.breaks(self.found) or (self.found.tool is not None and not self.found.tool.complete):
+            return
+        if SLOW in self.kinds and self.found.clear:
+            slower = self._slower()
+            yield slower
+            if isinstance(slower, Remedy):
+                return
+        if RETIME in self.kinds:
+            yield self._in_new_time()
+
+    def _usage(self, path: Curve) -> Usage | None:
+        if path.times is not None and self.limited:
+            return usage(path, *self.limits)
+        return None
+
+    def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """Every kind that changes the path."""
+        if self.found.poses is not None and DETOUR in self.kinds and most.detour > 0.0:
+            for led in self._poses_detour(most.detour):
+                yield led
+                if isinstance(led, Remedy):
+                    return
+        if self.found.tool is not None and not self.found.tool.complete:
+            if self.kinds - set(LOCAL):
+                yield "unfinished", self.found.tool.reached
+            return
+        tool = tool_path(self.found.robot, self.found.task, self.found.curve)
+        yield from self._local(tool, most)
+        if most.blend > 0.0 and BLEND in self.kinds:
+            yield self._blend(most.blend)
+        kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
+            NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
+        }  # fmt: skip
+        if most.tool_tilt:
+            kinds[TILT] = partial(tilts, tool, most.tool_tilt)
+        if most.base_shift:
+            kinds[SHIFT] = partial(shifts, tool, most.base_shift)
+        kinds = {kind: rank for kind, rank in kinds.items() if kind in self.kinds}
+        try:
+            tool.aim  # noqa: B018  # refuses a task that poses do not determine
+        except TaskError as error:
+            if kinds:
+                yield "path", error.what
+            kinds = {}
+        for kind, rank in kinds.items():
+            found, ended = rank(partial(self._report, kind))
+            yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
+
+    def _clearance(self) -> float:
+        asked = SPARE * self.found.options.min_distance
+        return asked if asked > 0.0 else CLEARANCE
+
+    def _poses_detour(self, most: float) -> Iterator[Remedy | Failure]:
+        """The poses moved around each singularity that they lead through, and the joints along them."""
+        work = PoseDetourer(self.found, most, self._clearance())
+        windows = work.found(partial(self._report, DETOUR))
+        if isinstance(windows, Blocked):
+            place = work.at(windows.place)
+            yield DETOUR, (most, [(place, windows.hindrance, windows.needed)], 0)
+            if windows.joint:
+                yield "range", (windows.joint, windows.beyond, self.found.robot)
+            return
+        if not windows:
+            yield DETOUR, (most, [], 0)
+            return
+        still = np.zeros(self.found.robot.n)
+        changes = tuple(Change(work.at(one.low), work.at(one.high), still, one.off, still) for one in windows)
+        off = max(one.off[0] for one in windows), max(one.off[1] for one in windows)
+        proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
+        yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
+    def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """The joints moved aside; where they have to go to the other side, the tool led around it."""
+        found = self.found
+        if sum(one.verdict != FREE for one in found.stretches) > MANY:
+            yield "local", MANY
+            return
+        families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
+        bumper = Bumper(found, tool, families, most.bump, *self.limits)
+        clearance = self._clearance()
+        if BUMP in self.kinds and most.bump > 0.0:
+            result = self._bump(bumper, clearance)
+            yield result
+            if isinstance(result, Remedy):
+                return
+        if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
+            if most.bump > 0.0:
+                bumps, failed = self._bumps(bumper, clearance)
+            else:
+                bumps, failed = ([], [])
+            yield self._detour(bumper, bumps if failed else [], most.detour, clearance)
+
+    def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
+        """The joints moved aside at every singularity, farther where the path is not proven free."""
+        for tried in range(1, _ROUNDS + 1):
+            bumps, failed = self._bumps(bumper, clearance)
+            if failed or not bumps:
+                missing = [(bumper.path.place(bumper.spot(one.core)), one.obstacle, one.needed) for one in failed]
+                return BUMP, (tried - 1, bumper.bound, missing)
+            remedy = self._first(BUMP, [_bumped(bumper, bumps)])
+            if remedy is not None:
+                return remedy
+            clearance *= _CLEARER
+        return BUMP, (_ROUNDS, bumper.bound, [])
+
+    def _bumps(self, bumper: Bumper, clearance: float) -> tuple[list[Bump], list[NoBump]]:
+        """A bump for each part of a path that has one, and why the others have none."""
+        cores, crossed = bumper.cores(clearance)
+        results: list[Bump | NoBump] = [NoBump(core, Obstacle.SIDE) for core in crossed]
+        for k, core in enumerate(cores):
+            self._report(BUMP, k, len(cores))
+            results.append(bumper.bump(core, clearance))
+        self._report(BUMP, len(cores), len(cores))
+        return [one for one in results if isinstance(one, Bump)], [one for one in results if isinstance(one, NoBump)]
+
+    def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
+        """The tool led around what no bump avoids, on the path with its bumps."""
+        try:
+            bumper.tool.aim  # noqa: B018  # refuses a task that poses do not determine
+        except TaskError:
+            return DETOUR, None
+        if bumper.path.degree != 1:
+            return DETOUR, None
+        changes: list[Change] = []
+        if bumps:
+            before = _bumped(bumper, bumps)
+            again = self._again(before.made)
+            bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
+            changes += before.changes
+        stretches = sorted((one for one in bumper.check.stretches if one.verdict != FREE), key=attrgetter("start"))
+        if len(stretches) > _DETOURS:
+            return DETOUR, (most, [], len(stretches))
+        cores = [bumper.core(one, clearance) for one in stretches]
+        work = Detourer(bumper, most)
+        results = work.found(cores, clearance)
+        self._report(DETOUR, len(results), len(cores))
+        detours = [one for one in results if isinstance(one, Detour)]
+        failed = [(bumper.path.place(bumper.spot(one.core)), one.hindrance, one.needed)
+                  for one in results if isinstance(one, NoDetour)]  # fmt: skip
+        if failed or not detours:
+            return DETOUR, (most, failed, 0)
+        changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
+        trajectory, rest = work.trajectory(detours)
+        off = max(rest[0], *(one.off[0] for one in changes)), max(rest[1], *(one.off[1] for one in changes))
+        proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
+        return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
+    def _report(self, kind: str, done: int, count: int) -> None:
+        if self.progress is not None:
+            self.progress(kind, done, count)
+
+    def _proposals(self, candidates: list[Candidate]) -> Iterator[Proposal]:
+        for other in candidates[:_CHECKED]:
+            tool, followed = other.tool.refined(other.run)
+            if followed.complete:
+                made = tool.trajectory(followed.q, self.interpolate)
+                off = tool.deviation(made, self.interpolate)
+                yield Proposal((other.how, None), other.parameters, made, off)
+
+    def _first(self, kind: str, proposals: Iterable[Proposal]) -> Remedy | None:
+        """The first proposal that is proven free; one in time that breaks a limit gets another time law."""
+        for proposal in proposals:
+            made = proposal.made
+            if made.timed:
+                took = self._usage(made.curve(self.interpolate))
+            else:
+                took = None
+            again = took is not None and took.slower > _SLOWER
+            if again:
+                made = self._within_limits(made.curve(self.interpolate))
+            remedy = self._checked(kind, replace(proposal, made=made), again=again)
+            if remedy.check.clear:
+                return remedy
+        return None
+
+    def _blend(self, most: float) -> Remedy | Failure:
+        if self.interpolate != "linear":
+            return BLEND, None
+        proposals = list(blends(self.found, most))
+        return self._first(BLEND, proposals) or (BLEND, len(proposals))
+
+    def _within_limits(self, path: Curve) -> Trajectory:
+        """A changed path slower around the rows that are too fast, or else all of it in a new time."""
+        made = slowed_down(path, *self.limits)
+        if made is not None:
+            return made[0]
+        return retimed(path, *self.limits, self.scale)
+
+    def _slower(self) -> Remedy | Failure:
+        """The path itself, slower around the places where it is too fast."""
+        self._report(SLOW, 0, 1)
+        path = self.found.curve
+        made = slowed_down(path, *self.limits)
+        if made is None:
+            return SLOW, path.degree == 1
+        still = np.zeros(self.found.robot.n)
+        changes = tuple(Change(path.place(one.start), path.place(one.end), still, (0.0, 0.0), still, one.longer)
+                        for one in made[1])  # fmt: skip
+        proposal = Proposal(("slow-down", len(changes)), (), made[0], (0.0, 0.0), changes)
+        remedy = self._checked(SLOW, proposal, again=True)
+        self._report(SLOW, 1, 1)
+        return remedy if remedy.check.clear else (SLOW, True)
+
+    def _in_new_time(self) -> Remedy | Failure:
+        """The path itself inside its limits."""
+        self._report(RETIME, 0, 1)
+        made = retimed(self.found.curve, *self.limits, self.scale)
+        if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
+            return RETIME, None
+        remedy = self._checked(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
+        self._report(RETIME, 1, 1)
+        return remedy
+
+    def _checked(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
+        made = proposal.made
+        check = self._again(made)
+        before, took = self._usage(self.found.curve), self._usage(check.curve)
+        gains = {"distance": (_distance(self.found), _distance(check))}
+        if before is not None and took is not None:
+            gains |= {"speed": (1 / before.slower, 1 / took.slower),
+                      "duration": (_duration(self.found), _duration(check))}  # fmt: skip
+        made = replace(made, name="mended")
+        return Remedy(kind, proposal.how, proposal.parameters, gains, made, self.interpolate, check, took,
+                      proposal.off, again, proposal.changes)  # fmt: skip
+
+    def _again(self, made: Trajectory) -> PathCheck:
+        """A changed path, checked as the path was."""
+        check = check_path(
+            self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
+            accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
+            options=self.found.options, tolerances=self.found.tolerances,
+        )  # fmt: skip
+        if not check.complete:
+            raise KeyboardInterrupt
+        return check
+
+
+def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
+    """A path with bumps."""
+    path = bumper.path
+    changes = []
+    for bump in sorted(bumps, key=lambda one: one.core.low):
+        start, end = (path.place(spot) for spot in bumper.ends(bump))
+        changes.append(Change(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
+    off = max(one.off[0] for one in bumps), max(one.off[1] for one in bumps)
+    return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
+
+
+def _distance(check: PathCheck) -> float:
+    """Least distance known along a path; 0 where it meets a singularity, or may."""
+    if any(one.verdict not in (FREE, UNDECIDED) for one in check.stretches):
+        return 0.0
+    return min((one.closest.distance for one in check.stretches), default=np.inf)
+
+
+def _duration(check: PathCheck) -> float:
+    times = check.curve.times
+    if times is None:
+        return np.nan
+    return float(times[-1] - times[0])

@@ -1,0 +1,1 @@
+"""Files of paths, tool poses and robot programs."""

@@ -1,0 +1,168 @@
+"""FANUC TP programs as listings (.ls): instructions under /MN, positions under /POS.
+
+Lengths in mm, joint values in degrees. W, P, R turn about the fixed axes X, Y, Z in this order: R = Rz(R) Ry(P) Rx(W).
+The world frame is at the height of axis 2, and J3 is counted from the horizontal. CONFIG is not evaluated.
+"""
+
+from __future__ import annotations
+
+import re
+from math import radians
+from typing import Literal
+
+import numpy as np
+
+from rankdrop.path.read.program_record import (
+    MILLIMETRE,
+    Language,
+    Listing,
+    Program,
+    Reason,
+    Speed,
+    Target,
+    angle_target,
+    in_base,
+    joint_target,
+    lines_of,
+    number,
+    positive,
+)
+
+_MOVES: dict[str, Literal["joint", "line"]] = {"J": "joint", "L": "line"}
+_MOVE = re.compile(r"([JLCAS])\s+(@?)(P|PR)\[\s*(\d{1,6})[^\]]*\]\s*(.*)")
+_POSITION = re.compile(r"\s*P\[\s*(\d{1,6})[^\]]*\]\s*\{")
+_VALUE = re.compile(r"\b([XYZWPR]|J[1-9])\s*=\s*([-+.\deE*]+)\s*(mm|deg)?")
+_FRAME = re.compile(r"\bU([FT])\s*:\s*([\dF]+)")
+_SPEED = re.compile(r"\s*([\d.]+)\s*(%|mm/sec|cm/min|inch/min|deg/sec|sec|msec)")
+_UNITS = {"mm/sec": MILLIMETRE, "cm/min": 1e-2 / 60.0, "inch/min": 0.0254 / 60.0, "sec": 1.0, "msec": 1e-3}
+_SHIFTED = ("OFFSET", "TOOL_OFFSET", "INC", "VOFFSET", "TA_REF", "SKIP")
+_FLOW = {**dict.fromkeys(("IF", "ELSE", "ENDIF", "SELECT", "JMP", "LBL"), Reason.BRANCH),
+         **dict.fromkeys(("FOR", "ENDFOR"), Reason.LOOP)}  # fmt: skip
+_WORD = re.compile(r"[A-Za-z_]+")
+_PLACE, _JOINTS = ("X", "Y", "Z", "W", "P", "R"), tuple(f"J{k}" for k in range(1, 10))
+_REMARKS = ("!", "//", "--")
+
+
+def read(text: str, name: str) -> Program:
+    """A program from its listing.
+
+    Raises:
+        TrajectoryError: too large, or a value out of range.
+    """
+    lines = list(lines_of(text, name))
+    positions, tools = _positions(lines, name)
+    listing, section = Listing(name), ""
+    for count, line in lines:
+        if line.startswith("/"):
+            section = line.split()[0].upper()
+            continue
+        own, colon, rest = line.partition(":")
+        text = rest.strip().rstrip(";").rstrip()
+        begins = bool(own.strip()) and not own.strip(" 0123456789")  # a line that goes on has no number
+        if section == "/MN" and colon and begins and text and not text.startswith(_REMARKS):
+            _instruction(listing, positions, tools, count, text)
+    return Program(name, Language.TP, tuple(listing.items), raised=True, level=True)
+
+
+def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Target | Reason], set[str]]:
+    """Positions of group 1 by number, and those with a tool; poses in user frames are not read."""
+    positions: dict[str, Target | Reason] = {}
+    tools: set[str] = set()
+    based = True
+    number_of, group, values = "", "1", dict[str, float | None]()
+    section = ""
+    for count, line in lines:
+        if line.startswith("/"):
+            section = line.split()[0].upper()
+        if section != "/POS":
+            continue
+        begin = _POSITION.match(line)
+        if begin:
+            number_of, group, values, based = begin[1], "1", {}, True
+            line = line[begin.end() :]
+        if "GP" in line:
+            group = line.partition("GP")[2][:1]
+        if group == "1" and number_of:
+            values.update({key: number(value) for key, value, _ in _VALUE.findall(line)})
+            frames = _FRAME.findall(line)
+            based = based and all(value == "0" for key, value in frames if key == "F")
+            if any(key == "T" and value != "0" for key, value in frames):
+                tools.add(number_of)
+        if "}" in line and number_of:
+            positions[number_of] = in_base(_target(values, f"{name}, line {count}"), np.eye(4) if based else None)
+            number_of = ""
+    return positions, tools
+
+
+def _target(values: dict[str, float | None], where: str) -> Target | Reason:
+    joints = [values[key] for key in _JOINTS if key in values]
+    known = [one for one in joints if one is not None]
+    if joints:
+        if len(known) == len(joints):
+            return joint_target(known, where)
+        return Reason.INCOMPLETE
+    place = [values.get(key) for key in _PLACE]
+    found = [one for one in place if one is not None]
+    if len(found) == len(_PLACE):
+        return angle_target(found, where)
+    return Reason.INCOMPLETE
+
+
+def _instruction(
+    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str
+) -> None:
+    """One instruction of the program."""
+    found = _MOVE.match(text)
+    if found is None:
+        word = _WORD.match(text)
+        first = word[0].upper() if word else ""
+        if first in _FLOW:
+            listing.skip(count, text, _FLOW[first])
+        elif first in ("CALL", "RUN"):
+            listing.skip(count, text, Reason.CALL)
+        elif first in ("UTOOL", "UTOOL_NUM"):
+            if text.partition("=")[2].strip() != "0":
+                listing.skip(count, text, Reason.TOOL)
+        elif first in ("UFRAME", "UFRAME_NUM"):
+            return
+        elif first in ("C", "A"):
+            listing.skip(count, text, Reason.CIRCLE)
+        elif first == "S":
+            listing.skip(count, text, Reason.SPLINE)
+        elif first in ("J", "L"):
+            listing.skip(count, text, Reason.EXPRESSION)
+        else:
+            listing.skip(count, text, Reason.OTHER)
+        return
+    letter, _, register, key, rest = found.groups()
+    words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
+    target: Target | Reason = Reason.VARIABLE if register == "PR" else positions.get(key, Reason.VARIABLE)
+    if letter in ("C", "A"):
+        target = Reason.CIRCLE
+    elif letter == "S":
+        target = Reason.SPLINE
+    elif words & set(_SHIFTED):
+        target = Reason.RELATIVE
+    if isinstance(target, Target) and target.pose is not None and key in tools:
+        listing.skip(count, text, Reason.TOOL)
+    listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
+
+
+def _speed(rest: str) -> Speed:
+    """100%, 250mm/sec, 4000cm/min, 2.5sec, 90deg/sec."""
+    found = _SPEED.match(rest)
+    if found is None:
+        value = None
+    else:
+        value = number(found[1])
+    if found is None or value is None:
+        return Speed()
+    unit = found[2]
+    if unit == "%":
+        return Speed(share=positive(value, 0.01))
+    if unit == "deg/sec":
+        return Speed(angular=positive(value, radians(1.0)))
+    made = positive(value, _UNITS[unit])
+    if unit in ("sec", "msec"):
+        return Speed(time=made)
+    return Speed(linear=made)

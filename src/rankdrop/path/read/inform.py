@@ -1,0 +1,113 @@
+"""Yaskawa INFORM jobs (.jbi): instructions under //INST, positions under //POS.
+
+Positions of ///POSTYPE PULSE are encoder counts, whose number per degree is not in the file: they are not read.
+Positions of BASE and ROBOT are x, y, z in mm and Rx, Ry, Rz in degrees about the fixed axes X, Y, Z in this order:
+R = Rz Ry Rx. The base frame is at the height of axis 2 (L). V is taken in mm/s. RCONF is not evaluated.
+"""
+
+from __future__ import annotations
+
+import re
+from math import radians
+from typing import Literal
+
+from rankdrop.path.read.program_record import (
+    MILLIMETRE,
+    Language,
+    Listing,
+    Program,
+    Reason,
+    Speed,
+    Target,
+    angle_target,
+    in_base,
+    lines_of,
+    number,
+    positive,
+)
+
+_MOVES: dict[str, Literal["joint", "line"]] = {"MOVJ": "joint", "MOVL": "line"}
+_OTHER_MOVES = {"MOVC": Reason.CIRCLE, "MOVS": Reason.SPLINE, "IMOV": Reason.RELATIVE, "REFP": Reason.OTHER_MOVE}
+_FLOW = {**dict.fromkeys(("JUMP", "IFTHEN", "IFTHENEXP", "ELSE", "ELSEIF", "ENDIF", "RET", "SWITCH", "CASE"),
+                         Reason.BRANCH),
+         **dict.fromkeys(("FOR", "NEXT", "WHILE", "ENDWHILE"), Reason.LOOP)}  # fmt: skip
+_POSITION = re.compile(r"\s*(C\d{1,6})\s*=\s*(.*)")
+_FRAMED = ("BASE", "ROBOT", "USER")
+
+
+def read(text: str, name: str) -> Program:
+    """A job from its text.
+
+    Raises:
+        TrajectoryError: too large, or a value out of range.
+    """
+    positions: dict[str, Target | Reason] = {}
+    tools: set[str] = set()
+    listing = Listing(name)
+    section, kind, tool, rectangular = "", "", "0", False
+    for count, line in lines_of(text, name):
+        plain = line.strip()
+        if plain.startswith("///"):
+            word, _, rest = plain[3:].partition(" ")
+            if word == "POSTYPE":
+                kind, rectangular = rest.strip().upper(), False
+            elif word == "TOOL":
+                tool = rest.strip()
+            elif word in ("RECTAN", "PULSE"):
+                rectangular = word == "RECTAN"
+            continue
+        if plain.startswith("/"):
+            section = plain.split()[0].upper()
+            continue
+        if section == "//POS" and (found := _POSITION.match(line)):
+            target = _target(found[2], kind, f"{name}, line {count}", rectangular=rectangular)
+            if kind == "USER":
+                positions[found[1]] = in_base(target, None)
+            else:
+                positions[found[1]] = target
+            if tool not in ("", "0"):
+                tools.add(found[1])
+        elif section == "//INST" and plain:
+            _instruction(listing, positions, tools, count, plain)
+    return Program(name, Language.INFORM, tuple(listing.items), raised=True)
+
+
+def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | Reason:
+    if kind == "PULSE" or (not rectangular and kind in _FRAMED):
+        return Reason.PULSES
+    if kind not in _FRAMED:
+        return Reason.EXPRESSION
+    values = [number(part) for part in text.split(",")]
+    known = [one for one in values[:6] if one is not None]
+    if len(known) == 6:
+        return angle_target(known, where)
+    return Reason.INCOMPLETE
+
+
+def _instruction(
+    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str
+) -> None:
+    """One instruction of the job."""
+    word, *tags = text.split()
+    word = word.upper()
+    if word in _MOVES:
+        goal = next((tag for tag in tags if tag in positions), "")
+        target = positions.get(goal, Reason.VARIABLE)
+        if goal in tools and isinstance(target, Target):
+            listing.skip(count, text, Reason.TOOL)
+        settings = {key: number(value) for key, mark, value in (tag.partition("=") for tag in tags) if mark}
+        kind = _MOVES[word]
+        if kind == "joint":
+            speed = Speed(share=positive(settings.get("VJ"), 0.01))
+        else:
+            speed = Speed(
+            linear=positive(settings.get("V"), MILLIMETRE), angular=positive(settings.get("VR"), radians(1.0)))
+        listing.move(count, text, kind, target, speed, blend=settings.get("PL") != 0.0)
+    elif word in _OTHER_MOVES:
+        listing.skip(count, text, _OTHER_MOVES[word])
+    elif word in _FLOW or word.startswith("*"):
+        listing.skip(count, text, _FLOW.get(word, Reason.BRANCH))
+    elif word == "CALL":
+        listing.skip(count, text, Reason.CALL)
+    elif word not in ("NOP", "END"):
+        listing.skip(count, text, Reason.OTHER)

@@ -1,0 +1,232 @@
+"""KUKA KRL (.src, and declarations in the .dat file of the same name).
+
+Lengths in mm, speeds of the tip in m/s, angles in degrees. A, B, C turn about Z, then the new Y, then the new X:
+R = Rz(A) Ry(B) Rx(C). The bits of T say which joints are negative; S is not evaluated, T and the arm's own solutions
+decide.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from math import radians
+from typing import Literal
+
+import numpy as np
+
+from rankdrop.path.read.program_record import (
+    Language,
+    Listing,
+    Names,
+    Posture,
+    Program,
+    Reason,
+    Speed,
+    Target,
+    angle_target,
+    in_base,
+    inside,
+    joint_target,
+    lines_of,
+    number,
+    parts_of,
+    positive,
+    without_comment,
+)
+from rankdrop.robot.model import Array
+
+_MOVES: dict[str, Literal["joint", "line"]] = {"PTP": "joint", "SPTP": "joint", "LIN": "line", "SLIN": "line"}
+_OTHER_MOVES = {
+    **dict.fromkeys(("CIRC", "SCIRC"), Reason.CIRCLE),
+    **dict.fromkeys(("SPL", "SPLINE", "ENDSPLINE", "PTP_SPLINE"), Reason.SPLINE),
+    **dict.fromkeys(("PTP_REL", "LIN_REL", "CIRC_REL", "SPTP_REL", "SLIN_REL", "SPL_REL", "SCIRC_REL"),
+                    Reason.RELATIVE),
+    **dict.fromkeys(("ASYPTP", "MOVE_EMI"), Reason.OTHER_MOVE),
+}  # fmt: skip
+_FLOW = {
+    **dict.fromkeys(("IF", "ELSE", "ENDIF", "SWITCH", "CASE", "DEFAULT", "ENDSWITCH", "GOTO", "RETURN"), Reason.BRANCH),
+    **dict.fromkeys(("FOR", "ENDFOR", "WHILE", "ENDWHILE", "REPEAT", "UNTIL", "LOOP", "ENDLOOP", "EXIT"), Reason.LOOP),
+}  # fmt: skip
+_QUIET = {"END", "ENDFCT", "DECL", "GLOBAL", "EXT", "EXTFCT", "SIGNAL", "ENUM", "STRUC", "ENDDAT", "DEFDAT", "CONST",
+          "INT", "REAL", "BOOL", "CHAR", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}  # fmt: skip
+_TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}
+_WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
+_NAME = re.compile(r"[A-Za-z_$][\w$]*")
+_DEGREE = radians(1.0)
+_BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
+_AXES, _PLACE, _TURN = tuple(f"A{k}" for k in range(1, 7)), ("X", "Y", "Z"), ("C", "B", "A")
+
+
+def read(text: str, name: str, declarations: str = "") -> Program:
+    """A program from its text.
+
+    Args:
+        text: of the .src file.
+        name: of the file, for errors.
+        declarations: text of the .dat file of the same name.
+
+    Raises:
+        TrajectoryError: too large, or a value out of range.
+    """
+    names, listing = Names(), Listing(name)
+    for _, line in lines_of(declarations, f"{name} (.dat)"):
+        _declare(names, without_comment(line, ";"), f"{name} (.dat)")
+    lines = [(count, without_comment(line, ";")) for count, line in lines_of(text, name)]
+    for count, line in lines:
+        _declare(names, line, f"{name}, line {count}")
+    state, routines = _State(), 0
+    for count, line in lines:
+        first = _WORD.match(line)
+        if first is None or line.lstrip().startswith("&"):
+            continue
+        word, rest = first[1].upper(), line[first.end() :].strip()
+        if word in ("DEF", "DEFFCT") or (word == "GLOBAL" and rest.upper().startswith("DEF")):
+            routines += 1
+            if routines > 1:
+                listing.skip(count, line, Reason.ROUTINE)
+        elif word in _MOVES:
+            kind = _MOVES[word]
+            target, after = _target(rest, names, f"{name}, line {count}")
+            speed = state.of(kind, after, names)
+            blend = any(one in after.upper() for one in _BLENDS)
+            listing.move(count, line, kind, in_base(target, state.base), speed, blend=blend)
+        elif word in _OTHER_MOVES:
+            listing.skip(count, line, _OTHER_MOVES[word])
+        elif word in _FLOW:
+            listing.skip(count, line, _FLOW[word])
+        elif word in _QUIET or state.takes(word, rest, names):
+            continue
+        elif rest.startswith(":") and not rest.startswith(":="):
+            listing.skip(count, line, Reason.BRANCH)
+        elif word == "$BASE":
+            state.base = _frame(rest, names, f"{name}, line {count}")
+        elif word in ("BAS", "$TOOL"):
+            if word == "BAS" or "".join(rest.upper().split()) != "=$NULLFRAME":
+                listing.skip(count, line, Reason.TOOL)
+        elif rest.startswith("("):
+            listing.skip(count, line, Reason.CALL)
+        else:
+            listing.skip(count, line, Reason.OTHER)
+    return Program(name, Language.KRL, tuple(listing.items))
+
+
+class _State:
+    """Speeds and the base frame that are set for the moves that follow; a frame that is not known is None."""
+
+    def __init__(self) -> None:
+        self.line, self.joint = Speed(), Speed()
+        self.base: Array | None = np.eye(4)
+
+    def takes(self, word: str, rest: str, names: Names) -> bool:
+        """Whether a line sets a speed or a base: $VEL.CP = 0.1, BAS(#VEL_CP, 0.1), BAS(#BASE, 0), BAS(#INITMOV, 0)."""
+        plain = "".join(rest.upper().split())
+        if word == "$VEL" and plain.startswith(".CP="):
+            self.line = replace(self.line, linear=positive(names.number(plain[4:])))
+        elif word == "$VEL" and plain.startswith((".ORI1=", ".ORI2=")):
+            angular = positive(names.number(plain[6:]), _DEGREE)
+            self.line = replace(self.line, angular=angular if plain[4] == "1" else self.line.angular)
+        elif word == "BAS" and plain.startswith("(#"):
+            what, _, value = plain[2:].rstrip(")").partition(",")
+            if what in ("VEL_CP", "CP_PARAMS"):
+                self.line = replace(self.line, linear=positive(names.number(value)))
+            elif what in ("VEL_PTP", "PTP_PARAMS"):
+                self.joint = Speed(share=positive(names.number(value), 0.01))
+            elif what in ("BASE", "FRAMES"):
+                self.base = np.eye(4) if value == "0" else None
+            elif what == "TOOL":
+                return value == "0"
+        else:
+            return word in ("$VEL", "$ACC", "$VEL_AXIS", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI",
+                            "PDAT_ACT", "LDAT_ACT", "FDAT_ACT", "BAS")  # fmt: skip
+        return True
+
+    def of(self, kind: str, after: str, names: Names) -> Speed:
+        """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2."""
+        if kind == "joint":
+            speed = self.joint
+        else:
+            speed = self.line
+        _, found, settings = after.upper().partition("WITH ")
+        for one in parts_of(settings) if found else []:
+            key, _, value = ("".join(part.split()) for part in one.partition("="))
+            if key == "$VEL.CP":
+                speed = replace(speed, linear=positive(names.number(value.split("C_")[0])))
+        return speed
+
+
+def _frame(rest: str, names: Names, where: str) -> Array | None:
+    """The frame that is assigned to $BASE: $NULLFRAME, a literal, or the name of one; else it is not known."""
+    plain = rest.removeprefix("=").strip()
+    if plain == rest or plain.upper() == "$NULLFRAME":
+        return np.eye(4) if plain != rest else None
+    target, after = _target(plain, names, where)
+    if isinstance(target, Target) and not after:
+        return target.pose
+    return None
+
+
+def _declare(names: Names, line: str, where: str) -> None:
+    """Take in an assignment to a name; one to a component of it changes it."""
+    if "=" not in line or line.lstrip()[:1] in ("", "&"):
+        return
+    left, _, right = line.partition("=")
+    words = left.split()
+    while words and words[0].upper() in _TYPES:
+        words.pop(0)
+    name = words[-1].upper() if words else ""
+    base = name.partition(".")[0].partition("[")[0]
+    if len(words) != 1 or not _NAME.fullmatch(base) or base.startswith("$"):
+        return
+    if base != name:
+        names.changed.add(base)
+        return
+    right = right.strip()
+    names.put(name, right, number(right) if not right.startswith("{") else _literal(right, where))
+
+
+def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
+    """The target that a text begins with, and what follows it."""
+    if rest.startswith("{"):
+        found = inside(rest, "{")
+        if found is None:
+            return Reason.EXPRESSION, ""
+        after = found[1].strip()
+        if after.startswith(":"):
+            return Reason.EXPRESSION, after
+        return _literal(rest, where), after
+    name = _NAME.match(rest)
+    if name is None:
+        return Reason.EXPRESSION, rest
+    after = rest[name.end() :].strip()
+    if after.startswith((":", "(", "[", ".")):
+        return Reason.EXPRESSION if after[0] != "[" else Reason.VARIABLE, after
+    return names.target(name[0].upper()), after
+
+
+def _literal(text: str, where: str) -> Target | Reason:
+    """{A1 …} or {X …, Y …, Z …, A …, B …, C …}; also with the name of the type in front of the colon."""
+    found = inside(text, "{")
+    if found is None:
+        return Reason.EXPRESSION
+    values: dict[str, float] = {}
+    head, colon, rest = found[0].partition(":")
+    for part in parts_of(rest if colon and _NAME.fullmatch(head.strip()) else found[0]):
+        key, _, word = part.strip().partition(" ")
+        value = number(word)
+        if value is None:
+            return Reason.EXPRESSION
+        values[key.upper()] = value
+    axes = [values[key] for key in _AXES if key in values]
+    if axes:
+        extra = [values[f"A{k}"] for k in range(7, 10) if f"A{k}" in values]
+        if len(axes) == len(_AXES):
+            return joint_target(axes + extra, where)
+        return Reason.INCOMPLETE
+    if not all(key in values for key in _PLACE + _TURN):
+        return Reason.INCOMPLETE
+    turn = values.get("T")
+    if turn is not None and 0 <= turn < 64:
+        posture = Posture(signs=int(turn))
+    else:
+        posture = Posture()
+    return angle_target([values[key] for key in _PLACE + _TURN], where, posture)

@@ -1,0 +1,450 @@
+"""A robot program as data: the moves whose targets are literals, and the lines that were not read; and the scanning
+that all languages share.
+
+Everything here takes time proportional to the length of a line: no regular expression has a repetition inside another.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from math import isfinite, radians
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from rankdrop.errors import visible
+from rankdrop.path.read.trajectory import TrajectoryError
+from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
+from rankdrop.robot.model import Array
+from rankdrop.robot.transform import from_xyz_rpy
+
+LARGEST_PROGRAM, MOST_LINES, LONGEST_LINE, MOST_MOVES = 10 * 2**20, 200_000, 20_000, 20_000
+"""Bytes of a program, its lines, characters of a line (of RAPID: of a statement), and its moves."""
+_DEEPEST = 8  # brackets inside brackets of a literal
+_SHOWN = 72  # characters of a line that are kept
+_DIGITS = 50  # characters of a number
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_OPENS, _CLOSES = "([{", ")]}"
+MILLIMETRE = 1e-3
+PROGRAMS = (".src", ".mod", ".prg", ".script", ".ls", ".jbi")
+"""Endings of robot programs."""
+
+
+class Language(StrEnum):
+    """Of a program."""
+
+    KRL = "KRL"
+    RAPID = "RAPID"
+    URSCRIPT = "URScript"
+    TP = "FANUC TP"
+    INFORM = "INFORM"
+
+
+class Reason(StrEnum):
+    """Why a line was not read."""
+
+    VARIABLE = "variable"
+    CHANGED = "changed"
+    EXPRESSION = "expression"
+    INCOMPLETE = "incomplete"
+    PULSES = "pulses"
+    CIRCLE = "circle"
+    SPLINE = "spline"
+    RELATIVE = "relative"
+    OTHER_MOVE = "other move"
+    BASE = "base frame"
+    ROUTINE = "routine"
+    BRANCH = "branch"
+    LOOP = "loop"
+    CALL = "call"
+    TOOL = "tool frame"
+    OTHER = "other"
+
+
+MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.INCOMPLETE, Reason.PULSES, Reason.CIRCLE,
+                   Reason.SPLINE, Reason.RELATIVE, Reason.OTHER_MOVE, Reason.BASE))  # fmt: skip
+"""Reasons of lines that move the arm: what they do was not read."""
+BREAKS = MOVES | {Reason.ROUTINE, Reason.BRANCH}
+"""Reasons after which nobody knows from this file where the arm is."""
+
+
+@dataclass(frozen=True)
+class Speed:
+    """What a program states of the speed of a move; None: nothing.
+
+    Attributes:
+        linear: of the tip [m/s].
+        angular: of the turn of the tool [rad/s].
+        joint: of the joint that leads [rad/s].
+        share: of the largest joint rates, 0 … 1.
+        time: of the whole move [s].
+    """
+
+    linear: float | None = None
+    angular: float | None = None
+    joint: float | None = None
+    share: float | None = None
+    time: float | None = None
+
+
+@dataclass(frozen=True)
+class Posture:
+    """What a target states of the solution of the inverse; None: nothing.
+
+    Attributes:
+        signs: bits of KRL's T, the first of joint 1: the joint is negative.
+        quarters: RAPID's cf1, cf4, cf6: quarter turns, rounded down, of joints 1, 4 and 6.
+    """
+
+    signs: int | None = None
+    quarters: tuple[int, int, int] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """Where a move ends: joint values, or a pose.
+
+    Attributes:
+        joints: as the language has them: degrees and mm, or rad and m of URScript; None for a pose.
+        pose: (4, 4) in the frame of the program [m]; None for joint values.
+        posture: which solution of the inverse is meant.
+    """
+
+    joints: tuple[float, ...] | None = None
+    pose: Array | None = None
+    posture: Posture = Posture()
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """A move that was read.
+
+    Attributes:
+        line: number in the file, from 1.
+        text: of the line, its beginning.
+        kind: "joint": joints go in proportion; "line": the tip goes straight and turns about one axis.
+        target: where it ends.
+        speed: what is stated.
+        blend: the corner at its end is rounded by the controller.
+    """
+
+    line: int
+    text: str
+    kind: Literal["joint", "line"]
+    target: Target
+    speed: Speed = Speed()
+    blend: bool = False
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A line that was not read: number in the file, its beginning, and why."""
+
+    line: int
+    text: str
+    reason: Reason
+
+    @property
+    def moves(self) -> bool:
+        """The line moves the arm."""
+        return self.reason in MOVES
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """What was read of a program.
+
+    Attributes:
+        name: of the file.
+        language: of it.
+        items: moves, and lines that were not read, in the order of the file.
+        degrees: joint values are in degrees and mm; else in rad and m.
+        raised: the maker's base frame is at the height of axis 2, not at the foot of the arm.
+        level: the maker counts joint 3 from the horizontal.
+    """
+
+    name: str
+    language: Language
+    items: tuple[Move | Skipped, ...]
+    degrees: bool = True
+    raised: bool = False
+    level: bool = False
+
+    @property
+    def moves(self) -> tuple[Move, ...]:
+        """The moves that were read."""
+        return tuple(one for one in self.items if isinstance(one, Move))
+
+    @property
+    def skipped(self) -> tuple[Skipped, ...]:
+        """The lines that were not."""
+        return tuple(one for one in self.items if isinstance(one, Skipped))
+
+
+@dataclass
+class Listing:
+    """Moves and skipped lines while a program is read; `where` is the file."""
+
+    where: str
+    items: list[Move | Skipped] = field(default_factory=list)
+    moves: int = 0
+
+    def skip(self, line: int, text: str, reason: Reason) -> None:
+        """Keep a line that was not read."""
+        self.items.append(Skipped(line, shown(text), reason))
+
+    def move(
+        self, line: int, text: str, kind: Literal["joint", "line"], target: Target | Reason, speed: Speed, *,
+        blend: bool,
+    ) -> None:  # fmt: skip
+        """Keep a move, or why its target was not read.
+
+        Raises:
+            TrajectoryError: there are too many.
+        """
+        if isinstance(target, Reason):
+            self.skip(line, text, target)
+            return
+        self.moves += 1
+        if self.moves > MOST_MOVES:
+            raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
+                                  allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
+        self.items.append(Move(line, shown(text), kind, target, speed, blend))
+
+
+@dataclass
+class Names:
+    """Names of targets and numbers: a name counts where it has one literal in the file, and nothing else."""
+
+    literals: dict[str, object] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+    changed: set[str] = field(default_factory=set)
+
+    def put(self, name: str, text: str, literal: object | None) -> None:
+        """An assignment: its text, and the literal, None where it is none."""
+        plain = "".join(text.split())
+        if literal is None or (name in self.texts and self.texts[name] != plain):
+            self.changed.add(name)
+            return
+        self.texts[name], self.literals[name] = plain, literal
+
+    def target(self, name: str) -> Target | Reason:
+        """The target of a name, or why there is none."""
+        found = self.literals.get(name)
+        if name in self.changed:
+            return Reason.CHANGED
+        if isinstance(found, Target | Reason):
+            return found
+        return Reason.VARIABLE
+
+    def number(self, text: str) -> float | None:
+        """A number, or that of a name; None for everything else."""
+        if text in self.changed:
+            found = None
+        else:
+            found = self.literals.get(text)
+        if isinstance(found, float):
+            return found
+        return number(text)
+
+
+def shown(text: str) -> str:
+    """The beginning of a line, for people."""
+    plain = visible(" ".join(text.split()))
+    if len(plain) <= _SHOWN:
+        return plain
+    return f"{plain[: _SHOWN - 2]} …"
+
+
+def lines_of(text: str, where: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers, from 1.
+
+    Raises:
+        TrajectoryError: there are too many, or one is too long.
+    """
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if len(lines) > MOST_LINES:
+        raise TrajectoryError("the program has too many lines", where=where, got=len(lines),
+                              allowed=f"at most {MOST_LINES:,}")  # fmt: skip
+    for count, line in enumerate(lines, start=1):
+        if len(line) > LONGEST_LINE:
+            raise TrajectoryError("the line is too long", where=f"{where}, line {count}", got=f"{len(line)} characters",
+                                  allowed=f"at most {LONGEST_LINE:,}")  # fmt: skip
+        yield count, line
+
+
+def number(text: str) -> float | None:
+    """A number as every language writes it; None for everything else.
+
+    Example:
+        >>> number(" -1.5e2 "), number("x"), number("1e999")
+        (-150.0, None, None)
+    """
+    plain = text.strip()
+    if len(plain) <= _DIGITS and _NUMBER.fullmatch(plain):
+        value = float(plain)
+    else:
+        value = float("nan")
+    return value if isfinite(value) else None
+
+
+def without_comment(line: str, mark: str) -> str:
+    """A line up to a mark outside quotes."""
+    quoted = False
+    for place, letter in enumerate(line):
+        if letter == '"':
+            quoted = not quoted
+        elif letter == mark and not quoted:
+            return line[:place]
+    return line
+
+
+def parts_of(text: str, mark: str = ",", *, brackets: bool = True) -> list[str]:
+    """Parts between marks that are in no quotes and, with `brackets`, in no brackets; stripped.
+
+    Example:
+        >>> parts_of("[1, 2], v100, Offs(p, 0, 0, 1)")
+        ['[1, 2]', 'v100', 'Offs(p, 0, 0, 1)']
+    """
+    parts, depth, quoted, begin = [], 0, False, 0
+    for place, letter in enumerate(text):
+        if letter == '"':
+            quoted = not quoted
+        elif quoted:
+            continue
+        elif brackets and letter in _OPENS:
+            depth += 1
+        elif brackets and letter in _CLOSES:
+            depth -= 1
+        elif letter == mark and depth == 0:
+            parts.append(text[begin:place].strip())
+            begin = place + 1
+    return [*parts, text[begin:].strip()]
+
+
+def inside(text: str, opens: str = "(") -> tuple[str, str] | None:
+    """What is in the bracket that a text begins with, and what follows it; None where it is not closed."""
+    plain = text.lstrip()
+    if not plain.startswith(opens):
+        return None
+    depth, quoted = 0, False
+    for place, letter in enumerate(plain):
+        if letter == '"':
+            quoted = not quoted
+        elif quoted:
+            continue
+        elif letter in _OPENS:
+            depth += 1
+        elif letter in _CLOSES:
+            depth -= 1
+            if depth == 0:
+                return plain[1:place], plain[place + 1 :]
+    return None
+
+
+def numbers_of(text: str) -> list[object] | None:
+    """Numbers in square brackets, nested at most `_DEEPEST` deep; None where something else is in them.
+
+    Example:
+        >>> numbers_of("[[1,2],[3]]"), numbers_of("[1, x]")
+        ([[1.0, 2.0], [3.0]], None)
+    """
+    return _numbers(text.strip(), 0)
+
+
+def is_program(path: str | Path) -> bool:
+    """Whether a file is a robot program, by its ending."""
+    return Path(path).suffix.lower() in PROGRAMS
+
+
+def _numbers(text: str, depth: int) -> list[object] | None:
+    found = inside(text, "[")
+    if found is None or found[1].strip() or depth > _DEEPEST:
+        return None
+    listed: list[object] = []
+    for part in parts_of(found[0]):
+        value = _numbers(part, depth + 1) if part.startswith("[") else number(part)
+        if value is None:
+            return None
+        listed.append(value)
+    return listed
+
+
+def flat(values: object, count: int) -> list[float] | None:
+    """A list of exactly so many numbers; None for everything else."""
+    if not isinstance(values, list) or len(values) != count:
+        return None
+    found = [one for one in values if isinstance(one, float)]
+    if len(found) == count:
+        return found
+    return None
+
+
+def joint_target(values: list[float], where: str, posture: Posture | None = None) -> Target:
+    """Joint values as a target.
+
+    Raises:
+        TrajectoryError: one is out of range.
+    """
+    in_range(values, min(LARGEST_ANGLE, LARGEST_LENGTH), where, "angle")
+    return Target(joints=tuple(values), posture=posture or Posture())
+
+
+def angle_target(values: list[float], where: str, posture: Posture | None = None) -> Target:
+    """A target of x, y, z [mm] and turns about the fixed axes x, y, z in this order [deg]: R = Rz Ry Rx.
+
+    Raises:
+        TrajectoryError: one is out of range.
+    """
+    in_range(values[:3], LARGEST_LENGTH, where, "length")
+    in_range(values[3:], LARGEST_ANGLE, where, "angle")
+    x, y, z = (MILLIMETRE * one for one in values[:3])
+    roll, pitch, yaw = map(radians, values[3:])
+    return Target(pose=from_xyz_rpy((x, y, z), (roll, pitch, yaw)), posture=posture or Posture())
+
+
+def turned_target(place: list[float], turn: Array, where: str, posture: Posture | None = None) -> Target:
+    """A target of a place [m] and a rotation (3, 3).
+
+    Raises:
+        TrajectoryError: the place is out of range.
+    """
+    in_range(place, LARGEST_LENGTH, where, "length")
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, place
+    return Target(pose=pose, posture=posture or Posture())
+
+
+def in_base(target: Target | Reason, base: Array | None) -> Target | Reason:
+    """A target whose pose is in a frame (4, 4), in the base frame of the arm; without a frame its pose is not known."""
+    if isinstance(target, Reason) or target.pose is None:
+        return target
+    if base is None:
+        return Reason.BASE
+    return replace(target, pose=base @ target.pose)
+
+
+def in_range(values: list[float], most: float, where: str, measure: str) -> None:
+    """Refuse values beyond what all readers accept.
+
+    Raises:
+        TrajectoryError: one is.
+    """
+    for one in values:
+        if abs(one) > most:
+            raise TrajectoryError("the value is too large", where=where, got=f"{one:g}", allowed=allowed_range(measure))
+
+
+def positive(value: float | None, factor: float = 1.0) -> float | None:
+    """A speed or a time in SI units; None where it is not positive, or beyond every clock."""
+    if value is None or not 0.0 < value * factor <= LARGEST_TIME:
+        return None
+    return value * factor
+
+
+Reader = Callable[[str, str], Program]
+"""read(text, name) -> what was read."""

@@ -1,0 +1,580 @@
+"""A joint trajectory as data, what every reader makes and every check takes; and tables of numbers in text (CSV)."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import warnings
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite, radians
+from pathlib import Path
+
+import numpy as np
+
+from rankdrop.errors import ConfigurationError, RankdropError
+from rankdrop.path.curve import Curve, curve
+from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, LONGEST_HEAD, MOST_ROWS, allowed_range
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.quantities import quantity
+from rankdrop.text.paths import DECIMAL_COMMAS, radians_hint
+from rankdrop.text.words import MOST_TURNS, degrees_hint
+
+BAGS = (".bag", ".db3", ".mcap")
+ROW_SECONDS = 0.1  # between rows of a file without times
+_TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
+_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
+_JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)_?(\d+)", re.IGNORECASE)
+_COMMA = re.compile(r"(\d),(\d)")
+UNITS = {"angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)}, "length": {"m": 1.0, "mm": 1e-3}, "number": {}}
+Known = Callable[[str], tuple[Hashable, str] | None]
+"""Name of a column -> what it is, and its measure (angle, length or number); None for a column that is not used."""
+_PARTS = {"q": "the position", "qd": "the velocity", "qdd": "the acceleration"}
+
+
+def is_bag(path: Path) -> bool:
+    """Whether it is a bag: a file by its ending, or the folder of a ROS 2 recording."""
+    if path.is_dir():
+        return (path / "metadata.yaml").is_file()
+    return path.suffix.lower() in BAGS
+
+
+class TrajectoryError(ConfigurationError):
+    """A trajectory file that cannot be read: names file, row or line, and column."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint values over time.
+
+    Attributes:
+        name: of the file.
+        times: (T,) increasing [s]; 0.1 s apart where the file has none (`timed` is False).
+        q: (T, n) [rad, m].
+        timed: whether the file gives times.
+        unused: columns or joints of the file that this arm does not have.
+        velocities, accelerations: (T, n) [rad/s, rad/s², m …]; None where the file has none.
+        notes: what a reader should know of how the file was read.
+        bare: whether neither the file nor its format states the unit of any angle.
+    """
+
+    name: str
+    times: Array
+    q: Array
+    timed: bool
+    unused: tuple[str, ...]
+    velocities: Array | None = None
+    accelerations: Array | None = None
+    notes: tuple[str, ...] = ()
+    bare: bool = False
+
+    def curve(self, interpolate: str) -> Curve:
+        """The curve that a controller makes of the rows."""
+        return curve(self.q, self.times, self.velocities, self.accelerations, interpolate)
+
+    def at(self, time: float) -> Array:
+        """(n,) joint values at a time [s], straight between rows, held before the first and after the last."""
+        return np.array([np.interp(time, self.times, column) for column in self.q.T])
+
+
+def csv_text(names: Sequence[str], q: Array, times: Array | None = None) -> str:
+    """Rows of joint values as CSV, to the last bit, with a column of times in front where there are any."""
+    if times is None:
+        rows = q
+    else:
+        rows = np.column_stack([times, q])
+    if times is None:
+        head = names
+    else:
+        head = ("time", *names)
+    return "\n".join([",".join(head), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
+
+
+def joint_names(robot: Robot) -> str:
+    """Every name that a joint may be given by, for an error."""
+    return ", ".join(joint.name for joint in robot.variables) + f" (or q1 … q{robot.n})"
+
+
+def turning(robot: Robot) -> Array:
+    """(n,) which variables are angles."""
+    return np.array([joint.unit == "rad" for joint in robot.variables])
+
+
+def rows_of(where: str, robot: Robot) -> Callable[[int, int], str]:
+    """Names of rows and joints, counted from 0, for errors."""
+    return lambda row, joint: f"{where}, row {row + 1}, joint {robot.variables[joint].name!r}"
+
+
+def checked(
+    values: Array, robot: Robot, place: Callable[[int, int], str], what: str = "the value", *,
+    factors: Array | None = None,
+) -> Array:  # fmt: skip
+    """Values (T, n), all finite and, times the factors, in the range of angles and lengths.
+
+    Args:
+        values: as they are in the file.
+        robot: the arm.
+        place: of a row and a joint, for an error.
+        what: they are, in words.
+        factors: (n,) to rad and m.
+
+    Raises:
+        TrajectoryError: one is not.
+    """
+    if factors is None:
+        made = values
+    else:
+        made = values * factors
+    most = np.where(turning(robot), LARGEST_ANGLE, LARGEST_LENGTH)
+    for problem, good in (("not finite", np.isfinite(values)), ("too large", np.abs(made) <= most)):
+        for row, joint in np.argwhere(~good)[:1].tolist():
+            if robot.variables[joint].unit == "rad":
+                measure = "angle"
+            else:
+                measure = "length"
+            raise TrajectoryError(f"{what} is {problem}", where=place(row, joint), got=f"{values[row, joint]:g}",
+                                  allowed=allowed_range(measure) if problem == "too large" else None)  # fmt: skip
+    return made
+
+
+def checked_times(times: Array, where: Callable[[int], str]) -> Array:
+    """Times (T,), finite, in their range, and increasing.
+
+    Args:
+        times: [s].
+        where: name of a row, counted from 0, for an error.
+
+    Raises:
+        TrajectoryError: one is not finite, too large, or not after the one before it.
+    """
+    for i in np.flatnonzero(~np.isfinite(times))[:1].tolist():
+        raise TrajectoryError("the time is not finite", where=where(i), got=times[i])
+    for i in np.flatnonzero(np.abs(times) > LARGEST_TIME)[:1].tolist():
+        raise TrajectoryError("the time is too large", where=where(i), got=times[i],
+                              allowed=f"-{LARGEST_TIME:g} … {LARGEST_TIME:g} s")  # fmt: skip
+    for i in np.flatnonzero(np.diff(times) <= 0)[:1].tolist():
+        raise TrajectoryError("time does not go on", where=where(i + 1), got=f"{times[i + 1]:g} after {times[i]:g}",
+                              allowed="times that increase")  # fmt: skip
+    return times
+
+
+def increasing(values: Array) -> bool:
+    """Whether values are finite, and each is larger than the one before it."""
+    return bool(np.isfinite(values).all() and (np.diff(values) > 0).all())
+
+
+def regular_times(count: int) -> Array:
+    """(T,) times of rows that have none [s]."""
+    return np.arange(count, dtype=np.float64) * ROW_SECONDS
+
+
+def arranged(
+    where: str, robot: Robot, columns: Mapping[str, Array | None], names: list[str] | None = None, *, deg: bool = False
+) -> Trajectory:
+    """A trajectory of an arm from arrays: shapes, names, values and times checked, joints in the arm's order.
+
+    Args:
+        where: the file, for errors.
+        robot: the arm.
+        columns: q and, where there are any, qd and qdd, (T, columns) each, and t, (T,) times [s].
+        names: of the joints of q, qd and qdd; None: the arm's joints in order.
+        deg: angles are in degrees.
+
+    Raises:
+        TrajectoryError: with file and row.
+    """
+    width = robot.n if names is None else len(names)
+    q, times = columns["q"], columns.get("t")
+    if q is None or q.ndim != 2 or not len(q) or q.shape[1] != width:
+        raise TrajectoryError("the positions have another shape than the arm", where=where,
+                              got="none" if q is None else f"shape {q.shape}",
+                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
+    if len(q) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
+    if names is None:
+        order = list(range(robot.n))
+    else:
+        order = _order_of_joints(where, robot, names)
+    factors = np.where(turning(robot), np.pi / 180 if deg else 1.0, 1.0)
+    parts: dict[str, Array] = {}
+    for key, what in _PARTS.items():
+        part = columns.get(key)
+        if part is None:
+            continue
+        if part.shape != q.shape:
+            raise TrajectoryError(f"{what} has another shape than the positions", where=where,
+                                  got=f"shape {part.shape}", allowed=f"shape {q.shape}")  # fmt: skip
+        parts[key] = checked(part[:, order], robot, rows_of(where, robot), what, factors=factors)
+    if times is not None:
+        if times.shape != (len(q),):
+            raise TrajectoryError("there is one time for each row", where=where, got=f"shape {times.shape}",
+                                  allowed=f"shape ({len(q)},)")  # fmt: skip
+        checked_times(times, lambda row: f"{where}, row {row + 1}")
+    wanted = {joint.name for joint in robot.variables}
+    return Trajectory(
+        Path(where).name, regular_times(len(q)) if times is None else times, parts["q"], times is not None,
+        tuple(name for name in names or () if name not in wanted), parts.get("qd"), parts.get("qdd"),
+    )  # fmt: skip
+
+
+def _order_of_joints(where: str, robot: Robot, names: list[str]) -> list[int]:
+    """Columns of the arm's joints."""
+    wanted = [joint.name for joint in robot.variables]
+    counts = Counter(names)
+    twice = sorted(name for name, count in counts.items() if count > 1)
+    missing = [name for name in wanted if name not in counts]
+    if twice or missing:
+        raise TrajectoryError(
+            "a joint is named twice" if twice else "joints are missing", where=where, got=", ".join(names),
+            allowed=", ".join(wanted), mend=f"name {', '.join(twice)} once" if twice else f"add {', '.join(missing)}",
+        )  # fmt: skip
+    return [names.index(name) for name in wanted]
+
+
+def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
+    """A line of warning where angles look as if they were in the other unit; None where they do not.
+
+    Args:
+        q: (T, n) [rad, m].
+        robot: whose joints they are.
+        deg: the angles were read as degrees.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> unit_hint(np.array([[0.0, 90.0]]), open_robot("planar2r"))
+        'angles up to 90 look like degrees and are read as radians'
+    """
+    if deg:
+        return radians_hint(q[:, turning(robot)])
+    return degrees_hint(q, robot)
+
+
+def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
+    """Refuse angles that look like degrees and were read as radians, where the file states no unit.
+
+    Arrays of joints without limits are not refused: such a joint may turn often, and an array has no place for a unit.
+
+    Args:
+        read: without `deg`.
+        robot: the arm.
+        file: it was read from.
+
+    Raises:
+        TrajectoryError: with the first row that has such an angle.
+    """
+    array = file.suffix.lower() in (".npy", ".npz")
+    turns = np.array([one.unit == "rad" for one in robot.variables])
+    if array:
+        turns &= np.isfinite(robot.lower) | np.isfinite(robot.upper)
+    beyond = (np.abs(read.q) > MOST_TURNS) & turns
+    if not read.bare or not beyond.any():
+        return
+    row, joint = np.argwhere(beyond)[0]
+    name, where, got = robot.variables[joint].name, f"{file}, row {row + 1}", f"{read.q[row, joint]:.6g}"
+    if array:
+        raise TrajectoryError("angles look like degrees", where=where, got=got, allowed="radians", mend="deg=True",
+                              typed="add --deg")  # fmt: skip
+    raise TrajectoryError("angles look like degrees", where=where, got=got, allowed="radians",
+                          mend=f'deg=True, or name the column "{name} [rad]"',
+                          typed=f'add --deg, or name the column "{name} [rad]"')  # fmt: skip
+
+
+@dataclass(eq=False)
+class Table:
+    """Rows of words below their names.
+
+    Attributes:
+        name: of the file.
+        head: names of the columns; numbers where the file has no names.
+        line: of the names.
+        lines: (T,) of the rows.
+        rows: their words; None where all of them are plain numbers.
+        values: (T, columns) these.
+        notes: what a reader should know of how the file was read.
+    """
+
+    name: str
+    head: list[str]
+    line: int
+    lines: Sequence[int]
+    rows: list[list[str]] | None
+    values: Array | None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def where(self) -> str:
+        """The line of the names, for errors."""
+        return f"{self.name}, line {self.line}"
+
+    def place(self, row: int) -> str:
+        """Where a row is, counted from 0, for errors."""
+        return f"{self.name}, line {self.lines[row]}"
+
+    def block(self, columns: Sequence[int]) -> Array:
+        """(T, k) numbers of some columns; arithmetic with pi is understood as on the command line.
+
+        Raises:
+            TrajectoryError: a row is too short or too long, or a word is no finite number.
+        """
+        if self.values is not None:
+            return self.values[:, columns]
+        assert self.rows is not None
+        for line, row in zip(self.lines, self.rows, strict=True):
+            if any(row[len(self.head) :]):
+                raise TrajectoryError("the row is too long", where=f"{self.name}, line {line}",
+                                      got=f"{len(row)} columns", allowed=len(self.head))  # fmt: skip
+        return np.array([[self._number(row, column, line) for column in columns]
+                         for line, row in zip(self.lines, self.rows, strict=True)])  # fmt: skip
+
+    def _number(self, row: list[str], column: int, line: int) -> float:
+        where = f"{self.name}, line {line}, column {column + 1} ({self.head[column]})"
+        if column >= len(row):
+            raise TrajectoryError("the row is too short", where=where, got=f"{len(row)} columns",
+                                  allowed=len(self.head))  # fmt: skip
+        try:
+            if is_number(row[column]):
+                value = float(row[column])
+            else:
+                value = quantity(row[column], "number", where=where)
+        except RankdropError:
+            raise TrajectoryError("this is no number", where=where, got=repr(row[column])) from None
+        if not isfinite(value):
+            raise TrajectoryError("the value is not finite", where=where, got=row[column])
+        return value
+
+    def times(self, column: int | None) -> Array | None:
+        """(T,) increasing times [s]; None without a column of them."""
+        if column is None:
+            return None
+        return checked_times(self.block([column])[:, 0], lambda row: f"{self.place(row)}, column {self.head[column]!r}")
+
+
+def read_table(text: str, name: str) -> Table:
+    """A table from text: columns separated by commas, semicolons or tabs; lines that begin with # are comments.
+
+    Raises:
+        TrajectoryError: this is not CSV, or there is no row, no row below the names, or too many.
+    """
+    given = with_line_feeds(text)
+    text = _with_decimal_points(given)
+    table = _plain_table(text, name) or _word_table(text, name)
+    if text is not given:
+        table.notes = (DECIMAL_COMMAS,)
+    if not table.head:
+        raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
+    if not len(table.lines):
+        raise TrajectoryError("there is no row below the names", where=table.where)
+    if len(table.lines) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=name, got=len(table.lines),
+                              allowed=f"at most {MOST_ROWS}")  # fmt: skip
+    return table
+
+
+def _plain_table(text: str, name: str) -> Table | None:
+    """A file of names or none, and plain numbers alone, read by NumPy; None: there is anything else in it."""
+    first, _, body = text.partition("\n")
+    if '"' in text or "#" in text or not first.strip():
+        return None
+    delimiter = _delimiter(first)
+    head = [word.strip() for word in first.split(delimiter)]
+    named = not all(map(is_number, head))
+    body = body if named else text
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # an empty file
+            values = np.loadtxt(io.StringIO(body), delimiter=delimiter, comments=None, ndmin=2)
+    except (ValueError, UserWarning):
+        return None
+    lines = body.rstrip("\n").count("\n") + 1  # as many as rows where none is empty
+    if values.shape != (lines, len(head)) or not np.isfinite(values).all():
+        return None
+    return Table(name, head, 1, range(1 + named, 1 + named + lines), None, values)
+
+
+def _word_table(text: str, name: str) -> Table:
+    """Word by word, so that errors name the line."""
+    reader = csv.reader(io.StringIO(text), delimiter=_delimiter(_first_line(text)), skipinitialspace=True)
+    lines, rows = [], []
+    try:
+        for words in reader:
+            if any(word.strip() for word in words) and not words[0].lstrip().startswith("#"):
+                lines.append(reader.line_num)
+                rows.append([word.strip() for word in words])
+    except csv.Error as error:
+        raise TrajectoryError(f"this is not CSV: {error}", where=f"{name}, line {reader.line_num}") from None
+    if rows:
+        head, line = (rows[0], lines[0])
+    else:
+        head, line = ([], 1)
+    named = not all(map(is_number, head))
+    return Table(name, head, line, lines[named:], rows[named:], None)
+
+
+def _first_line(text: str) -> str:
+    """The first line that is not empty and no comment; the rest of the text is not copied."""
+    start = 0
+    while start < len(text):
+        end = text.find("\n", start)
+        line = text[start : end if end >= 0 else None]
+        if line.strip() and not line.lstrip().startswith("#"):
+            return line
+        start += len(line) + 1
+    return ""
+
+
+def with_line_feeds(text: str) -> str:
+    """A text whose lines end as they do here: a carriage return ends a line too, as old spreadsheets write it."""
+    if "\r" in text:
+        return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text
+
+
+def names_of(text: str) -> list[str]:
+    """Words of the first row."""
+    line = _first_line(with_line_feeds(text))
+    return [word.strip() for word in next(csv.reader([line], delimiter=_delimiter(line), skipinitialspace=True), [])]
+
+
+def _delimiter(line: str) -> str:
+    """What separates columns. Beside semicolons or tabs a cell may have one comma, that of its decimals."""
+    for one in ";\t":
+        if one in line and line.count(",") <= line.count(one) + 1:
+            return one
+    return max(",;\t", key=line.count)
+
+
+def _with_decimal_points(text: str) -> str:
+    """A text whose decimals are written with points, where they have commas and semicolons or tabs separate columns.
+
+    It stays as it is where a point is in a row, too: 1.234,5 and 1,234.5 are then told apart by nobody.
+    """
+    first = _first_line(text)
+    delimiter = _delimiter(first)
+    if delimiter == ",":
+        return text
+    words = [_COMMA.sub(r"\1.\2", word.strip()) for word in first.split(delimiter)]
+    start = text.index(first) + (0 if all(map(is_number, words)) else len(first))
+    rows = text[start:]
+    if "," not in rows or "." in rows:
+        return text
+    return text[:start] + _COMMA.sub(r"\1.\2", rows)
+
+
+def is_number(word: str) -> bool:
+    """Whether a word is a plain number, nan and inf among them."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def name_and_unit(word: str) -> tuple[str, str | None]:
+    """The name of a column, and the unit behind it: "q2 [deg]"."""
+    match = _WITH_UNIT.fullmatch(word)
+    if match:
+        return (match["name"].strip(), match["unit"].lower())
+    return (word, None)
+
+
+def find_columns(
+    head: list[str], where: str, known: Known, *, deg: bool
+) -> tuple[dict[Hashable, tuple[int, float]], int | None, tuple[str, ...]]:
+    """Place and factor (to rad and m) of each column that is known, the column of the time, and names of the others.
+
+    Raises:
+        TrajectoryError: a column is given twice, its name too long, or its unit does not fit.
+    """
+    found: dict[Hashable, tuple[int, float]] = {}
+    time, unused = None, []
+    for place, word in enumerate(head):
+        here = f"{where}, column {place + 1}"
+        if len(word) > LONGEST_HEAD:
+            raise TrajectoryError("the name of the column is too long", where=here, got=f"{len(word)} characters",
+                                  allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
+        name, unit = name_and_unit(word)
+        column = known(name)
+        if column is None:
+            if time is None and _TIME.fullmatch(word):
+                time = place
+            else:
+                unused.append(word)
+            continue
+        key, measure = column
+        if key in found:
+            raise TrajectoryError("the column is given twice", where=here, got=repr(word))
+        fits = UNITS[measure]
+        if unit is not None and unit not in fits:
+            raise TrajectoryError("the unit does not fit the column", where=here, got=word,
+                                  allowed=", ".join(fits) or "none")  # fmt: skip
+        if deg and measure == "angle":
+            plain = radians(1.0)
+        else:
+            plain = 1.0
+        found[key] = place, plain if unit is None else fits[unit]
+    return found, time, tuple(unused)
+
+
+def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -> Trajectory:
+    """A trajectory from the text of a CSV file.
+
+    The first line names the columns: joints by name or as q1 … qn, one optional time column (time, t, stamp) [s];
+    other columns are ignored. A unit may follow a name: "q2 [deg]", "slide [mm]". A file of numbers alone needs one
+    column for each joint; one column more, in front and increasing, is the time.
+
+    Args:
+        text: of the file.
+        name: of the file, for errors.
+        robot: whose joints they are.
+        deg: angles without a unit are in degrees.
+
+    Raises:
+        TrajectoryError: with file, line and column.
+    """
+    table = read_table(text, name)
+    if all(map(is_number, table.head)):
+        table.head = _names_of_numbers(table, robot)
+    numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
+
+    def known(word: str) -> tuple[int, str] | None:
+        short = _JOINT.fullmatch(word)
+        index = numbers.get(word, int(short[1]) - 1 if short else None)
+        if index is not None and not 0 <= index < robot.n:
+            place = [name_and_unit(one)[0] for one in table.head].index(word)
+            raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
+                                  allowed=joint_names(robot))  # fmt: skip
+        if index is None:
+            return None
+        return (index, "angle" if robot.variables[index].unit == "rad" else "length")
+
+    columns, time, unused = find_columns(table.head, table.where, known, deg=deg)
+    missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]
+    if missing:
+        raise TrajectoryError("joints have no column", where=table.where, got=", ".join(table.head),
+                              allowed=joint_names(robot), mend=f"add {', '.join(missing)}")  # fmt: skip
+    places, factors = zip(*(columns[i] for i in range(robot.n)), strict=True)
+    q = checked(
+        table.block(places), robot, factors=np.array(factors),
+        place=lambda row, joint: f"{table.place(row)}, column {places[joint] + 1} ({table.head[places[joint]]})",
+    )  # fmt: skip
+    times, stated = table.times(time), any(name_and_unit(table.head[place])[1] for place in places)
+    return Trajectory(
+        Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
+        notes=table.notes, bare=not stated,
+    )  # fmt: skip
+
+
+def _names_of_numbers(table: Table, robot: Robot) -> list[str]:
+    """Names for columns that have none: the joints in order, a rising time in front of them if there is one more."""
+    names = [joint.name for joint in robot.variables]
+    if len(table.head) == robot.n + 1 and len(table.lines) > 1 and increasing(table.block([0])[:, 0]):
+        return ["time", *names]
+    if len(table.head) != robot.n:
+        raise TrajectoryError(
+            "the columns have no names", where=table.where, got=f"{len(table.head)} numbers",
+            allowed=f"{robot.n} numbers, one for each joint, a rising time in front of them, or a first line of names: "
+            f"{joint_names(robot)}",
+        )  # fmt: skip
+    return names

@@ -1,0 +1,156 @@
+"""URScript (.script): movej, movel and movep to joint lists [rad] or poses p[x, y, z, rx, ry, rz].
+
+Lengths in metres; rx, ry, rz is the rotation vector: its direction is the axis, its length the angle in radians.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+import numpy as np
+
+from rankdrop.path.read.program_record import (
+    Language,
+    Listing,
+    Names,
+    Program,
+    Reason,
+    Speed,
+    Target,
+    flat,
+    in_range,
+    inside,
+    joint_target,
+    lines_of,
+    number,
+    numbers_of,
+    parts_of,
+    positive,
+    turned_target,
+    without_comment,
+)
+from rankdrop.poses.inverse import rotation
+from rankdrop.robot.files import LARGEST_ANGLE
+
+_MOVES: dict[str, Literal["joint", "line"]] = {"movej": "joint", "movel": "line", "movep": "line"}
+_ORDER = {"movej": ("a", "v", "t", "r"), "movel": ("a", "v", "t", "r"), "movep": ("a", "v", "r")}
+_OTHER = ("servoj", "servoc", "speedj", "speedl", "force_mode", "freedrive_mode", "teach_mode", "path_offset_enable",
+          "conveyor_pulse_decode", "optimovej", "optimovel")  # fmt: skip
+_FLOW = {**dict.fromkeys(("if", "elif", "else", "return"), Reason.BRANCH),
+         **dict.fromkeys(("while", "for", "break", "continue"), Reason.LOOP)}  # fmt: skip
+_QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
+_WORD = re.compile(r"\s*([A-Za-z_]\w*)")
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def read(text: str, name: str) -> Program:
+    """A script from its text.
+
+    Raises:
+        TrajectoryError: too large, or a value out of range.
+    """
+    names, listing = Names(), Listing(name)
+    lines = [(count, without_comment(line, "#")) for count, line in lines_of(text, name)]
+    for count, line in lines:
+        _declare(names, line, f"{name}, line {count}")
+    routines = 0
+    for count, line in lines:
+        first = _WORD.match(line)
+        if first is None:
+            continue
+        word, rest = first[1], line[first.end() :].strip()
+        if word in ("def", "sec", "thread"):
+            routines += 1
+            if routines > 1:
+                listing.skip(count, line, Reason.ROUTINE)
+        elif word in _MOVES:
+            _move(listing, names, count, line, word, rest)
+        elif word == "movec":
+            listing.skip(count, line, Reason.CIRCLE)
+        elif word in _OTHER:
+            listing.skip(count, line, Reason.OTHER_MOVE)
+        elif word in _FLOW:
+            listing.skip(count, line, _FLOW[word])
+        elif word == "set_tcp":
+            listing.skip(count, line, Reason.TOOL)
+        elif word in _QUIET:
+            continue
+        elif rest.startswith("("):
+            listing.skip(count, line, Reason.CALL)
+        elif "=" not in rest or word in ("global", "local") or (word in names.literals and word not in names.changed):
+            continue
+        else:
+            listing.skip(count, line, Reason.OTHER)
+    return Program(name, Language.URSCRIPT, tuple(listing.items), degrees=False)
+
+
+def _declare(names: Names, line: str, where: str) -> None:
+    """Take in an assignment; one to an element of a name changes it."""
+    words, mark, right = line.partition("=")
+    left = words.split()
+    if not mark or right.startswith("=") or not left or left[0] in _FLOW:
+        return
+    name = left[-1]
+    base = name.partition("[")[0]
+    if not _NAME.fullmatch(base) or len(left) > 2 or (len(left) == 2 and left[0] not in ("global", "local")):
+        return
+    if base != name:
+        names.changed.add(base)
+        return
+    right = right.strip()
+    literal: object | None = number(right)
+    if right.startswith(("[", "p[")):
+        found = _target(right, names, where)
+        if isinstance(found, Target):
+            literal = found
+        else:
+            literal = None
+    names.put(name, right, literal)
+
+
+def _target(text: str, names: Names, where: str) -> Target | Reason:
+    """A list of joints, a pose, or the name of one."""
+    if _NAME.fullmatch(text):
+        return names.target(text)
+    posed = text.startswith("p[")
+    values = numbers_of(text[1:] if posed else text)
+    if values is None:
+        return Reason.EXPRESSION
+    if not posed:
+        joints = flat(values, len(values))
+        if joints is None:
+            return Reason.EXPRESSION
+        return joint_target(joints, where)
+    found = flat(values, 6)
+    if found is None:
+        return Reason.EXPRESSION
+    in_range(found[3:], LARGEST_ANGLE, where, "angle")
+    return turned_target(found[:3], rotation(np.array([found[3:]]))[0], where)
+
+
+def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:
+    """movej(target, a = 1.4, v = 1.05, t = 0, r = 0), its settings in this order or by name."""
+    found = inside(rest)
+    if found is None:
+        listing.skip(count, line, Reason.EXPRESSION)
+        return
+    goal, *arguments = parts_of(found[0])
+    settings: dict[str, str] = {}
+    for place, one in enumerate(arguments):
+        key, mark, value = one.partition("=")
+        if mark:
+            name = key.strip()
+        else:
+            name = (*_ORDER[word], "", "", "", "")[min(place, 3)]
+        settings[name] = value.strip() if mark else one
+    keys = {key: names.number(value) for key, value in settings.items()}
+    if goal.startswith(("q=", "pose=", "q =", "pose =")):
+        goal = goal.partition("=")[2].strip()
+    else:
+        goal = goal
+    time, rate = positive(keys.get("t")), positive(keys.get("v"))
+    speed = Speed(time=time, joint=rate if word == "movej" else None, linear=None if word == "movej" else rate)
+    rounded = "r" in settings and keys["r"] != 0.0
+    listing.move(count, line, _MOVES[word], _target(goal, names, f"{listing.where}, line {count}"), speed,
+                 blend=rounded)  # fmt: skip

@@ -1,0 +1,5 @@
+"""Which joint values reach a pose: every solution, and its posture."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

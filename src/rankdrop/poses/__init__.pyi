@@ -1,0 +1,1 @@
+from .inverse import Aim as Aim

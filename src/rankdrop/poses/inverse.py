@@ -1,0 +1,382 @@
+"""The inverse of an arm: poses solved by Newton's method, from near and from far.
+
+    e(q) = (p* − p ; log(R* Rᵀ)), the rows of the task, translations divided by the length scale
+
+    from near  q ← q + J⁺ e
+    from far   q ← q + Jᵀ(J Jᵀ + λ)⁻¹ e,  λ = |e|²
+
+A solution that no start leads to is missed: a list is what was found. What is found is a solution, to rounding.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from rankdrop import _core
+from rankdrop.errors import TaskError
+from rankdrop.kinematics import chain_of, task_jacobian, task_view
+from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
+from rankdrop.local.departure import unlocked
+from rankdrop.local.orientation import rotation_vector
+from rankdrop.path.curve import Index
+from rankdrop.problem import Mask, into_limits, whole_turns
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.numbers import anchors
+from rankdrop.robot.transform import hat
+from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
+
+_GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
+_ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
+_CAP = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
+_WEAK = 1e-9  # σ below which Newton leaves a direction alone
+_SAME = 1e-6  # solutions nearer than this are one [rad]
+_REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
+_CONFIRMED = 1e-9  # by which forward kinematics may miss the pose of a solution [m and chord]
+_TURNED_OVER = 1e-9  # of 1 + cos of the tilt: the heading of a tool that is turned over is undefined
+_FULL = (0, 1, 2, 3, 4, 5)
+_ROUNDED = 1e-12  # share of the links' length that rounding may add
+
+
+def rotation(turn: Array) -> Array:
+    """(N, 3, 3) rotations by vectors (N, 3), Rodrigues' formula."""
+    angle = np.linalg.norm(turn, axis=1)
+    safe = np.where(angle > 0.0, angle, 1.0)
+    k = hat(turn / safe[:, None])
+    return np.asarray(np.eye(3) + np.sin(angle)[:, None, None] * k + (1.0 - np.cos(angle))[:, None, None] * (k @ k))
+
+
+class Aim:
+    """Newton's method towards poses of the tip: what is missing, and the steps.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`, determined by the pose of the tip.
+
+    Raises:
+        TaskError: the pose of the tip does not determine what the task wants.
+    """
+
+    def __init__(self, robot: Robot, task: Task) -> None:
+        last = len(robot.joints) + 1
+        whole = task.rows == _FULL  # all six stand still, whatever their axes and their point
+        axes = link_index(task.frame.axes, len(robot.joints), "axes")
+        if not whole and (
+            (min(task.rows) < 3 and link_index(task.frame.origin, len(robot.joints), "point") != last)
+            or (axes not in (0, last) and task.rows not in ((0, 1, 2), (3, 4, 5)))
+        ):
+            raise TaskError(
+                "the pose of the tip does not determine what this task wants", got=task.frame,
+                allowed="axes of the base or the tip, origin at the tip",
+            )  # fmt: skip
+        if whole or min(task.rows) >= 3:
+            point = (0.0, 0.0, 0.0)
+        else:
+            point = task.frame.point
+        self.with_tip = axes == last and not whole
+        turns = [row for row in task.rows if row >= 3]
+        self.free = next(row - 3 for row in (3, 4, 5) if row not in turns) if len(turns) == 2 else None
+        self.heading = turns[0] - 3 if len(turns) == 1 else None
+        self.robot, self.rows = robot, list(task.rows)
+        self.length = task.scale(robot)
+        self.point = np.array(point)
+        self.joints = joint_scale(robot, task)
+        plain = Task(task.name, task.rows, Frame(TIP if self.with_tip else BASE, TIP, point), self.length)
+        self._chain, self._view = chain_of(robot), task_view(robot, plain)
+        rank = generic_rank(robot, plain)
+        self.square = robot.n == task.m == rank
+        self.task, self.rank = plain, rank
+
+    def error(self, poses: Array, q: Array) -> Array:
+        """(N, m) what is missing from the poses at q (N, n) to `poses` (N, 4, 4) or (4, 4): e, lengths divided by ℓ."""
+        now = _core.pose(self._chain, q)
+        poses = np.broadcast_to(poses, now.shape)
+        here, goal = now[:, :3, :3], poses[:, :3, :3]
+        back = here.swapaxes(1, 2)
+        shift = poses[:, :3, 3] - now[:, :3, 3] + (goal - here) @ self.point
+        if self.with_tip:
+            turn = back @ goal
+        else:
+            turn = goal @ back
+        if self.with_tip:
+            shift = (back @ shift[:, :, None])[:, :, 0]
+        if self.free is not None:
+            turn = self._without(turn, self.free)
+        vector = rotation_vector(turn)
+        if self.heading is not None:  # undefined where the tool is turned over
+            over = 1.0 + turn[:, self.heading, self.heading] < _TURNED_OVER
+            vector[over, self.heading] = np.pi
+        both = np.concatenate([shift / self.length, vector], axis=1)
+        return np.asarray(both[:, self.rows])
+
+    def missing(self, poses: Array, q: Array) -> tuple[Array, Array]:
+        """What is missing at q (N, n) to `poses` (N, 4, 4), straight from forward kinematics.
+
+        Only what the task asks for counts. The angle θ is that of the chord 2 sin(θ/2) = ‖R − R*‖/√2, which is largest
+        at half a turn.
+
+        Returns:
+            (N,) distance of the reference point [m]; (N,) the chord [1].
+        """
+        now = _core.pose(self._chain, np.ascontiguousarray(q))
+        away, chord = np.zeros(len(q)), np.zeros(len(q))
+        rows = [row for row in self.rows if row < 3]
+        apart = now[:, :3, :3] - poses[:, :3, :3]
+        if rows:
+            off = now[:, :3, 3] - poses[:, :3, 3] + apart @ self.point
+            away = np.linalg.norm(off[:, [0, 1, 2] if self.with_tip else rows], axis=1)
+        if len(rows) == len(self.rows):
+            return away, chord
+        if self.free is None:
+            return away, np.asarray(np.linalg.norm(apart, axis=(1, 2)) / np.sqrt(2.0))
+        # of the axis alone about which the task leaves the tool free
+        return away, np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
+
+    def confirmed(self, poses: Array, q: Array) -> Mask:
+        """(N,) whether forward kinematics at q (N, n) gives the poses (N, 4, 4), to 1e-9 of the length scale and 1e-9.
+        """
+        away, chord = self.missing(poses, q)
+        if self.heading is not None:  # the tilt does not count
+            chord = np.abs(self.error(poses, q)[:, -1])
+        return np.asarray((away <= _CONFIRMED * max(self.length, 1.0)) & (chord <= _CONFIRMED))
+
+    def _without(self, turn: Array, axis: int) -> Array:
+        """(N, 3, 3) rotations less what they turn about one axis, which the task leaves free."""
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        angle = 2 * np.arctan2(turn[:, j, i] - turn[:, i, j], 1.0 + turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2])
+        back = rotation(-angle[:, None] * np.eye(3)[axis])
+        return np.asarray(turn @ back if self.with_tip else back @ turn)
+
+    def jacobian(self, q: Array) -> Array:
+        """(N, m, n) of scaled joints."""
+        return np.asarray(_core.jacobian(self._chain, self._view, q) * self.joints)
+
+    def step(self, q: Array, error: Array, damping: Array | float = 0.0) -> Array:
+        """(N, n) Jᵀ(J Jᵀ + λ)⁻¹ e, J⁺ e without damping λ (N,) [rad, m]."""
+        u, sigma, v = _core.svd(np.ascontiguousarray(self.jacobian(q)))
+        count, damped = sigma.shape[1], sigma**2 + np.broadcast_to(damping, len(q))[:, None]
+        gains = np.divide(sigma, damped, out=np.zeros_like(sigma), where=damped > _WEAK**2)
+        shares = gains * (error[:, None, :] @ u[:, :, :count])[:, 0]
+        return np.asarray((v[:, :, :count] @ shares[:, :, None])[:, :, 0] * self.joints)
+
+    def rates(self, q: Array, move: Array, omega: Array) -> Array:
+        """(N, n) joint rates J⁺ẋ that move the tip by `move` (N, 3) [m/s] and turn it by `omega` (N, 3) [rad/s]."""
+        here = _core.pose(self._chain, q)[:, :3, :3]
+        shift = move + np.cross(omega, here @ self.point)
+        both = np.stack([shift, omega], axis=1)
+        both = both @ here if self.with_tip else both
+        twist = np.concatenate([both[:, 0] / self.length, both[:, 1]], axis=1)[:, self.rows]
+        return self.step(q, twist)
+
+    def solve(self, poses: Array, q: Array) -> tuple[Array, Mask]:
+        """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4)."""
+        now, when = self._newton(poses, q, _ACCEPTED, _ROUNDS, far=False)
+        return now, when >= 0
+
+    def descend(
+        self, goals: Array, starts: Array, *, close: float = _ACCEPTED, rounds: int = _ITERATIONS
+    ) -> tuple[Array, Index]:
+        """From far: damped Newton's method from each start, λ = |e|², so that the last steps are Newton's.
+
+        Args:
+            goals: (4, 4) the pose of all, or (N, 4, 4) one for each.
+            starts: (N, n) [rad, m].
+            close: |e| of a solution.
+            rounds: steps at most.
+
+        Returns:
+            (N, n) where each ends; (N,) the step at which it arrived, −1 where it did not.
+        """
+        return self._newton(np.broadcast_to(goals, (len(starts), 4, 4)), starts, close, rounds, far=True)
+
+    def reached(self, goal: Array, starts: Array) -> Array:
+        """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
+        q, arrived = self.descend(goal, starts)
+        order = np.argsort(arrived, kind="stable")
+        found = q[order[arrived[order] >= 0]]
+        return np.asarray(found[self.confirmed(np.broadcast_to(goal, (len(found), 4, 4)), found)])
+
+    def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
+        """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
+        now, left = np.array(q, dtype=np.float64), np.arange(len(q))
+        when, size = np.full(len(q), -1), np.full(len(q), np.inf)
+        for number in range(rounds + (not far)):
+            error = self.error(poses[left], now[left])
+            new, before = np.sqrt((error * error).sum(axis=1)), size[left]
+            size[left] = new
+            stands = far or number == rounds  # else steps are made while they help
+            done = (new <= _GOAL) | ((new <= close) & (stands | (new > 0.3 * before)))
+            when[left[done]] = number
+            going = ~done & (far | (new <= 3.0 * before))
+            left, error, new = left[going], error[going], new[going]
+            if not len(left) or number == rounds:
+                break
+            step = self.step(now[left], error, np.minimum(new**2, 1.0) if far else 0.0)
+            if far:
+                length = np.linalg.norm(step / self.joints, axis=1)
+                step *= np.minimum(1.0, _CAP / np.maximum(length, 1e-300))[:, None]
+            now[left] += step
+        return now, when
+
+    def side(self, q: Array) -> float:
+        """Sign of the determinant; 0 for arms that have none."""
+        if self.square:
+            return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0])
+        return 0.0
+
+    @cached_property
+    def _tip(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Every joint as a variable: shares and offsets; lengths of the links, which joints turn, metres along an axis.
+        """
+        robot = self.robot
+        chain, offset, share = unlocked(robot, np.zeros(robot.n))
+        tip = robot.home[:3, 3] + robot.home[:3, :3] @ self.point
+        links = np.linalg.norm(np.diff(np.vstack([anchors(robot), tip]), axis=0), axis=1)
+        slides = np.array([joint.kind is JointKind.PRISMATIC for joint in chain.joints])
+        along = np.array([abs(float(joint.screw[:3] @ joint.screw[3:])) for joint in chain.joints])
+        return share, offset, links, ~slides * 1.0, np.where(slides, 1.0, along)
+
+    def deviation(self, q: Array, poses: Array) -> tuple[Array, Array]:
+        """Bounds on how far the tip leaves its curve while the joints go straight: proven, not sampled.
+
+        Between two rows the joints go as q(τ) = a + τ Δ, 0 ≤ τ ≤ 1, and the tip is on its curve c(τ) at both rows but
+        for e₀ and e₁. A function with |f''| ≤ M differs from the straight line between its ends by M/8 at most, so that
+
+            |p(q(τ)) − c(τ)| ≤ max(|e₀|, |e₁|) + M/8,    M = Σ_i l_i t_i² + Σ_s (|q_s| t_s² + 2 |Δ_s| t_s) + |x| θ²
+
+        l_i is the length of link i, t_i the sum of |Δ_k| of the turning joints up to it (t_s: before slide s), θ the
+        turn of the tool between the rows, x the reference point in the axes of the tip. Rotations as matrices:
+        |R'' − S''| ≤ t_N² + θ². Only what the task asks for is compared.
+
+        Args:
+            q: (K, n) rows.
+            poses: (K, 4, 4) of the curve at the rows.
+
+        Returns:
+            (K − 1,) each: how far the tip leaves the curve at most between rows, its place [m] and its turn [rad].
+        """
+        share, offset, links, turns, pitch = self._tip
+        values = q @ share.T + offset
+        step = np.abs(np.diff(values, axis=0))
+        turn = np.cumsum(step * turns, axis=1)
+        before = turn - step * turns
+        most = np.maximum(np.abs(values[1:]), np.abs(values[:-1]))
+        bend = (turn**2 @ links) + ((most * before + 2 * step) * before) @ pitch
+        tool = poses[1:, :3, :3] @ poses[:-1, :3, :3].swapaxes(1, 2)
+        theta = np.linalg.norm(rotation_vector(tool), axis=1)
+        bend = bend + float(np.linalg.norm(self.point)) * theta**2
+        off, chord = self.missing(poses, q)
+        away = turned = np.zeros(len(step))
+        if min(self.rows) < 3:
+            away = np.maximum(off[1:], off[:-1]) + bend / 8 + _ROUNDED * float(links.sum())
+        if max(self.rows) >= 3:
+            bound = np.maximum(chord[1:], chord[:-1]) + (turn[:, -1] ** 2 + theta**2) / 8
+            turned = 2 * np.arcsin(np.minimum(1.0, (bound + _ROUNDED) / 2))
+        return away, turned
+
+
+def check_square(robot: Robot, task: Task) -> None:
+    """Refuse tasks whose inverse is no list of solutions.
+
+    Raises:
+        TaskError: the arm has more or fewer joints than the task rows, or the rows are not in the base's axes.
+    """
+    if robot.n != task.m:
+        raise TaskError(
+            "postures are solutions of the inverse, which are a list only without redundancy",
+            got=f"{task.m} rows, {robot.n} joints", allowed="as many joints as rows",
+            mend="choose a task with as many rows as joints" if robot.n <= 6 else "",
+        )  # fmt: skip
+    check_axes(task)
+
+
+def check_axes(task: Task) -> None:
+    """Refuse rows that are not of the tip in the axes of the base.
+
+    Raises:
+        TaskError: they are not.
+    """
+    if task.frame != WORLD_ALIGNED:
+        raise TaskError("poses are those of the tip, in the axes of the base", got=task.frame,
+                        allowed="WORLD_ALIGNED")  # fmt: skip
+
+
+def solutions(robot: Robot, task: Task, target: Array, *, starts: int, seed: int, also: Array | None = None) -> Array:
+    """Regular solutions of an arm with as many joints as rows.
+
+    Args:
+        robot, task: as many joints as rows, in the unit of length that is wanted.
+        target: (4, 4) pose of the tip; what the task leaves free is ignored.
+        starts, seed: random starts; the same seed gives the same solutions.
+        also: (k, n) further starts.
+
+    Returns:
+        (k, n), angles in (−π, π], in lexicographic order of rounded values. Limits are ignored.
+    """
+    begin = sample(robot, task, starts, seed, limits=False)
+    if also is not None:
+        begin = np.concatenate([np.atleast_2d(also), begin])
+    found = Aim(robot, task).reached(target, begin)
+    found = wrapped(robot, found[singular_values(robot, found, task)[:, -1] > _REGULAR])
+    kept = distinct(robot, task, found, _SAME)
+    return kept[sorted(range(len(kept)), key=lambda row: [round(float(x), 6) for x in kept[row]])]
+
+
+def distinct(
+    robot: Robot, task: Task, q: Array, near: float, known: Array | None = None, most: int | None = None
+) -> Array:
+    """(k, n) those of configurations (N, n) that are farther than `near` [rad; slides scaled] from all before them.
+
+    Args:
+        robot, task: the arm.
+        q: (N, n); turning joints count the short way.
+        near: distance.
+        known: (k, n) others to be apart from, which are not returned.
+        most: to return.
+    """
+    scale = joint_scale(robot, task)
+    first = 0 if known is None else len(known)
+    kept = [] if known is None else list(known)
+    for one in q:
+        if most is not None and len(kept) - first >= most:
+            break
+        if not kept or np.linalg.norm(apart(robot, one, np.array(kept)) / scale, axis=1).min() > near:
+            kept.append(one)
+    return np.array(kept[first:]).reshape(-1, robot.n)
+
+
+def regular(robot: Robot, task: Task, q: Array) -> bool:
+    """Whether a configuration (n,) is far enough from the singular set for its solution to be separated from others."""
+    return bool(singular_values(robot, q, task)[-1] > _REGULAR)
+
+
+def determinants(robot: Robot, task: Task, q: Array) -> Array:
+    """(N,) det J of the task, without unit."""
+    return np.asarray(np.linalg.det(task_jacobian(robot, q, task) * joint_scale(robot, task)))
+
+
+def wrapped(robot: Robot, q: Array) -> Array:
+    """Turning joints in (−π, π]."""
+    turned = q - 2 * np.pi * np.ceil((q - np.pi - _SAME) / (2 * np.pi))
+    return np.where(robot.periodic, turned, q)
+
+
+def near_and_within(robot: Robot, q: Array, near: Array, *, limits: bool) -> Array:
+    """(k, n) configurations turned by whole turns to come near others, with limits those that have a place in them."""
+    q = q - whole_turns(robot, q - near)
+    if not limits:
+        return q
+    q = into_limits(robot, q)
+    return q[within(robot, q)]
+
+
+def within(robot: Robot, q: Array) -> Mask:
+    """(N,) inside the joint limits, to 1e-9."""
+    return np.asarray(((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1))
+
+
+def apart(robot: Robot, one: Array, other: Array) -> Array:
+    """other − one, turning joints the short way."""
+    gap = other - one
+    return np.asarray(gap - whole_turns(robot, gap))

@@ -1,0 +1,220 @@
+"""The bound along a curve: never exceeded, each of its parts reached, and no part of it missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reference import arms, region
+
+from rankdrop.cover.setting import settings_for
+from rankdrop.path.check.prove import Along, regular
+from rankdrop.path.curve import Curve, curve, halves, straightened
+from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+ARMS = {
+    **{name: (lambda name=name: open_robot(name)) for name in ("panda", "pa10", "ur5", "scara", "stanford")},
+    "almarkhi4": lambda: open_robot("almarkhi4"),  # position: seen from the last link
+    "random slides": lambda: arms.random_chain(np.random.default_rng(4), "rprrpr"),
+    "random screws": lambda: arms.random_chain(np.random.default_rng(5), "rhrphrr"),
+    "mimics": lambda: region.coupled(np.random.default_rng(6), "r p r1:0.3 p1:-0.4 r h0:2.5 r p0:0.3 r"),
+    "turns led by a slide": lambda: region.coupled(np.random.default_rng(8), "r p r1:2 r r1:-3 r1:2 r r"),
+    "mirror": lambda: region.coupled(np.random.default_rng(9), "r r r0:1 r1:-1 r r0:1 r r"),
+    "five joints": lambda: arms.random_chain(np.random.default_rng(7), "rrrrr"),
+}
+
+
+def cases(name: str, count: int = 3):
+    """Settings of an arm with a few middles and chords each; singular and far configurations among them."""
+    robot = ARMS[name]()
+    rng = np.random.default_rng(11)
+    middle = rng.uniform(-np.pi, np.pi, (count, robot.n))
+    middle[0, 1:3] = 0.0
+    middle[-1] *= 200.0
+    chord = rng.uniform(-1.0, 1.0, (count, robot.n))
+    for setting in settings_for(robot, resolve_task(None, robot))[::7]:
+        yield Along(robot, setting), middle, chord * setting.scale
+
+
+def changes(along: Along, found, i: int, middle: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """(..., r, r) |E| at configurations c + moved."""
+    parts = found.sigma[i], found.u[i], found.v[i]
+    return np.abs(region.change(along.robot, middle, along.setting, moved / along.setting.scale, *parts))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ARMS)
+def test_nothing_along_a_curve_exceeds_the_bound(name: str) -> None:
+    rng = np.random.default_rng(12)
+    worst, checked = 0.0, 0
+    for along, middle, chord in cases(name):
+        for size, loose in ((1e-3, 0.0), (0.05, 1e-3), (0.3, 0.05), (0.3, 0.0)):
+            extra = loose * rng.uniform(0.0, 1.0, chord.shape) * along.setting.scale
+            found = along.enclosed(middle, size * chord, extra)
+            for i in range(len(middle)):
+                tau = np.concatenate([[-1.0, 1.0], rng.uniform(-1, 1, 60)])[:, None]
+                sign = np.where(rng.random((62, 1)) < 0.5, rng.choice([-1.0, 1.0], (62, chord.shape[1])), 1.0)
+                error = changes(along, found, i, middle[i], size * chord[i] * tau + extra[i] * sign)
+                assert (error.max(axis=0) <= found.bound[i] * (1 + 1e-12)).all()
+                worst = max(worst, float((error.max(axis=0) / found.bound[i]).max()))
+                checked += 1
+    assert checked >= 12
+    assert worst > 0.9  # the short ones without looseness are all slope
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_slope_is_that_of_the_arm_entry_by_entry(name: str) -> None:
+    seen = 0
+    for along, middle, chord in cases(name, count=2):
+        found = along.enclosed(middle[:1], 1e-5 * chord[:1], np.zeros_like(chord[:1]))
+        plus, minus = (
+            region.change(along.robot, middle[0], along.setting, sign * 1e-5 * chord[0] / along.setting.scale,
+                          found.sigma[0], found.u[0], found.v[0])
+            for sign in (1, -1)
+        )  # fmt: skip
+        slope = np.abs(plus - minus) / 2
+        plain = slope > max(3e-2 * slope.max(), 1e-8)  # the others are as small as what curvature and rounding add
+        assert (slope[plain] <= found.bound[0][plain]).all()
+        assert (slope[plain] >= 0.97 * found.bound[0][plain]).all()
+        seen += int(plain.sum())
+    assert seen >= 3
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda", "random slides", "random screws", "almarkhi4", "mimics"])
+def test_the_curvature_is_that_of_the_arm_entry_by_entry(name: str) -> None:
+    seen, steps = 0, np.array([1.0, 2.0, 3.0]) * 1e-3
+    for along, middle, chord in cases(name, count=2):
+        q, way = np.tile(middle[:1], (3, 1)), steps[:, None] * chord[:1]
+        found = along.enclosed(q, way, np.zeros_like(way))
+        powers = steps[:, None] ** np.arange(1, 4)
+        terms = np.linalg.solve(powers, (found.bound - found.floor).reshape(3, -1)).reshape(found.bound.shape)
+        h = 2e-3
+        plus, minus = (
+            region.change(along.robot, middle[0], along.setting, sign * h * chord[0] / along.setting.scale,
+                          found.sigma[0], found.u[0], found.v[0])
+            for sign in (1, -1)
+        )  # fmt: skip
+        bend = np.abs(plus + minus) / (2 * h * h)
+        tolerance = 1e-3 * bend.max() + 1e-6
+        np.testing.assert_allclose(terms[1], bend, atol=tolerance)
+        seen += int((bend > 20 * tolerance).sum())
+    assert seen > 5
+
+
+def planar(first: float, last: float) -> Robot:
+    """Two parallel axes; the lines from the tip to them meet at a right angle, so that U₁ lies along the columns."""
+    height = np.sqrt(first**2 - last**2)
+    joints = [
+        Joint(name, JointKind.REVOLUTE, np.array([*np.cross(point, [0, 0, 1.0]), 0, 0, 1.0]))
+        for name, point in (("a", [0.0, height, 0.0]), ("b", [last, 0.0, 0.0]))
+    ]
+    return Robot("right angle", tuple(joints), task="position")
+
+
+def short_arm() -> tuple[Along, np.ndarray]:
+    robot = planar(1.0, 0.01)
+    (setting,) = settings_for(robot, resolve_task("position", robot))
+    return Along(robot, setting), np.zeros((1, 2))
+
+
+def test_the_remainder_of_third_order_is_nearly_reached() -> None:
+    along, q = short_arm()
+    h = 0.02
+    way = np.array([[0.0, h]])
+    found = along.enclosed(q, way, np.zeros_like(way))
+    error = region.change(along.robot, q[0], along.setting, np.stack([way[0], -way[0]]), found.sigma[0], found.u[0],
+                          found.v[0])  # fmt: skip
+    slope = region.change(along.robot, q[0], along.setting, np.array([[0, 1e-5], [0, -1e-5]]), found.sigma[0],
+                          found.u[0], found.v[0])  # fmt: skip
+    third = np.abs((error[0] - error[1]) / 2 - h * (slope[0] - slope[1]) / 2e-5)
+    rest = found.bound[0] - h * np.abs(slope[0] - slope[1]) / 2e-5 - np.abs(error[0] + error[1]) / 2
+    assert (third <= rest * (1 + 1e-4) + 1e-11).all()
+    assert (third / rest).max() > 0.9
+
+
+def test_what_lies_beside_the_chord_is_nearly_reached() -> None:
+    along, q = short_arm()
+    beside = np.array([[0.0, 1e-3]])
+    found = along.enclosed(q, np.zeros_like(beside), beside)
+    error = changes(along, found, 0, q[0], np.stack([beside[0], -beside[0]])).max(axis=0)
+    assert (error <= found.bound[0]).all()
+    assert (error / found.bound[0]).max() > 0.9
+
+
+def test_a_slide_beside_the_chord_is_nearly_reached() -> None:
+    z = np.array([0, 0, 0, 0, 0, 1.0])
+    joints = [
+        Joint("turn", JointKind.REVOLUTE, z),
+        Joint("slide", JointKind.PRISMATIC, np.array([1.0, 0, 0, 0, 0, 0])),
+        Joint("last", JointKind.REVOLUTE, z),
+    ]
+    robot = Robot("turn slide turn", tuple(joints), task="position")
+    (setting,) = settings_for(robot, resolve_task("position", robot))
+    along, q = Along(robot, setting), np.array([[0.0, 0.02, 0.3]])
+    beside = np.array([[0.0, 0.01, 0.0]])
+    found = along.enclosed(q, np.zeros_like(beside), beside)
+    error = changes(along, found, 0, q[0], np.stack([beside[0], -beside[0]])).max(axis=0)
+    assert (error <= found.bound[0]).all()
+    assert (error / found.bound[0]).max() > 0.9
+
+
+@pytest.mark.parametrize("degree", ["linear", "cubic", "quintic"])
+def test_a_curve_lies_where_its_chord_says(degree: str) -> None:
+    rng = np.random.default_rng(2)
+    q, v, a = rng.normal(size=(3, 5, 4))
+    made = curve(q, np.arange(5.0), v, a, degree)
+    control = halves(halves(made.control))
+    middle, chord, extra = straightened(control)
+    share = np.linspace(0, 1, 101)
+    ratios = []
+    for k in range(4):
+        points = made.at(np.full(101, k), share).reshape(101, 4)
+        for part in range(4):
+            piece = points[25 * part : 25 * part + 26]
+            tau = np.linspace(-1, 1, 26)[:, None]
+            off = np.abs(piece - middle[4 * k + part] - tau * chord[4 * k + part]).max(axis=0)
+            assert (off <= extra[4 * k + part] + 1e-13).all()
+            ratios.append(off / np.maximum(extra[4 * k + part], 1e-12))
+    if degree != "linear":
+        assert np.max(ratios) > 0.5
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5])
+def test_how_far_a_curve_leaves_its_chord_is_reached(degree: int) -> None:
+    """All control points but the ends equally far to one side."""
+    control = np.linspace([0.0, 1.0], [2.0, 3.0], degree + 1)[None]
+    control[:, 1:-1] += [0.3, -0.7]
+    middle, chord, extra = straightened(control)
+    share = np.linspace(0, 1, 101)
+    there = Curve(control, None).at(np.zeros(101, dtype=np.int64), share)
+    off = np.abs(there - middle - (2 * share - 1)[:, None] * chord).max(axis=0)
+    assert (off <= extra[0] * (1 + 1e-12)).all()
+    assert (off >= 0.999 * extra[0]).all()
+
+
+def test_the_curve_goes_through_samples_with_their_rates() -> None:
+    rng = np.random.default_rng(3)
+    q, v, a = rng.normal(size=(3, 4, 2))
+    t = np.array([0.0, 0.5, 2.0, 2.1])
+    for degree in ("cubic", "quintic"):
+        made = curve(q, t, v, a, degree)
+        for k in range(3):
+            for share, row in ((0.0, k), (1.0, k + 1)):
+                at = np.array([k]), np.array([share])
+                np.testing.assert_allclose(made.at(*at)[0], q[row], atol=1e-13)
+                np.testing.assert_allclose(made.slope(*at)[0] / (t[k + 1] - t[k]), v[row], atol=1e-12)
+    h = 1e-4
+    bend = (made.at(np.array([1] * 3), np.array([0.0, h, 2 * h])) * [[1], [-2], [1]]).sum(axis=0) / (h * 1.5) ** 2
+    np.testing.assert_allclose(bend, a[1], atol=2e-2)
+
+
+def test_the_matrix_test_is_that_of_an_m_matrix() -> None:
+    rng = np.random.default_rng(4)
+    sigma = rng.uniform(0.1, 1.0, (4000, 5))
+    bound = rng.uniform(0.0, 1.0, (4000, 5, 5)) * rng.uniform(0.0, 0.8, (4000, 1, 1)) * sigma[:, :, None]
+    radius = np.abs(np.linalg.eigvals(bound / sigma[:, :, None])).max(axis=1)
+    assert (regular(sigma, bound) == (radius < 1.0)).all()
+    assert 0.1 < (radius < 1.0).mean() < 0.95
+    bound[0, 0, 0] = np.nan
+    assert not regular(sigma[:1], bound[:1])[0]

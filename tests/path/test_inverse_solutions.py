@@ -1,0 +1,193 @@
+"""Solutions of a pose: none missed, each substituted back, self-motions told as such, and why there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.kinematics import pose
+from rankdrop.poses.branches import JOINTS, ORIENTATION, POSITION, inverse, matrix_of
+from rankdrop.poses.inverse import Aim, apart, rotation
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+GENERIC = {
+    "puma560": [0.1, 0.5, 0.3, 0.2, 0.9, 0.6],
+    "ur5e": [0.3, -1.2, 1.4, -1.0, 1.2, 0.4],
+    "irb120": [0.2, 0.3, -0.4, 0.5, 0.9, -0.3],
+    "crx10ia": [0.2, 0.9, 0.4, -0.6, 0.9, 0.0],
+    "stanford": [0.2, 0.9, 0.4, -0.6, 0.9, 0.3],
+    "scara": [0.3, 0.7, 0.1, 0.2],
+    "planar3r": [0.3, 0.7, 0.4],
+}
+
+
+@pytest.mark.by_hand_at("crx10ia", "stanford", "ur5e")
+@pytest.mark.slow_at("irb120")
+@pytest.mark.slow_at("puma560", "stanford", "ur5e", "crx10ia")
+@pytest.mark.parametrize("name", GENERIC)
+def test_dense_starts_find_nothing_that_was_missed(name: str) -> None:
+    robot = open_robot(name)
+    goal = pose(robot, GENERIC[name])
+    found = inverse(robot, goal)
+    solved = np.array([one.q for one in found.branches])
+    task = resolve_task(None, robot)
+    begin = np.random.default_rng(77).uniform(-np.pi, np.pi, (2000, robot.n))
+    for q in Aim(robot, task).reached(goal, begin):
+        assert np.abs(apart(robot, q, solved)).max(axis=1).min() < 1e-5
+    assert np.abs(apart(robot, np.array(GENERIC[name]), solved)).max(axis=1).min() < 1e-9
+    assert len(solved) <= 16
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", GENERIC)
+def test_each_solution_is_substituted_back(name: str) -> None:
+    robot = open_robot(name)
+    goal = pose(robot, GENERIC[name])
+    found = inverse(robot, goal, starts=300)
+    assert found.branches
+    for one in found.branches:
+        assert np.abs(pose(robot, one.q) - goal).max() <= 1e-9
+        beyond = {number for number, _ in one.beyond}
+        outside = np.flatnonzero((one.q > robot.upper + 1e-9) | (one.q < robot.lower - 1e-9)) + 1
+        assert beyond == set(outside.tolist())
+        for number, amount in one.beyond:
+            low, high, value = robot.lower[number - 1], robot.upper[number - 1], one.q[number - 1]
+            assert amount == pytest.approx(max(low - value, value - high), abs=1e-8)
+    assert found.residual <= 1e-9
+    assert found.inside == sum(not one.beyond for one in found.branches)
+
+
+@pytest.mark.by_hand
+def test_the_count_of_usual_arms() -> None:
+    assert len(inverse(open_robot("puma560"), pose(open_robot("puma560"), GENERIC["puma560"])).branches) == 8
+    assert len(inverse(open_robot("planar3r"), pose(open_robot("planar3r"), GENERIC["planar3r"])).branches) == 2
+    found = inverse(open_robot("ur5e"), [0.4, 0.2, 0.3, np.pi, 0.0, 0.5])
+    assert len(found.branches) == 8
+    assert found.most == 16
+    assert len({one.posture for one in found.branches}) == 8
+    assert "not proven to be all" in " ".join(str(found).split())
+    assert found.sentence.startswith("ur5e: 8 solutions; a 6R arm has at most 16.")
+
+
+@pytest.mark.by_hand
+def test_a_redundant_arm_has_curves() -> None:
+    robot = open_robot("iiwa14")
+    found = inverse(robot, [0.5, 0.1, 0.4, np.pi, 0.0, 0.3])
+    assert not found.branches
+    assert found.continua
+    assert len(found.continua) <= 16
+    for one in found.continua:
+        assert one.dimension == 1
+        assert not one.singular
+        np.testing.assert_allclose(pose(robot, one.q), found.pose, atol=1e-9)
+    assert "infinitely many solutions" in found.sentence
+    assert "self-motion curve" in found.sentence
+
+
+@pytest.mark.by_hand
+@pytest.mark.slow_at("ur5")
+@pytest.mark.parametrize(("name", "q", "joints"), [
+    ("puma560", [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], (4, 6)), ("ur5", [0.1, -1.0, 0.7, 0.3, 0.0, 0.2], (2, 3, 4, 6)),
+])  # fmt: skip
+def test_a_wrist_singularity_is_one_curve_beside_isolated_solutions(name: str, q: list[float], joints: tuple) -> None:
+    robot = open_robot(name)
+    found = inverse(robot, pose(robot, q), starts=600)
+    singular = [one for one in found.continua if one.singular]
+    assert 1 <= len(singular) == len(found.continua) <= 2
+    for one in singular:
+        assert one.dimension == 1
+        moving = np.flatnonzero(one.highest - one.lowest > 1e-3) + 1
+        assert tuple(moving) == joints
+    assert all(one.verdict != "singular" for one in found.branches)
+    assert "all of it singular" in found.sentence
+
+
+def test_an_isolated_singular_solution_is_one() -> None:
+    robot = open_robot("planar2r")
+    found = inverse(robot, pose(robot, [0.3, 0.0]))
+    assert [one.verdict for one in found.branches] == ["singular"]
+    np.testing.assert_allclose(found.branches[0].q, [0.3, 0.0], atol=1e-5)
+    assert not found.continua
+
+
+def test_sets_of_more_dimensions_are_not_counted_as_curves() -> None:
+    robot = open_robot("pa10")
+    found = inverse(robot, pose(robot, [0.0] * 7), starts=400)
+    assert [one.dimension for one in found.continua] == [3]
+    assert "dimension 3" in found.sentence
+
+
+@pytest.mark.slow
+def test_out_of_reach_says_by_how_much() -> None:
+    robot = open_robot("planar2r")  # reaches 1.7 or so in its plane
+    far = pose(robot, [0.4, 0.0])[:3, 3] * 1.25
+    found = inverse(robot, far)
+    assert found.unreached is not None
+    assert found.unreached.kind == POSITION
+    assert found.unreached.position == pytest.approx(float(np.linalg.norm(far)) / 5, abs=1e-6)
+    np.testing.assert_allclose(found.unreached.tip[:2, 3], far[:2] / 1.25, atol=1e-5)
+    assert "Out of reach by" in found.sentence
+    arm = open_robot("puma560")
+    found = inverse(arm, [2.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert found.unreached is not None
+    low = np.random.default_rng(1).uniform(-np.pi, np.pi, (20000, 6))
+    sampled = np.linalg.norm(pose(arm, low)[:, :3, 3] - [2.0, 0.0, 0.0], axis=1).min()
+    assert found.unreached.position <= sampled + 1e-9
+
+
+@pytest.mark.slow
+def test_too_few_joints_are_named_with_the_angle_and_the_distance() -> None:
+    robot = open_robot("px150")
+    found = inverse(robot, [0.2, 0.1, 0.2, 0.0, 0.0, 0.0], starts=300)
+    why = found.unreached
+    assert why is not None
+    assert why.kind == JOINTS
+    assert why.turn == pytest.approx(np.arctan2(0.1, 0.2), abs=1e-5)
+    assert why.shift == pytest.approx(0.1, abs=1e-5)
+    assert "yaw" in found.sentence
+    assert "5 joints" in found.sentence
+    reached = inverse(robot, [0.2, 0.1, 0.2, 0.0, 0.0, float(np.arctan2(0.1, 0.2))])
+    assert reached.branches
+    assert reached.unreached is None
+
+
+@pytest.mark.slow
+def test_an_orientation_out_of_reach_is_told_from_a_position() -> None:
+    robot = open_robot("ur5e")
+    edge = pose(robot, [0.2, -0.5, 0.05, -0.3, 0.7, 0.1])
+    edge[:3, :3] = edge[:3, :3] @ rotation(np.array([[0.0, np.pi / 2, 0.0]]))[0]
+    found = inverse(robot, edge, starts=300)
+    if found.unreached is not None:
+        assert found.unreached.kind == ORIENTATION
+        assert found.unreached.position <= 1e-6
+        assert found.unreached.turn is not None
+        np.testing.assert_allclose(found.unreached.turned[:3, 3], edge[:3, 3], atol=1e-4)
+    assert found.unreached is not None or found.branches
+
+
+def test_limits_are_named() -> None:
+    robot = open_robot("irb120")
+    q = np.array([3.1, 0.3, -0.4, 0.5, 0.9, -0.3])  # joint 1 ends at 165 degrees
+    found = inverse(robot, pose(robot, q))
+    mine = min(found.branches, key=lambda one: float(np.abs(apart(robot, q, one.q[None])).max()))
+    assert [number for number, _ in mine.beyond] == [1]
+    assert mine.beyond[0][1] == pytest.approx(3.1 - robot.upper[0], abs=1e-6)
+
+
+def test_poses_are_written_in_four_ways() -> None:
+    matrix = matrix_of([0.1, 0.2, 0.3, 0.4, -0.5, 0.6])
+    x, y, z = (np.eye(3)[i] for i in range(3))
+    by_axes = rotation(0.6 * z[None])[0] @ rotation(-0.5 * y[None])[0] @ rotation(0.4 * x[None])[0]
+    np.testing.assert_allclose(matrix[:3, :3], by_axes, atol=1e-12)
+    np.testing.assert_allclose(matrix_of(matrix), matrix, atol=1e-12)
+    turn = rotation(np.array([[0.3, -0.4, 0.5]]))[0]
+    angle = np.sqrt(0.5)
+    axis = np.array([0.3, -0.4, 0.5]) / angle
+    quaternion = [*(np.sin(angle / 2) * axis), np.cos(angle / 2)]
+    np.testing.assert_allclose(matrix_of([0.1, 0.2, 0.3, *quaternion])[:3, :3], turn, atol=1e-12)
+    np.testing.assert_allclose(matrix_of([0.1, 0.2, 0.3])[:3, 3], [0.1, 0.2, 0.3])
+    for wrong in ([1.0, 2.0], [0, 0, 0, 1, 1, 0, 0], [np.nan] * 6, np.zeros((4, 4))):
+        with pytest.raises(ConfigurationError):
+            matrix_of(wrong)

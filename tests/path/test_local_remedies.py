@@ -1,0 +1,316 @@
+"""Local remedies: bumps of the joints that keep the rest of a file, and detours of the tool around a crossing."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rankdrop
+from rankdrop.cli import main
+from rankdrop.kinematics import pose
+from rankdrop.local.block import singular_values
+from rankdrop.path.check.turns import far_turns
+from rankdrop.path.curve import curve
+from rankdrop.path.mend.bumps import step, tool_off
+from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.robot.model import Array
+from rankdrop.robot.open import open_robot
+
+MIDDLE = {"irb120": (0, -40, 20, 20, 30, 10), "ur5e": (0, -80, 90, -60, 30, 0), "puma560": (0, -40, 40, 20, 30, 10)}
+DEPTH, LASTS = 1.3, 0.65  # of the wrist [°], and how long it stays there [s]
+DIP = 4.3  # what five lines of NumPy need at joint 5 [°]
+
+
+def smooth(x: Array) -> Array:
+    """From 0 to 1 with two continuous derivatives."""
+    x = np.clip(x, 0.0, 1.0)
+    return np.asarray(x**3 * (10 - 15 * x + 6 * x * x))
+
+
+def dipping(name: str, rows: int, to: float = -DEPTH, dips: int = 1) -> tuple[Array, Array]:
+    """A program whose wrist goes to an angle [°] for 0.65 s and comes back, at times evenly spread."""
+    t = np.arange(rows) * 0.01
+    slow = np.sin(np.pi * t / t[-1])[:, None] ** 2 * np.array([10, 4, 4, 8, 4, 6])
+    degrees = np.array(MIDDLE[name], dtype=np.float64) + slow
+    for k in range(dips):
+        off = np.abs(t - t[-1] * (k + 0.5) / dips) - LASTS / 2
+        share = smooth(1.0 - off / 1.5)
+        degrees[:, 4] += share * (to - degrees[:, 4])
+    return np.radians(degrees), t
+
+
+def crossing(name: str, rows: int) -> tuple[Array, Array]:
+    """A program whose wrist goes from 30° to −25° and stays there."""
+    q, t = dipping(name, rows, to=30.0)
+    q[:, 4] -= np.radians(55.0) * smooth((t - t[-1] / 2) / 2.0 + 0.5)
+    return q, t
+
+
+@cache
+def mended(name: str, rows: int = 1000, dips: int = 1) -> tuple[Array, Mending]:
+    """The rows of a program, and its local remedies."""
+    q, t = dipping(name, rows, dips=dips)
+    return q, mend_path(rankdrop.check_path(open_robot(name), q, t), kinds=LOCAL)
+
+
+@cache
+def led_around(name: str) -> tuple[Array, Array, Remedy]:
+    """The rows and times of a program that crosses for good, and its detour."""
+    q, t = crossing(name, 1000)
+    best = mend_path(rankdrop.check_path(open_robot(name), q, t), kinds=LOCAL).best
+    assert best is not None
+    return q, t, best
+
+
+@pytest.mark.by_hand_at("irb120", "puma560")
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(MIDDLE))
+def test_a_wrist_that_dips_across_zero_is_lifted_and_the_rest_stays_to_the_last_bit(name: str) -> None:
+    q, found = mended(name)
+    assert len(found.before.crossings) == 2
+    best = found.best
+    assert best is not None
+    assert best.kind == "bump"
+    again = rankdrop.check_path(open_robot(name), best.trajectory.q, best.trajectory.times)
+    assert again.holds
+    (change,) = best.changes
+    rows = np.arange(1, len(q) + 1)
+    outside = (rows <= change.start.position) | (rows >= change.end.position)
+    np.testing.assert_array_equal(best.trajectory.q[outside], q[outside])
+    np.testing.assert_array_equal(best.trajectory.times, found.before.curve.times)
+    assert 0 < (~outside).sum() < 250
+    assert np.degrees(np.abs(best.trajectory.q - q)[:, 4].max()) <= DIP
+    off = tool_off(open_robot(name), q, best.trajectory.q)
+    np.testing.assert_allclose(off, best.off, rtol=2e-2)
+    assert np.degrees(off[1]) < DEPTH + 0.2 + 0.05  # joint 5 alone turns the tool by that
+
+
+def test_a_bump_has_two_continuous_derivatives() -> None:
+    share = np.linspace(-0.2, 1.2, 1401)
+    value, slope, bend = step(share)
+    np.testing.assert_allclose(np.gradient(value, share), slope, atol=1e-4)
+    np.testing.assert_allclose(np.gradient(slope, share)[5:-5], bend[5:-5], atol=0.1)
+    assert np.abs(np.diff(bend)).max() < 0.02 * np.abs(bend).max()
+    q, found = mended("irb120")
+    assert found.best is not None
+    moved = (found.best.trajectory.q - q)[:, 4]
+    second = np.gradient(np.gradient(moved, 0.01), 0.01)
+    assert np.abs(np.diff(second)).max() < 0.4 * np.abs(second).max()  # at a jump: as large as the values themselves
+
+
+@pytest.mark.slow
+def test_five_dips_are_mended_together() -> None:
+    q, found = mended("irb120", rows=5000, dips=5)
+    assert len(found.before.crossings) == 10
+    best = found.best
+    assert best is not None
+    assert len(best.changes) == 5
+    assert best.check.holds
+    moved = (best.trajectory.q != q).any(axis=1)
+    assert len(np.flatnonzero(np.diff(moved.astype(int)) == 1)) == 5
+    assert moved.mean() < 0.25
+
+
+@pytest.mark.slow
+def test_fifty_thousand_rows_are_mended() -> None:
+    q, found = mended("irb120", rows=50_000, dips=5)
+    assert found.best is not None
+    assert found.best.check.holds
+    assert (found.best.trajectory.q != q).any(axis=1).mean() < 0.03
+
+
+@pytest.mark.slow
+def test_a_wrist_that_comes_too_near_is_kept_away_by_what_is_asked_for() -> None:
+    q, t = dipping("ur5e", 1000, to=DEPTH)
+    found = rankdrop.check_path(open_robot("ur5e"), q, t, min_distance=np.radians(2.0))
+    assert found.verdict == "too near"
+    best = mend_path(found, kinds=LOCAL).best
+    assert best is not None
+    assert (best.kind, best.check.margin) == ("bump", "kept")
+    assert np.degrees(np.abs(best.trajectory.q - q).max()) < 2.0
+
+
+@pytest.mark.slow
+def test_limits_that_are_known_are_kept_by_longer_ramps() -> None:
+    robot = open_robot("irb120")
+    q, t = dipping("irb120", 1000)
+    found = rankdrop.check_path(robot, q, t)
+    speed = np.diff(q, axis=0) / 0.01
+    own = np.abs(np.diff(speed, axis=0) / 0.01).max()
+    quick, gentle = (mend_path(found, kinds=("bump",), acceleration=limit).best for limit in (None, 1.02 * own))
+    assert quick is not None
+    assert gentle is not None
+    bend = np.abs(np.diff(np.diff(gentle.trajectory.q, axis=0), axis=0)).max() / 1e-4
+    assert bend <= 1.02 * own * (1 + 1e-6)
+    assert not gentle.retimed
+    widths = [one.changes[0].end.position - one.changes[0].start.position for one in (quick, gentle)]
+    assert widths[1] >= widths[0]
+
+
+@pytest.mark.slow
+def test_the_bound_that_would_do_is_named_and_does() -> None:
+    q, t = dipping("ur5e", 1000)
+    found = rankdrop.check_path(open_robot("ur5e"), q, t)
+    tight = mend_path(found, kinds=("bump",), bump=np.radians(0.5))
+    assert tight.best is None
+    (note,) = tight.notes
+    assert "no joint motion within bump=0.00873 avoids it; bump=" in note
+    needed = float(note.split("; bump=")[1].split()[0])
+    assert np.radians(DEPTH) < needed < np.radians(DEPTH + 0.5)
+    assert mend_path(found, kinds=("bump",), bump=needed).best is not None
+
+
+def test_a_spare_joint_leaves_the_tool_where_it_is() -> None:
+    robot, t = open_robot("iiwa7"), np.arange(600) * 0.01
+    degrees = np.array([0.0, 30, 20, 60, 20, 40, 0]) + np.sin(t / 3)[:, None] * np.array([8, 6, 8, 0, 6, 4, 5])
+    degrees[:, 3] = 30.0
+    degrees[:, 3] -= (30.0 + 0.8) * smooth(1.5 - np.abs(t - 3.0))
+    q = np.radians(degrees)
+    found = rankdrop.check_path(robot, q, t)
+    assert len(found.crossings) == 2
+    best = mend_path(found, kinds=LOCAL).best
+    assert best is not None
+    assert best.check.holds
+    away, turned = tool_off(robot, q, best.trajectory.q)
+    assert away < 1e-3
+    assert np.degrees(turned) < 0.1
+    assert np.degrees(np.abs(best.trajectory.q - q).max()) > 0.8
+
+
+def test_a_path_that_stays_on_the_other_side_has_no_bump_and_says_why() -> None:
+    q, t = crossing("irb120", 1000)
+    found = mend_path(rankdrop.check_path(open_robot("irb120"), q, t), kinds=("bump",))
+    assert found.remedies == ()
+    assert "which every joint path there crosses" in found.notes[0]
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("name", ["irb120", "ur5e"])
+def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None:
+    robot = open_robot(name)
+    q, _, best = led_around(name)
+    assert best.kind == "detour"
+    assert best.check.holds  # in a new time law
+    (change,) = best.changes
+    first, last = int(np.floor(change.start.position)), int(np.ceil(change.end.position))
+    np.testing.assert_array_equal(best.trajectory.q[:first], q[:first])
+    rest = len(q) - last
+    np.testing.assert_allclose(pose(robot, best.trajectory.q[-rest:]), pose(robot, q[last:]), atol=1e-9)
+    assert np.degrees(np.abs(change.at_end).max()) > 90.0
+    sigma = singular_values(robot, best.trajectory.q, best.check.task)[:, -1]
+    assert sigma.min() > 1e-4
+    assert best.off[0] < 0.01
+    assert np.degrees(best.off[1]) < 2.0
+    dense = pose(robot, q)[:, :3, 3]
+    new = pose(robot, best.trajectory.q[::7])[:, :3, 3]
+    assert max(np.linalg.norm(dense - point, axis=1).min() for point in new) < best.off[0] + 2e-3
+
+
+def test_a_detour_of_two_rows_keeps_the_tool_between_them() -> None:
+    """Rows are put in after the window: straight from its end to the last row the tool would leave its path far."""
+    robot = open_robot("planar3r")
+    q = np.array([[0.3, 0.4, 0.1], [1.5, -1.4, 0.3]])
+    best = mend_path(rankdrop.check_path(robot, q), kinds=("detour",)).best
+    assert best is not None
+    assert best.check.clear
+    assert best.off[0] < 1e-3
+    old = pose(robot, np.linspace(q[0], q[1], 20_001))[:, :2, 3]
+    new = pose(robot, (best.trajectory.q[1:] + best.trajectory.q[:-1]) / 2)[:, :2, 3]
+    assert max(np.linalg.norm(old - point, axis=1).min() for point in new) < best.off[0] + 1e-4
+    np.testing.assert_allclose(pose(robot, best.trajectory.q[-1]), pose(robot, q[-1]), atol=1e-9)
+    assert np.abs(np.sin(best.trajectory.q[:, 1])).min() > 1e-3
+
+
+@pytest.mark.slow
+def test_a_detour_says_which_joint_turns_how_far() -> None:
+    _, _, best = led_around("irb120")
+    turned = {turn.joint: np.degrees(abs(turn.angle)) for turn in best.turns}
+    assert turned[4] == pytest.approx(180.0, abs=5.0)
+    assert "joint 4 turns 1" in str(mend_text(best))
+
+
+def mend_text(best: Remedy) -> str:
+    """The remedy as it is printed."""
+    return str(Mending(best.check, (best,), (), True, True))
+
+
+def test_turns_are_found_where_they_are() -> None:
+    t = np.arange(500) * 0.01
+    q = np.zeros((500, 6))
+    q[:, 3] = np.radians(173.0) * smooth((t - 1.2) / 0.6)
+    q[:, 0] = np.radians(80.0) * t / t[-1]  # slow: no turn of its own
+    (turn,) = far_turns(open_robot("irb120"), curve(q, t))
+    assert (turn.joint, round(float(np.degrees(turn.angle)))) == (4, 171)
+    assert turn.start.time == pytest.approx(1.2, abs=0.1)
+    assert turn.end.time == pytest.approx(1.8, abs=0.1)
+
+
+def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
+    robot = open_robot("planar2r")
+    q = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5]])
+    best = mend_path(rankdrop.check_path(robot, q), kinds=LOCAL).best
+    assert best is not None
+    assert best.kind == "bump"
+    np.testing.assert_array_equal(best.trajectory.q[[0, -1]], q[[0, -1]])
+    assert np.abs(np.sin(best.trajectory.q[:, 1])).min() > 1e-3
+
+
+@pytest.mark.by_hand_at("cubic")
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["cubic", "quintic"])
+def test_smooth_paths_get_smooth_bumps(how: str) -> None:
+    q, t = dipping("irb120", 1000)
+    v = np.gradient(q, t, axis=0)
+    a = np.gradient(v, t, axis=0)
+    found = rankdrop.check_path(open_robot("irb120"), q, t, velocities=v, accelerations=a, interpolate=how)
+    best = mend_path(found, kinds=LOCAL).best
+    assert best is not None
+    assert best.check.holds
+    made = best.trajectory
+    assert made.velocities is not None
+    np.testing.assert_allclose(made.velocities, np.gradient(made.q, made.times, axis=0), atol=2e-3)
+    assert (made.accelerations is None) == (how == "cubic")
+
+
+@pytest.mark.by_hand
+def test_remedies_come_in_the_order_of_how_far_the_tool_leaves_its_path() -> None:
+    q, t = dipping("ur5e", 300)
+    found = mend_path(rankdrop.check_path(open_robot("ur5e"), q, t), kinds=("bump", "tool tilt"), tool_tilt=0.2)
+    assert found.remedies
+    ranks = [one.rank for one in found.remedies]
+    assert ranks == sorted(ranks)
+    assert found.best is found.remedies[0]
+
+
+@pytest.mark.slow
+def test_the_command_names_the_best_remedy_and_the_option_writes_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    q, _ = mended("irb120")
+    file, out = tmp_path / "program.npy", tmp_path / "mended.npz"
+    np.save(file, np.column_stack([np.arange(len(q)) * 0.01, q]))
+    assert main.run(["path", "irb120", str(file), "--quiet"]) == 3
+    said = capsys.readouterr().out
+    assert "Remedy: joint 5 by 1.5°" in said
+    assert "--remedy bump --fixed FILE writes it" in said
+    assert main.run(["path", "irb120", str(file), "--quiet", "--remedy", "bump", "--fixed", str(out)]) == 3
+    assert main.run(["path", "irb120", str(out), "--quiet"]) == 0
+    made = read_trajectory(out, open_robot("irb120")).q
+    assert (made == q).all(axis=1).mean() > 0.5
+
+
+def test_without_a_remedy_the_command_names_the_bound(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    file = tmp_path / "program.npy"
+    np.save(file, mended("irb120")[0])
+    assert main.run(["path", "irb120", str(file), "--quiet", "--bump", "0.5deg", "--detour", "0"]) == 3
+    said = capsys.readouterr().out
+    assert "No local remedy. Bump: " in said
+    assert "--bump 0.5deg avoids it; --bump 1.6deg does" in said

@@ -1,0 +1,200 @@
+"""Lines of the tool exactly through singularities: the branch goes on, folds back, or needs an internal turn first.
+
+The judge of the first test is a continuation by fixed steps of arc length in NumPy, with difference quotients.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.kinematics import pose, task_jacobian
+from rankdrop.local.orientation import rotation_vector
+from rankdrop.path import mend_path
+from rankdrop.path.check.check import PathQuestion, check_file, check_poses
+from rankdrop.path.check.follow import follow
+from rankdrop.poses.inverse import rotation, solutions
+from rankdrop.questions import PathOptions
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+SAMPLE = """name = "sample-manipulator"
+[home]
+xyz = [0, 0, 2]
+"""  # the arm of pinocchio's buildSampleModelManipulator, pinocchio issue 1006
+SAMPLE += "".join(
+    f"[[joints]]\naxis = {axis}\npoint = [0, 0, {z}]\n"
+    for axis, z in (("[1, 0, 0]", 0), ("[0, 1, 0]", 0), ("[0, 0, 1]", 0), ("[0, 1, 0]", 1), ("[1, 0, 0]", 2),
+                    ("[0, 1, 0]", 2))
+)  # fmt: skip
+
+
+def at(home: np.ndarray, along: np.ndarray, s: float) -> np.ndarray:
+    """The pose a way s along a screw-free line: straight, with a constant turn."""
+    made = home.copy()
+    made[:3, 3] += s * along[:3]
+    made[:3, :3] = rotation(s * along[None, 3:])[0] @ home[:3, :3]
+    return made
+
+
+def line(robot, q, along, *places: float) -> np.ndarray:
+    home = pose(robot, np.array(q, dtype=float)[None])[0]
+    return np.array([at(home, np.array(along, dtype=float), s) for s in places])
+
+
+def continued(robot, home, along, q, start: float, end: float, step: float = 1e-2):
+    """("goes on" or "folds back", y) of y = (q, s) by steps of arc length from `start`, until s passes an end."""
+    shifts = 1e-6 * np.eye(7)
+
+    def missing(ys):
+        now = pose(robot, ys[:, :-1])
+        goals = np.array([at(home, along, s) for s in ys[:, -1]])
+        return np.hstack([now[:, :3, 3] - goals[:, :3, 3],
+                          rotation_vector(now[:, :3, :3] @ goals[:, :3, :3].swapaxes(1, 2))])  # fmt: skip
+
+    def slope(y):
+        ends = missing(np.concatenate([y + shifts, y - shifts]))
+        return ((ends[:7] - ends[7:]) / 2e-6).T
+
+    y = np.append(q, start)
+    way = np.linalg.svd(slope(y))[2][-1]
+    way = way * np.sign(way[-1])
+    for _ in range(20_000):
+        guess = y + step * way
+        new = guess
+        for _ in range(8):
+            off = np.append(missing(new[None])[0], way @ (new - guess))
+            if np.linalg.norm(off) < 1e-11:
+                break
+            new = new - np.linalg.solve(np.vstack([slope(new), way]), off)
+        assert np.linalg.norm(new - guess) < 0.3 * step
+        way = (new - y) / np.linalg.norm(new - y)
+        y = new
+        if not start <= y[-1] <= end:
+            return ("goes on" if y[-1] > end else "folds back"), y[:-1]
+    raise AssertionError("no end")
+
+
+def singular_near(robot, q, joint: int) -> np.ndarray:
+    """q with one joint turned to the first zero of det J."""
+    task = resolve_task(None, robot)
+
+    def det(x):
+        return np.linalg.det(task_jacobian(robot, np.concatenate([q[:joint], [x], q[joint + 1:]]), task))
+
+    grid = np.linspace(q[joint], q[joint] + np.pi, 200)
+    values = np.array([det(x) for x in grid])
+    k = int(np.flatnonzero(values[:-1] * values[1:] <= 0.0)[0])
+    low, high = grid[k], grid[k + 1]
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if det(low) * det(middle) > 0.0 else (low, middle)
+    return np.concatenate([q[:joint], [low], q[joint + 1:]])
+
+
+@pytest.mark.by_hand
+@pytest.mark.by_hand_at("irb120", "lrmate200id")
+@pytest.mark.parametrize("name", ["irb120", "lrmate200id", "ur5e", "puma560"])
+def test_lines_through_singularities_go_on_or_fold_back_as_a_continuation_does(name: str) -> None:
+    robot, rng = open_robot(name), np.random.default_rng(3)
+    task = resolve_task(None, robot)
+    kinds: Counter[str] = Counter()
+    for joint in (4, 2, 1):  # wrist, elbow, shoulder
+        q = singular_near(robot, rng.uniform(-1.2, 1.2, 6), joint)
+        home = pose(robot, q[None])[0]
+        along = rng.normal(size=6) * np.array([1, 1, 1, 0.5, 0.5, 0.5])
+        along /= np.linalg.norm(along)
+        for way in (along, -along):
+            ends = np.array([at(home, way, s) for s in (-0.04, 0.04)])
+            for start in solutions(robot, task, ends[0], starts=60, seed=0)[:2]:
+                kind, last = continued(robot, home, way, start, -0.04, 0.04)
+                found = follow(robot, ends, start, limits=False, tolerance=(1e-4, 1e-3), through=True)
+                kinds[kind] += 1
+                assert found.complete == (kind == "goes on"), (joint, way)
+                assert found.folds == (kind == "folds back"), (joint, way)
+                kinds["through"] += bool(found.passed)
+                if found.complete:
+                    apart = np.abs(np.remainder(last - found.q[-1] + np.pi, 2 * np.pi) - np.pi)
+                    assert apart.max() < 0.05
+    assert kinds["goes on"]
+    assert kinds["through"]
+
+
+@pytest.mark.by_hand_at("2", "3", "4")
+@pytest.mark.slow
+@pytest.mark.parametrize("rows", [2, 3, 4, 400])
+def test_a_wrist_turned_for_the_line_passes_at_any_speed(rows: int) -> None:
+    robot = open_robot("lrmate200id")
+    poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], *np.linspace(-0.1, 0.1, rows))
+    check = check_poses(robot, poses, np.linspace(0.0, 1.0, rows), start=np.radians([-14, 2, -2, 90, 14, -90]))
+    assert check.verdict == "crossing"
+    assert check.tool.complete
+    (passed,) = check.tool.passed
+    assert passed.place == pytest.approx((rows + 1) / 2, abs=1e-4 * rows)
+    assert not passed.rest
+    assert check.curve.speeds.max() < 0.53  # 2.6 rad/m at 0.2 m/s
+    assert check.tool.off <= 1e-4
+    assert not check.violations
+    assert "goes on through it, at any speed" in check.sentence
+
+
+@pytest.mark.slow
+def test_a_start_at_the_singularity_says_which_turn_comes_first() -> None:
+    robot = open_robot("lrmate200id")
+    poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.1)
+    check = check_poses(robot, poses, start=np.zeros(6))
+    assert not check.holds
+    assert check.sentence.startswith("Cannot be followed beyond pose 1 of 2 without an internal turn")
+    turn = check.tool.turn
+    assert check.tool.reason == "turn"
+    np.testing.assert_allclose(np.abs(np.degrees(turn.to)), [0, 0, 0, 90, 0, 90], atol=1e-6)
+    np.testing.assert_allclose(pose(robot, turn.to[None]), poses[:1], atol=1e-11)
+    assert turn.rest_complete
+    assert check_poses(robot, poses, start=turn.to).tool.complete
+    assert "turn joint 4 from 0° to" in check.sentence
+    assert "after it the path can be followed to its end" in check.sentence
+    notes = " ".join(mend_path(check).notes)
+    assert "along the whole path" in notes or "null-space" not in notes
+
+
+@pytest.mark.slow
+def test_a_corner_at_a_singular_waypoint_needs_the_turn_there() -> None:
+    robot = open_robot("lrmate200id")
+    ahead = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], -0.1, 0.0)
+    side = line(robot, np.zeros(6), [0, 0, -1, 0, 0, 0], 0.1)
+    start = np.radians([-14, 2, -2, 90, 14, -90])
+    check = check_poses(robot, np.concatenate([ahead, side]), start=np.array(
+        follow(robot, line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], -0.1), start).q[0]))  # fmt: skip
+    assert check.tool.reason == "turn"
+    assert check.tool.turn.place == 2.0
+    assert check.tool.reached == pytest.approx(2.0)
+    assert check.tool.turn.rest_complete
+    assert abs(np.degrees(check.tool.turn.to - check.tool.turn.q)[3]) == pytest.approx(90.0, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_start_that_is_not_asked_for_is_turned_already() -> None:
+    robot = open_robot("lrmate200id")
+    check = check_poses(robot, line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.1))
+    assert check.tool.complete
+
+
+@pytest.mark.slow
+def test_a_path_from_the_edge_of_reach_inwards_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_text(SAMPLE)
+    (tmp_path / "in.csv").write_text("x,y,z,roll,pitch,yaw\n0,0,2,0,0,0\n0.5,0,1.5,0,0,0\n")
+    robot = open_robot(tmp_path / "arm.toml")
+    check = check_file(robot, tmp_path / "in.csv", PathQuestion(None, None, PathOptions()))
+    assert check.tool.complete
+    assert [one.rest for one in check.tool.passed] == [True]
+    assert check.sentence == "The path leaves the singularity at its start, from rest."
+    assert not check.holds
+    assert not check.clear
+    (tmp_path / "out.csv").write_text("x,y,z,roll,pitch,yaw\n0.5,0,1.5,0,0,0\n-0.1,0,2.1,0,0,0\n")
+    out = check_file(robot, tmp_path / "out.csv", PathQuestion(None, None, PathOptions()))
+    assert not out.tool.complete
+    assert out.tool.folds
+    assert "folds back" in out.sentence

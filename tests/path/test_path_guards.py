@@ -1,0 +1,125 @@
+"""Guards of a path's proof, each with a case planted for it: without the guard the case ends in a false claim."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rankdrop.cover.setting import enclose, settings_for
+from rankdrop.families.equation import Equation, Term
+from rankdrop.families.record import Check
+from rankdrop.path.check import survey as module
+from rankdrop.path.check.certificate import ball
+from rankdrop.path.check.check import check_path
+from rankdrop.path.check.prove import ROUNDED, Along, Proof, free_boxes, join_neighbours
+from rankdrop.path.check.survey import crossings, signs, signs_at
+from rankdrop.path.curve import Curve, curve
+from rankdrop.results.known import known_analysis
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.tolerances import DEFAULT
+
+pytestmark = pytest.mark.shipped
+
+
+def test_the_sign_of_a_family_that_failed_its_test_proves_no_crossing() -> None:
+    """The Panda only touches its singular set; the sign of a plane of θ1, called a family, changes at that place."""
+    robot = open_robot("panda")
+    task = resolve_task(None, robot)
+    family = next(one for one in known_analysis(robot, task).families if one.corank == 1)
+    touched = np.array(family.witness)
+    plane = Equation((
+        Term(float(np.cos(touched[0])), "sin", (1, 0, 0, 0, 0, 0, 0), (0,) * 7),
+        Term(-float(np.sin(touched[0])), "cos", (1, 0, 0, 0, 0, 0, 0), (0,) * 7),
+    ))  # fmt: skip
+    planted = replace(family, dimension=6, equations=(plane,))
+    failed = replace(planted, soundness=Check(400, 399))
+    assert planted.soundness.holds
+    assert not failed.soundness.holds
+    path = curve(np.stack([touched - 0.01, touched + 0.01]), None)
+    sliver = ((0, 0.5 - 1e-7), (0, 0.5 + 1e-7), True)
+    kinds = [one.verdict for one in crossings(robot, task, path, [sliver], [failed], DEFAULT)]
+    assert kinds == ["touching"]
+    assert signs(robot, task, [failed]) == {}
+    assert list(signs(robot, task, [planted])) == [plane.text()]  # which a sound one would prove
+
+
+def test_a_condition_fitted_on_the_spot_that_fails_its_test_proves_no_crossing(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = open_robot("pa10")
+    task = resolve_task(None, robot)
+    elbow = [np.array([0.3, 0.4, 0.2, 0.0, 0.5, 0.7, 0.1])]
+    tested = signs_at(robot, task, elbow, DEFAULT)
+    assert len(tested) == 1
+    sound, whole = module.soundness, []
+
+    def failing(*arguments: object, **options: object) -> object:
+        check, rest = sound(*arguments, **options)
+        whole.append(check)
+        return Check(400, 399), rest
+
+    monkeypatch.setattr(module, "soundness", failing)
+    assert signs_at(robot, task, elbow, DEFAULT) == {}
+    assert whole[0].holds
+
+
+@pytest.mark.slow
+def test_what_is_left_of_an_unfinished_sliver_is_undecided_and_no_part_of_its_crossing() -> None:
+    robot = open_robot("puma560")
+    task = resolve_task(None, robot)
+    path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
+    parts = crossings(robot, task, path, [((0, 0.2), (0, 0.8), False)], (), DEFAULT)
+    assert [one.verdict for one in parts] == ["undecided", "crossing", "undecided"]
+    assert path.spot(parts[0].start) == (0, 0.2)
+    assert path.spot(parts[2].end) == (0, 0.8)
+    assert parts[1].end.share - parts[1].start.share < 1e-8
+    check = check_path(robot, path.control[0], evaluations=1)
+    assert sum(one.verdict == "undecided" for one in check.stretches) == 2
+    assert check.undecided_share > 0.99
+
+
+def test_an_unfinished_sliver_is_not_joined_to_a_finished_one_beside_it() -> None:
+    pieces = [(0, 0.0, 0.5, True), (0, 0.5, 1.0, False), (1, 0.0, 0.25, False), (1, 0.25, 0.5, True)]
+    joined = join_neighbours(pieces)
+    assert joined == [((0, 0.0), (0, 0.5), True), ((0, 0.5), (1, 0.25), False), ((1, 0.25), (1, 0.5), True)]
+    apart = join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
+    assert apart == [((0, 0.5), (0, 1.0), True), ((2, 0.0), (2, 0.5), True)]
+
+
+FAR = 1e5 * np.pi
+"""A joint value with digits to 6e-11: halving a curve there leaves errors, which an enclosure allows for."""
+
+
+def wrist_far_away(off: float) -> np.ndarray:
+    return np.array([0.1, -1.2, 1.0, 0.5, FAR + off, 0.2])
+
+
+def test_enclosures_of_curves_and_boxes_allow_for_the_rounding_of_large_joint_values() -> None:
+    """A piece of length 0 stands 9.5e-9 beside the wrist's singularity at θ5 = 1e5 π: the point alone would be free."""
+    robot = open_robot("puma560")
+    task = resolve_task(None, robot)
+    setting = settings_for(robot, task)[0]
+    beside, nothing = wrist_far_away(9.5e-9)[None], np.zeros((1, 6))
+    assert enclose(robot, setting, beside, nothing)[0][0]
+    assert not Along(robot, setting).enclosed(beside, nothing, nothing).free[0]
+    work = Proof(setting, 10, 1, None)
+    assert not free_boxes(robot, beside, beside, work)[0]
+    clear = wrist_far_away(1e-5)[None]
+    assert Along(robot, setting).enclosed(clear, nothing, nothing).free[0]
+    assert free_boxes(robot, clear, clear, work)[0]
+    _, rho = ball(beside, beside, setting)
+    assert rho[0] >= ROUNDED * FAR
+
+
+def test_a_curve_bent_within_its_piece_is_enclosed_with_its_bend() -> None:
+    """θ5 = 0.01 (1 − (2 s − 1)²) − 0.0099 crosses zero twice; its chord stays 0.0099 below it."""
+    robot = open_robot("puma560")
+    low = np.array([0.1, -1.2, 1.0, 0.5, -0.0099, 0.2])
+    control = np.repeat(low[None], 4, axis=0)
+    control[1:3, 4] += 0.04 / 3  # a cubic's control points of 0.04 s (1 − s)
+    path = Curve(control[None], None)
+    assert path.at(np.array([0]), np.array([0.5]))[0, 4] == pytest.approx(1e-4)
+    speeds = 3 * np.diff(control, axis=0)[[0, -1]]
+    check = check_path(robot, control[[0, -1]], [0.0, 1.0], velocities=speeds, interpolate="cubic")
+    assert [one.verdict for one in check.crossings] == ["crossing", "crossing"]

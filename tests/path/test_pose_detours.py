@@ -1,0 +1,128 @@
+"""Tool poses that lead through a singularity, or out of reach beside it: the tool led around it.
+
+Checked by forward kinematics of the mended rows, σ along it, and the poses outside the windows.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation, Slerp
+
+from rankdrop.kinematics import pose
+from rankdrop.local.block import singular_values
+from rankdrop.path.check.check import check_poses
+from rankdrop.path.check.record import PathCheck
+from rankdrop.path.mend.detours import Hindrance
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
+from rankdrop.path.mend.remedies import LOCAL, mend_path
+from rankdrop.robot.model import Array
+from rankdrop.robot.open import open_robot
+from rankdrop.text.paths import remedy_note, short
+
+STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0)}
+JOINT = {"kr6r900": 4, "pa10": 3}
+CLEARANCE = float(np.radians(0.2))
+
+
+@cache
+def checked(name: str) -> tuple[Array, Array, PathCheck]:
+    """120 poses within 2.4 s, of a joint path whose wrist, or elbow, goes from one side to the other; with the elbow
+    the poses are 1 mm out of reach in the middle.
+    """
+    arm, t = open_robot(name), np.linspace(0.0, 2.4, 120)
+    share = t / t[-1]
+    q = np.radians(np.array(STARTS[name], dtype=np.float64) + share[:, None] * np.linspace(2, 5, arm.n))
+    q[:, JOINT[name]] = np.radians(STARTS[name][JOINT[name]]) * np.cos(np.pi * share)
+    poses = pose(arm, q)
+    if name == "pa10":
+        out = poses[60, :3, 3] - np.array([0.0, 0.0, 0.3])
+        poses[:, :3, 3] += 1e-3 * np.exp(-(((t - 1.2) / 0.1) ** 2))[:, None] * out / np.linalg.norm(out)
+    return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
+
+
+@pytest.mark.parametrize("name", [pytest.param("kr6r900", marks=pytest.mark.slow),
+                                  pytest.param("pa10", marks=pytest.mark.slow)])  # fmt: skip
+def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
+    """Held against the poses, interpolated by SciPy: they are reached outside the window, and left inside by no more
+    than is told; σ stays above what the clearance leaves.
+    """
+    poses, t, check = checked(name)
+    assert not check.clear
+    work = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
+    windows = work.found(lambda done, count: None)
+    assert not isinstance(windows, Blocked)
+    (window,) = windows
+    made = work.trajectory()
+    now = pose(check.robot, made.q)
+    where = np.stack([np.interp(made.times, t, column) for column in poses[:, :3, 3].T], axis=1)
+    turn = Slerp(t, Rotation.from_matrix(poses[:, :3, :3]))(made.times)
+    away = np.linalg.norm(now[:, :3, 3] - where, axis=1)
+    turned = (Rotation.from_matrix(now[:, :3, :3]) * turn.inv()).magnitude()
+    row = made.times / (t[1] - t[0])
+    outside = (row < window.low - 1e-9) | (row > window.high + 1e-9)
+    assert outside.sum() > 20
+    assert away[outside].max() < 1e-9
+    assert turned[outside].max() < 1e-9
+    assert 1e-6 < away.max() < 1.01 * window.off[0] < 0.02
+    assert turned.max() < 1.01 * window.off[1] < np.radians(2.0)
+    assert (made.times[0], made.times[-1]) == (t[0], t[-1])
+    assert singular_values(check.robot, made.q, check.task)[:, 5].min() > 1e-4
+    assert np.abs(np.diff(made.q, axis=0)).max() < 0.3
+    best = mend_path(check, kinds=LOCAL).best
+    assert best is not None
+    assert (best.kind, best.check.verdict, len(best.changes)) == ("detour", "free", 1)
+
+
+@pytest.mark.slow
+def test_where_no_window_does_the_bound_is_named() -> None:
+    """With a bound that is too small: the one that would do."""
+    _, _, check = checked("pa10")
+    found = PoseDetourer(check, 2e-4, CLEARANCE).found(lambda done, count: None)
+    assert isinstance(found, Blocked)
+    assert found.hindrance == Hindrance.TOOL
+    assert 2e-4 < found.needed < np.radians(2.0)
+    assert abs(found.place - 60) < 10
+
+
+@cache
+def planar() -> tuple[Array, Array, PathCheck]:
+    """Poses 0.3 mm beyond the reach of the first two of three links in the middle."""
+    arm, t = open_robot("planar3r"), np.linspace(0.0, 2.4, 60)
+    q = np.stack([0.2 + 0.1 * t, 0.5 * np.cos(np.pi * t / 2.4), 0.4 + 0.1 * t], axis=1)
+    poses = pose(arm, q)
+    out = poses[30, :3, 3] / np.linalg.norm(poses[30, :3, 3])
+    poses[:, :3, 3] += 3e-4 * np.exp(-(((t - 1.2) / 0.1) ** 2))[:, None] * out
+    return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
+
+
+def test_a_file_that_is_not_followed_to_its_end_is_not_mended_by_other_kinds() -> None:
+    """They would mend the part up to there, and write a file cut short."""
+    _, _, check = planar()
+    assert check.tool is not None
+    assert not check.tool.complete
+    found = mend_path(check, kinds=("null-space", "flip", "bump", "retime"))
+    assert found.remedies == ()
+    reached = short(check.tool.reached)
+    assert found.notes == (f"other kinds: not tried, the poses are followed up to pose {reached} only",)
+    assert remedy_note("range", (2, float(np.radians(13.0)), check.robot)) == (
+        "joint limits: with 13° more range of joint 2 the poses are followed to the end")  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_planar_arm_stays_inside_its_reach() -> None:
+    """Led inside, by as much as the poses are beyond it at least."""
+    poses, t, check = planar()
+    (one,) = mend_path(check, kinds=("detour",)).remedies
+    assert (one.kind, one.check.verdict) == ("detour", "free")
+    assert 2e-4 < one.deviation[0] < 2e-3
+    (change,) = one.changes
+    now = pose(check.robot, one.trajectory.q)
+    early, late = t < change.start.time - 1e-9, t > change.end.time + 1e-9
+    assert early.any()
+    assert late.any()
+    for row in np.flatnonzero(early | late):
+        assert np.abs(now - poses[row]).max(axis=(1, 2)).min() < 1e-9
+    assert np.abs(np.sin(one.trajectory.q[:, 1])).min() > 1e-3

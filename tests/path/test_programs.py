@@ -1,0 +1,394 @@
+"""Robot programs: targets, units and angles of each language; lines that are not read; and the checked moves."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.cli import main
+from rankdrop.errors import OptionError, RankdropError
+from rankdrop.kinematics import pose
+from rankdrop.path.check import program
+from rankdrop.path.check.check import PathQuestion
+from rankdrop.path.check.program import check_any_file, check_program
+from rankdrop.path.read import fanuc_tp, inform, krl, program_record, rapid, urscript
+from rankdrop.path.read.program_file import read_program
+from rankdrop.path.read.program_record import MOVES, Move, Posture, Program, Reason, number, numbers_of, parts_of
+from rankdrop.path.read.trajectory import TrajectoryError
+from rankdrop.questions import PathOptions
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+
+DATA = Path(__file__).parents[1] / "data" / "programs"
+ASK = PathQuestion(None, None, PathOptions())
+
+
+def about(axis: str, degrees: float) -> np.ndarray:
+    """Rotation about an axis of the base, from the images of the unit vectors."""
+    c, s = np.cos(np.pi * degrees / 180), np.sin(np.pi * degrees / 180)
+    rows = {"x": [[1, 0, 0], [0, c, -s], [0, s, c]], "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+            "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]]}  # fmt: skip
+    return np.array(rows[axis])
+
+
+def moves(program: Program) -> dict[int, Move]:
+    return {one.line: one for one in program.moves}
+
+
+def skipped(program: Program) -> dict[int, str]:
+    return {one.line: str(one.reason) for one in program.skipped}
+
+
+def test_krl_turns_about_z_then_the_new_y_then_the_new_x() -> None:
+    program = read_program(DATA / "krl.src")
+    found = moves(program)[12].target
+    # turns about new axes are applied from the left to the right
+    np.testing.assert_allclose(found.pose[:3, :3], about("z", 20) @ about("y", 70) @ about("x", -15), atol=1e-15)
+    np.testing.assert_allclose(found.pose[:3, 3], [0.480, 0.120, 0.620], atol=1e-15)
+    assert found.posture == Posture(signs=2)
+    assert moves(program)[9].target.joints == (-10, -80, 80, 10, 40, -10)
+    assert [one.kind for one in program.moves] == ["joint", "line", "line", "line", "line"]
+    assert [one.speed.linear for one in program.moves] == [None, 0.25, 0.25, 0.25, 0.1]
+    assert [one.blend for one in program.moves] == [False, True, False, False, False]
+
+
+def test_a_base_of_krl_is_applied_and_an_unknown_one_is_not_guessed() -> None:
+    program = read_program(DATA / "krl.src")
+    found = moves(program)[23].target.pose
+    own = np.array([0.020, -0.360, 0.550])
+    np.testing.assert_allclose(found[:3, 3], about("z", 90) @ own + [0.1, -0.02, 0.05], atol=1e-15)
+    np.testing.assert_allclose(found[:3, :3], about("y", 80), atol=1e-15)
+    assert skipped(program)[25] == "base frame"
+
+
+def test_krl_reads_the_declarations_next_to_it(tmp_path: Path) -> None:
+    (tmp_path / "a.src").write_text("DEF a()\nBAS(#PTP_PARAMS,40)\nPTP XP1\nLIN XP2\nEND\n")
+    with pytest.raises(TrajectoryError, match=r"no move of this KRL program.*line 3: PTP XP1"):
+        read_program(tmp_path / "a.src")
+    (tmp_path / "a.dat").write_text("DEFDAT a\nDECL E6AXIS XP1={A1 1,A2 -90,A3 90,A4 0,A5 30,A6 0,E1 0}\nENDDAT\n")
+    program = read_program(tmp_path / "a.src")
+    assert program.moves[0].target.joints == (1, -90, 90, 0, 30, 0)
+    assert program.moves[0].speed.share == 0.4
+    assert skipped(program) == {4: "variable"}
+
+
+def test_rapid_has_the_real_part_first() -> None:
+    program = read_program(DATA / "rapid.mod")
+    found = moves(program)[13].target
+    w, x, y, z = np.array([0.0616284, -0.2418448, 0.9659258, -0.0690992])
+    size = np.sqrt(w * w + x * x + y * y + z * z)
+    u, s = np.array([x, y, z]) / size, w / size
+    for v in np.eye(3):  # v' = v + 2 s u × v + 2 u × (u × v)
+        turned = v + 2 * s * np.cross(u, v) + 2 * np.cross(u, np.cross(u, v))
+        np.testing.assert_allclose(found.pose[:3, :3] @ v, turned, atol=1e-14)
+    np.testing.assert_allclose(found.pose[:3, 3], [0.35, -0.06, 0.42], atol=1e-15)
+    assert found.posture == Posture(quarters=(-1, 0, -1))
+    assert moves(program)[10].target.joints == (0, -20, 30, 0, 60, 0)
+    speeds = {line: one.speed.linear for line, one in moves(program).items()}
+    assert speeds == pytest.approx({10: None, 11: 0.1, 12: 0.04, 13: 0.025, 22: None})
+    assert moves(program)[12].speed.angular == pytest.approx(np.pi / 2)
+    assert {line for line, one in moves(program).items() if one.blend} == {11}
+
+
+def test_urscript_has_rotation_vectors_in_radians() -> None:
+    program = read_program(DATA / "urscript.script")
+    found = moves(program)[7].target.pose
+    vector = np.array([0.3, 2.2, 0.3])
+    cross = np.cross(vector, np.eye(3)).T  # cross @ v is vector × v
+    series, term = np.eye(3), np.eye(3)
+    for k in range(1, 40):  # the exponential series
+        term = term @ cross / k
+        series = series + term
+    np.testing.assert_allclose(found[:3, :3], series, atol=1e-13)
+    np.testing.assert_allclose(found[:3, 3], [-0.35, -0.25, 0.5])
+    assert moves(program)[7].speed.linear == 0.2, "a name of a number"
+    assert moves(program)[6].speed.joint == 1.05
+    assert moves(program)[9].speed.joint == 1.05, "by place: a, v"
+    assert moves(program)[10].speed.time == 2.0
+    assert not program.degrees
+
+
+def test_fanuc_turns_about_fixed_axes() -> None:
+    program = read_program(DATA / "tp.ls")
+    found = moves(program)[8].target.pose
+    # turns about fixed axes are applied from the right to the left
+    np.testing.assert_allclose(found[:3, :3], about("z", 5) @ about("y", -10) @ about("x", 178), atol=1e-15)
+    np.testing.assert_allclose(found[:3, 3], [0.42, -0.08, 0.18], atol=1e-15)
+    assert moves(program)[7].target.joints == (0, 10, -20, 0, -50, 0)
+    assert moves(program)[7].speed.share == 0.5
+    assert moves(program)[8].speed.linear == 0.25
+    assert moves(program)[10].speed.linear == pytest.approx(12.0 / 60.0), "1200 cm/min"
+    assert [one.blend for one in program.moves] == [False, True, False]
+
+
+def test_inform_turns_about_fixed_axes() -> None:
+    program = read_program(DATA / "inform.jbi")
+    found = moves(program)[23].target.pose
+    np.testing.assert_allclose(found[:3, :3], about("z", 7) @ about("y", -12) @ about("x", 178), atol=1e-15)
+    np.testing.assert_allclose(found[:3, 3], [0.48, -0.09, 0.12], atol=1e-15)
+    assert moves(program)[24].speed.linear == 0.1
+    assert moves(program)[23].speed.share == 0.25
+
+
+@pytest.mark.parametrize(
+    ("file", "expected"),
+    [
+        ("krl.src", {8: "tool frame", 13: "call", 14: "changed", 15: "other", 16: "circle", 17: "expression",
+                     18: "branch", 19: "incomplete", 20: "branch", 21: "relative", 25: "base frame"}),
+        ("rapid.mod", {13: "tool frame", 14: "base frame", 15: "expression", 16: "changed", 17: "circle", 18: "branch",
+                       19: "other", 20: "branch", 21: "call"}),
+        ("urscript.script", {8: "expression", 11: "loop", 12: "circle"}),
+        ("tp.ls", {8: "tool frame", 9: "relative", 11: "circle", 13: "variable", 14: "call", 15: "incomplete"}),
+        ("inform.jbi", {22: "pulses", 25: "other", 26: "circle", 27: "variable", 28: "base frame"}),
+    ],
+)  # fmt: skip
+def test_lines_that_are_not_read_are_listed_with_their_reason(file: str, expected: dict[int, str]) -> None:
+    assert skipped(read_program(DATA / file)) == expected
+
+
+def test_fanuc_counts_joint_3_from_the_horizontal_and_z_from_axis_2() -> None:
+    """The forearm keeps its direction while J2 moves alone; the world frame is at the height of axis 2."""
+    arm = open_robot("lrmate200id")
+
+    def program(a: str, b: str) -> Program:
+        blocks = "".join(f"P[{k}]{{\n GP1:\n UF : 0, UT : 0,\n {text}\n}};\n" for k, text in ((1, a), (2, b)))
+        return fanuc_tp.read(f"/MN\n 1:J P[1] 100% FINE ;\n 2:J P[2] 100% FINE ;\n/POS\n{blocks}/END\n", "a.ls")
+
+    joints = "J1=0 deg, J2={} deg, J3=-20 deg, J4=5 deg, J5=-50 deg, J6=8 deg"
+    found = check_program(arm, program(joints.format(0), joints.format(25)), ASK)
+    ends = found.parts[0].check.curve.control[0]
+    first, second = pose(arm, ends)
+    np.testing.assert_allclose(first[:3, :3], second[:3, :3], atol=1e-12)
+    assert abs(first[2, 3] - second[2, 3]) > 0.01
+    x, y, z = 1e3 * (first[:3, 3] - [0, 0, 0.330])  # 330 mm: data sheet of the LR Mate 200iD
+    roll, pitch, yaw = np.degrees([np.arctan2(first[2, 1], first[2, 2]), -np.arcsin(first[2, 0]),
+                                   np.arctan2(first[1, 0], first[0, 0])])  # fmt: skip
+    posed = f"X={x:.9f} mm, Y={y:.9f} mm, Z={z:.9f} mm, W={roll:.9f} deg, P={pitch:.9f} deg, R={yaw:.9f} deg"
+    again = check_program(arm, program(joints.format(0), posed), ASK)
+    assert again.raised == pytest.approx(0.330)
+    assert len(again.parts) == 1
+    step = np.ptp(again.parts[0].check.curve.control[:, :], axis=(0, 1))
+    assert step.max() < 1e-9, "the second move leads to where the arm is"
+
+
+def test_joint_values_of_fanuc_need_axes_2_and_3_against_each_other() -> None:
+    with pytest.raises(TrajectoryError, match="line 7: J3 is counted from the horizontal"):
+        check_program(open_robot("irb120"), read_program(DATA / "tp.ls"), ASK)
+
+
+@pytest.mark.slow
+def test_the_verdict_names_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out.json"
+    assert main.run(["path", "ur5e", str(DATA / "urscript.script"), "--json", str(out), "--quiet"]) == 3
+    written = json.loads(out.read_text())
+    Draft202012Validator(load_schema("program")).validate(written)
+    (met,) = written["met"]
+    assert (met["line"], met["kind"], met["verdict"]) == (10, "joint", "crossing")
+    assert abs(met["q"][4]) < 1e-9
+    assert "in line 10: movej([0.3, -1.2, 1.4, -1.0, 0.2, 0.4], t=2)" in written["sentence"]
+    assert [part["lines"] for part in written["parts"]] == [[5, 7], [9, 10]]
+    assert [one["line"] for one in written["skipped"]] == [8, 11, 12]
+    assert written["blended"] == [6]
+    first = written["parts"][0]
+    assert len(first["line_of"]) == first["path"]["rows"] - 1
+    assert first["line_of"] == sorted(first["line_of"])
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "rounds those of line 6" in printed
+    assert "line 12: circular moves are not read" in printed
+
+
+def test_a_line_goes_on_from_where_the_joint_move_ended() -> None:
+    """Straight lines start at the pose of the joints before them, and keep their branch and their time."""
+    arm = open_robot("ur5e")
+    start = np.array([0.2, -1.3, 1.5, -1.1, 1.2, 0.3])
+    text = f"movej({start.tolist()})\nmovel(p[-0.35, -0.25, 0.5, 0.3, 2.2, 0.3], v=0.1)\n"
+    found = check_program(arm, urscript.read(text, "a.script"), ASK)
+    (part,) = found.parts
+    curve = part.check.curve
+    rows = np.concatenate([curve.control[:, 0], curve.control[-1:, -1]])
+    np.testing.assert_allclose(rows[0], start, atol=1e-12)
+    ends = pose(arm, rows)
+    np.testing.assert_allclose(ends[-1][:3, 3], [-0.35, -0.25, 0.5], atol=1e-9)
+    way = ends[-1][:3, 3] - ends[0][:3, 3]
+    length = np.linalg.norm(way)
+    off = np.linalg.norm(np.cross(ends[:, :3, 3] - ends[0][:3, 3], way / length), axis=1)
+    assert off.max() < 1e-9, "every row is on the line"
+    assert curve.times[-1] == pytest.approx(length / 0.1)
+    assert part.off <= 1e-4
+
+
+def test_a_program_with_unread_moves_is_not_called_free() -> None:
+    arm = open_robot("ur5e")
+    text = "movej([0.2,-1.3,1.5,-1.1,1.2,0.3])\nmovej([0.3,-1.3,1.5,-1.1,1.2,0.3])\n"
+    whole = check_program(arm, urscript.read(text, "a.script"), ASK)
+    assert (whole.verdict.value, whole.holds) == ("free", True)
+    part = check_program(arm, urscript.read(f"{text}movel(target)\n", "a.script"), ASK)
+    assert (part.verdict.value, part.holds) == ("undecided", False)
+    assert part.sentence.startswith("Undecided: 1 move of the program was not read")
+
+
+def test_a_line_through_a_singularity_is_not_called_free() -> None:
+    """Its joints are free of it before and after, as the branch goes on; the line passes through it all the same."""
+    arm = open_robot("ur5e")
+    text = "movej([0.2,-1.3,1.5,-1.1,1.2,0.3])\nmovej([0.3,-1.3,1.5,-1.1,1.2,0.3])\n"
+    whole = check_program(arm, urscript.read(text, "a.script"), ASK)
+    through = replace(whole, parts=tuple(replace(part, passed=(1,)) for part in whole.parts))
+    assert (through.verdict.value, through.holds) == ("touching", False)
+    assert [one.verdict for one in through.moves] == [None, through.verdict]
+
+
+@pytest.mark.slow
+def test_krl_signs_and_rapid_quarters_choose_the_solution() -> None:
+    """A PTP to a pose with T, and a MoveJ with cf1, cf4, cf6, end in the configuration that is stated."""
+    kuka, abb = open_robot("kr6r900"), open_robot("irb120")
+    q = np.radians([20.0, -80, 90, 30, 40, -50])
+    for signs in (0b100010, 0b011010):  # A5 positive, and the wrist turned over
+        here = pose(kuka, q)
+        x, y, z = 1e3 * here[:3, 3]
+        a, b, c = np.degrees([np.arctan2(here[1, 0], here[0, 0]), -np.arcsin(here[2, 0]),
+                              np.arctan2(here[2, 1], here[2, 2])])  # fmt: skip
+        goal = f"X {x:.9f}, Y {y:.9f}, Z {z:.9f}, A {a:.9f}, B {b:.9f}, C {c:.9f}, S 2, T {signs}"
+        text = f"PTP {{A1 20,A2 -80,A3 90,A4 10,A5 30,A6 0}}\nPTP {{{goal}}}\n"
+        found = check_program(kuka, krl.read(text, "a.src"), ASK)
+        end = found.parts[0].check.curve.control[-1, -1]
+        assert [bool(signs >> k & 1) for k in range(6)] == (end < 0).tolist()
+        np.testing.assert_allclose(pose(kuka, end), here, atol=1e-7)
+    home = pose(abb, np.radians([10.0, 5, 10, 100, 40, -120]))
+    w = np.sqrt(1 + np.trace(home[:3, :3])) / 2
+    x, y, z = (np.array([home[2, 1] - home[1, 2], home[0, 2] - home[2, 0], home[1, 0] - home[0, 1]]) / (4 * w)).tolist()
+    place = (1e3 * home[:3, 3]).tolist()
+    ends = []
+    for four, six in ((1, -2), (-1, 0)):
+        goal = f"[{place},[{w},{x},{y},{z}],[0,{four},{six},0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+        text = "MoveAbsJ [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tool0;\n"
+        text += f"MoveJ {goal},v100,fine,tool0;\n"
+        found = check_program(abb, rapid.read(text, "a.mod"), ASK)
+        end = np.degrees(found.parts[0].check.curve.control[-1, -1])
+        assert (np.floor(end[[0, 3, 5]] / 90) == [0, four, six]).all()
+        ends.append(end)
+    assert ends[0][4] * ends[1][4] < 0
+    text = text.replace("[0,-1,0,0]", "[3,3,3,0]")
+    refused = check_program(abb, rapid.read(text, "a.mod"), ASK)
+    assert refused.parts[0].ended is not None
+    assert str(refused.parts[0].ended.cause) == "no such posture"
+
+
+@pytest.mark.slow
+def test_lines_alone_of_the_kr3_from_the_start_of_the_report(tmp_path: Path) -> None:
+    """Report 14: no crossing, joint 5 comes to 3.73°, joint 4 turns by 173°; computed by other code."""
+    lines = (DATA / "report-14.src").read_text().splitlines()
+    (tmp_path / "a.src").write_text("\n".join(one for one in lines if not one.startswith("PTP")))
+    start = tuple(np.radians([-25.0, -60, 60, 40, 20, -40]).tolist())
+    question = PathQuestion(None, None, PathOptions(), start=start)
+    found = check_any_file(open_robot("kr3r540"), tmp_path / "a.src", question)
+    assert (found.verdict.value, found.holds) == ("free", True)
+    (move,) = [one for one in found.moves if one.verdict is not None]
+    assert (move.line, move.joint, round(np.degrees(move.turn))) == (5, 4, 173)
+    assert round(np.degrees(move.distance), 2) == 3.73
+    assert move.seconds == pytest.approx(3.0)
+
+
+@pytest.mark.slow
+def test_the_report_of_the_kr3(capsys: pytest.CaptureFixture[str]) -> None:
+    """Joints, then two lines: no crossing; the branch of this start takes joint 4 to its limit half way."""
+    assert main.run(["path", "kr3r540", str(DATA / "report-14.src"), "--quiet"]) == 3
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith("Cannot be followed in line 6: LIN {X 420, Y 150")
+    assert "joint 4 (joint_a4) reaches its limit" in printed
+    assert "crosses" not in printed
+
+
+def test_a_folder_has_programs_in_its_table(tmp_path: Path) -> None:
+    (tmp_path / "a.script").write_text("movej([0.3,0.4,0.1])\nmovej([0.5,-0.2,0.3])\n")
+    (tmp_path / "b.ls").write_text("/MN\n/POS\n")
+    out = tmp_path / "o.json"
+    names = [str(tmp_path / "a.script"), str(tmp_path / "b.ls")]
+    assert main.run(["path", "planar3r", *names, "--json", str(out), "--quiet"]) == 2
+    first, second = json.loads(out.read_text())["paths"]
+    assert (first["verdict"], second["verdict"]) == ("bad input", "crossing")
+    assert "in line 2: movej([0.5,-0.2,0.3])" in second["sentence"]
+
+
+def test_options_that_do_not_fit_programs_are_refused(tmp_path: Path) -> None:
+    arm, file = open_robot("ur5e"), DATA / "urscript.script"
+    with pytest.raises(OptionError, match="topics"):
+        check_any_file(arm, file, PathQuestion(None, None, PathOptions(), topic="/a"))
+    with pytest.raises(OptionError, match="moves of a program are its own"):
+        check_any_file(arm, file, PathQuestion(None, None, PathOptions(interpolate="cubic")))
+    with pytest.raises(OptionError, match="start: a start is for programs that begin with a pose"):
+        check_any_file(arm, file, PathQuestion(None, None, PathOptions(), start=(0.0,) * 6))
+    assert main.run(["path", "ur5e", str(file), "--html", str(tmp_path / "a.html")]) == 2
+    assert main.run(["path", "ur5e", str(file), "--remedies"]) == 2
+    with pytest.raises(TrajectoryError, match=r"line 5: the target has another number of joints.*allowed: 7 of panda"):
+        check_any_file(open_robot("panda"), file, ASK)
+
+
+LONG = 19_000
+HOSTILE = {
+    "nothing.src": "",
+    "zeros.mod": "a\0b",
+    "digits.src": f"PTP {{A1 {'1' * LONG}x}}\n",
+    "spaces.ls": "/MN\n" + f"   1:J P[1]{' ' * LONG}x\n" * 50 + "/POS\nP[1]{\n" + f" X {' ' * LONG}\n" * 50,
+    "brackets.mod": "MoveL " + "[" * LONG + ",v100,fine,tool0;\n",
+    "nested.script": "movej(" + "[" * LONG + "\n",
+    "quotes.mod": 'x ";"\n' * 40_000,
+    "statement.mod": "x y\n" * 20_000,
+    "wide.jbi": "C" * 30_000,
+    "lines.src": "\n" * 300_000,
+    "infinite.src": "PTP {A1 1e999, A2 0, A3 0, A4 0, A5 0, A6 0}\n",
+    "huge.src": "PTP {A1 1e9, A2 0, A3 0, A4 0, A5 0, A6 0}\n",
+    "far.script": "movel(p[1e20, 0, 0, 0, 0, 0])\n",
+    "long.mod": "MoveL [[0,0,0],[1,1,1,1],[0,0,0,0],[0,0,0,0,0,0]],v100,fine,tool0;\n",
+    "equals.src": "=" * LONG + "\n" + "P.P=" * 4_000,
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_end_in_one_line(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(HOSTILE[name])
+    begun = time.process_time()
+    with pytest.raises(RankdropError) as error:
+        read_program(tmp_path / name)
+    assert time.process_time() - begun < 5.0
+    assert "\n" not in str(error.value)
+    assert name in str(error.value)
+
+
+def test_the_number_of_moves_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program_record, "MOST_MOVES", 5)
+    with pytest.raises(TrajectoryError, match="line 6: the program has too many moves; allowed: at most 5"):
+        urscript.read("movej([0,0,0,0,0,0])\n" * 6, "a.script")
+
+
+def test_the_number_of_parts_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program, "_MOST_PARTS", 2)
+    text = "movej([0.3,0.4,0.1])\nmovel(p)\n"
+    arm = open_robot("planar3r")
+    assert len(check_program(arm, urscript.read(text * 2, "a.script"), ASK).parts) == 2
+    with pytest.raises(TrajectoryError, match=r"a.script, line 5: the program has too many parts.*at most 2"):
+        check_program(arm, urscript.read(text * 3, "a.script"), ASK)
+
+
+def test_bytes_that_are_no_unicode_are_read_as_latin_1(tmp_path: Path) -> None:
+    (tmp_path / "a.src").write_bytes(b"; Schwei\xdfnaht\r\nPTP {A1 0, A2 -90, A3 90, A4 0, A5 30, A6 0}\r\n")
+    assert [one.line for one in read_program(tmp_path / "a.src").moves] == [2]
+
+
+def test_scanning() -> None:
+    assert number("1" * 60) is None
+    assert number("-.5E+1") == -5.0
+    assert parts_of('f("a,b"), c') == ['f("a,b")', "c"]
+    assert numbers_of("[1,[2,[3]]]") == [1.0, [2.0, [3.0]]]
+    assert numbers_of("[[[[[[[[[[[[1]]]]]]]]]]]]") is None
+    assert {Reason.VARIABLE, Reason.CIRCLE, Reason.BASE} <= MOVES
+    assert not MOVES & {Reason.CALL, Reason.LOOP, Reason.OTHER}
+    job = "//POS\n///POSTYPE BASE\n///TOOL 2\n///RECTAN\nC00000=1,2,3,4,5,6\n//INST\nMOVL C00000\n"
+    program = inform.read(job, "a.jbi")
+    assert [type(one).__name__ for one in program.items] == ["Skipped", "Move"]
+    assert program.skipped[0].reason is Reason.TOOL

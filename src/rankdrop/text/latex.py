@@ -50,12 +50,13 @@ def latex_tables(
     Returns:
         Lines of LaTeX; the first says what they need.
     """
-    parts = [""]
+    parts, long = [""], False
     for summary in coranks:
         rows = [family for family in families if family.corank == summary.corank]
         if rows:
-            parts.append(_table(robot, rank, summary, rows, exact, limits=limits))
-    long = any(r"\begin{longtable}" in part for part in parts)
+            table, breaks = _table(robot, rank, summary, rows, exact, limits=limits)
+            parts.append(table)
+            long = long or breaks
     parts[0] = r"% needs \usepackage{amsmath,longtable}" if long else r"% needs \usepackage{amsmath}"
     if len(parts) == 1:
         parts.append(f"% {as_text(robot.name)}: no families were found, which is no proof that there are none")
@@ -64,7 +65,8 @@ def latex_tables(
 
 def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
-) -> str:
+) -> tuple[str, bool]:
+    """The table and whether it breaks over pages."""
     every = [one for one in columns(robot, summary.corank) if one.printed]
     share, name = summary.completeness, re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     caption = (
@@ -86,18 +88,19 @@ def _table(
     size = r"\footnotesize" if decimals else r"\small"
     label = rf"\label{{tab:{name}-corank-{summary.corank}}}"
     if _height(every, rows, words, notes) > _PAGE:
-        return "\n".join([
+        broken = [
             "{" + size, r"\setlength{\tabcolsep}{3pt}", rf"\begin{{longtable}}{{{shape}}}",
             rf"\caption{{{caption}}}{label}\\", r"\hline", *_aligned([heads]), r"\hline", r"\endhead", *body[2:],
             r"\end{longtable}", r"\raggedright\sloppy", *notes, "}",
-        ])  # fmt: skip
+        ]  # fmt: skip
+        return "\n".join(broken), True
     small = [r"\par\smallskip", r"\begin{minipage}{\linewidth}\raggedright", *notes, r"\end{minipage}"]
     lines = [
         r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}", label,
         f"\\begin{{tabular}}{{{shape}}}", r"\hline", *body, r"\end{tabular}",
         *(small if notes else []), r"\end{table}",
     ]  # fmt: skip
-    return "\n".join(lines)
+    return "\n".join(lines), False
 
 
 def _height(every: Sequence[Column], rows: Sequence[Family], words: float, notes: Sequence[str]) -> int:

@@ -280,7 +280,7 @@ class Code:
             rows.append(" & ".join(cells) + r" \tabularnewline")
         kind = "longtable" if len(rows) > _LONG_TABLE or long else "tabular"
         head = [
-            r"{\setlength{\tabcolsep}{3pt}", rf"\begin{{{kind}}}{{lp{{0.24\linewidth}}rp{{0.48\linewidth}}}}",
+            rf"\begin{{{kind}}}{{@{{}}l@{{\quad}}p{{0.24\linewidth}}@{{\ }}r@{{\quad}}p{{0.48\linewidth}}@{{}}}}",
             r"& family & corank & conditions \\", r"\hline",
         ]  # fmt: skip
         packages = ["longtable"] if kind == "longtable" else []
@@ -302,7 +302,7 @@ class Code:
         said = [line for value in values for line in (r"\par\smallskip", value)]
         if long:
             long = [r"{\small\raggedright\sloppy", *long, "}"]
-        return "\n".join([*head, *rows, rf"\end{{{kind}}}}}", *long, *said, *tail, ""])
+        return "\n".join([*head, *rows, rf"\end{{{kind}}}", *long, *said, *tail, ""])
 
     def _shifted(self) -> Iterator[tuple[int, float]]:
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)

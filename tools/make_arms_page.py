@@ -16,7 +16,7 @@ import csv
 import json
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from multiprocessing import Pool
 from pathlib import Path
@@ -27,10 +27,12 @@ from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.families.record import AGREES, NOT_DERIVED
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.aspect_summary import CUSPIDAL
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import conditions_names, shipped, shipped_conditions
+from rankdrop.results.known import catalogue_aspects, conditions_names, shipped, shipped_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
+from rankdrop.text.aspects import aspects_cell
 from rankdrop.text.families import share_text
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
@@ -42,6 +44,8 @@ KEPT = ROOT / "build" / "arms"
 PROCESSES = 2
 _REASON = 160  # characters of a reason that a cell of a table may have
 HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near")
+ASPECTS_HEADS = (*HEADS[:-1], "aspects", HEADS[-1])
+"""Of the table of the catalogue: the number of aspects is stored for its arms only."""
 
 INTRODUCTION = """# Arms
 
@@ -53,6 +57,9 @@ their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
   down, so that 100 % means all.
 - **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
   and agree with what was found; else why not.
+- **aspects** (the catalogue): the number of aspects from the table that `tools/make_aspects.py` writes, joint limits
+  ignored, and whether the arm is cuspidal: c, it can change its posture without a singularity (proven); no mark, it
+  cannot (proven), or it has more or fewer joints than rows, so that postures are not compared.
 - **near**: structure that the arm misses by little, where there is some.
 """
 
@@ -201,10 +208,25 @@ def tasks() -> list[tuple[str, str]]:
     return own + [("skeletons", one["name"]) for one in skeletons()]
 
 
-def table(rows: Iterable[Row]) -> list[str]:
-    """The rows in Markdown."""
-    lines = [f"| {' | '.join(HEADS)} |", "|---|---|---|---|---|---|"]
-    return lines + [f"| {' | '.join(row.cells())} |" for row in rows]
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """The cells of rows in Markdown."""
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    return lines + [f"| {' | '.join(row)} |" for row in rows]
+
+
+def aspects_of_row(name: str) -> str:
+    """The stored number of aspects of an arm of the catalogue, with the mark of a cuspidal arm."""
+    found = catalogue_aspects()[name]
+    number = aspects_cell(found)
+    if found.posture_change == CUSPIDAL:
+        return f"{number} c"
+    return number
+
+
+def with_aspects(row: Row) -> tuple[str, ...]:
+    """The cells of an arm of the catalogue, with its aspects."""
+    cells = row.cells()
+    return (*cells[:-1], aspects_of_row(row.name), cells[-1])
 
 
 def page() -> str:
@@ -214,12 +236,13 @@ def page() -> str:
     if missing:
         raise SystemExit(f"not measured: {', '.join(missing)}")
     rows = {kind: [row for (k, _), row in found.items() if k == kind and row] for kind in ("catalogue", "skeletons")}
-    parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "", *table(rows["catalogue"]), ""]
+    parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "",
+             *table(ASPECTS_HEADS, map(with_aspects, rows["catalogue"])), ""]  # fmt: skip
     fine = sum(row.fine for row in rows["skeletons"])
     parts += ["## Arms from their makers' files", "",
               f"{fine} of {len(rows['skeletons'])} end with exit code 0 from both commands; the reason stands with the "
               "others. The files are in `tests/data/arms`, reduced to joints and links, their numbers word for word.",
-              "", *table(rows["skeletons"])]  # fmt: skip
+              "", *table(HEADS, (row.cells() for row in rows["skeletons"]))]  # fmt: skip
     return "\n".join(parts) + "\n"
 
 

@@ -38,7 +38,7 @@ def write(name: str) -> tuple[str, bool, str]:
     spent = f"{process_time() - begun:.1f} s CPU"
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
         return name, False, f"NOT WRITTEN, the analysis is not verified, {spent}"
-    record = replace(found, exact=None).to_dict() | {"answers": ANSWERS}
+    record = replace(found, exact=None, aspects=None).to_dict() | {"answers": ANSWERS}
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     replace_file(FOLDER / f"{name}.json", f"{text}\n".encode())
     return name, True, f"{len(found.families)} families, {len(text) / 1000:.0f} kB, {spent}"

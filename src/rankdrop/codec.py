@@ -292,7 +292,8 @@ _STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]"
 
 def json_text(record: Any) -> str:
     """JSON for people too: indented, a row of numbers on one line; NaN and infinities are refused."""
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    dense = json.dumps(record, ensure_ascii=False, allow_nan=False)
+    text = msgspec.json.format(dense, indent=1)  # json itself would indent in Python, at half the speed
     text = _STEERING.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)  # the same text to a reader of JSON
     # strings hold no raw line break, so only arrays of numbers match
     return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"

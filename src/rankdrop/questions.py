@@ -74,6 +74,9 @@ class AnalyzeOptions(Options):
     exact: Annotated[
         Literal["auto", "on", "off"], option("Derive the conditions exactly: auto within 30 s, on within 120 s")
     ] = "auto"
+    aspects: Annotated[
+        bool, option("Count the aspects, at most about 20 s; arms of the catalogue have their number without it")
+    ] = False  # fmt: skip
     fresh: Annotated[bool, option("Derive exact conditions anew where they are shipped (the catalogue's arms)")] = False
     starts: Annotated[int, _STARTS] = 10_000
     seed: Annotated[int, _SEED] = 0
@@ -257,7 +260,9 @@ class AspectsOptions(Options):
     seed: Annotated[
         int, option("Of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
     ] = 0  # fmt: skip
-    limits: Annotated[bool, option("Solutions and paths within the joint limits only")] = False
+    limits: Annotated[
+        bool, option("Solutions and paths within the joint limits only; count the regions there as well")
+    ] = False  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ BAD = {
          "line 12, near.within: within is out of range; got 9.0; allowed: above 0, up to 1.5"),
         ("with = 9", "line 12, near.with: unknown key; got 'with'; allowed: within, samples"),
     ],
-    "[near]\nwithin = \"5 deg\"": [("", "line 1: nothing is asked of the variants; allowed: [families], [near]")],
+    "[near]\nwithin = \"5 deg\"": [("", "line 1: nothing is asked of the variants; allowed: [families], [aspects]")],
     GOOD: [
         ("robot = [", "this is not TOML: "),
         ('robot = "ur5"', "parameters: there are no parameters to vary; got 0"),

@@ -74,6 +74,13 @@ def test_a_row_of_the_catalogue_is_what_is_shipped() -> None:
         assert (name in shelf.conditions_names()) == (codes(row)[1] == 0), name
 
 
+def test_a_row_of_the_catalogue_has_the_stored_number_of_aspects() -> None:
+    for name, row in catalogue().items():
+        assert len(row) == len(TOOL.ASPECTS_HEADS)
+        assert row[5] == TOOL.aspects_of_row(name), name
+    assert catalogue()["crx10ial"][5] == "2 c"
+
+
 @pytest.mark.by_hand
 @pytest.mark.shipped
 def test_a_row_names_letters_or_numbers_as_they_are_shipped() -> None:

@@ -172,12 +172,12 @@ def test_a_mended_path_needs_no_remedy() -> None:
 
 
 @pytest.mark.slow
-def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
+def test_a_free_path_that_is_too_fast_is_slowed_down_and_nothing_else() -> None:
     robot = open_robot("ur5e")
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.9, 0.1], [1.0, -1.0, 1.4, 0.1, 1.3, 0.5], 30)
     mended = mend_path(rankdrop.check_path(robot, q, np.linspace(0, 0.2, 30)))
     (one,) = mended.remedies
-    assert (one.kind, one.check.holds) == ("retime", True)
+    assert (one.kind, one.check.holds) == ("slow-down", True)
     assert one.gains["speed"] == (pytest.approx(robot.variables[0].velocity / 5.0), pytest.approx(1.0))
 
 

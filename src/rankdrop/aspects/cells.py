@@ -1,4 +1,6 @@
-"""The number of connected parts of the set {h_1 > 0, …, h_m > 0} on a torus of at most three angles, by cells.
+"""The number of connected parts of the set {h_1 > 0, …, h_m > 0} of at most three angles, by cells.
+
+Angles turn round (a torus), or lie between limits (a box, or a product of both).
 
 Every cell of a grid is inside (all h_i > 0 proven), outside (some h_i < 0 proven) or open. Cells that share a face are
 neighbours.
@@ -9,16 +11,17 @@ proven outside lie between them. (A part that goes through a corner of two cells
 *At most* as many parts as there are clusters of inside cells, if every part holds an inside cell. A part that holds
 none lies in open cells; the smallest of the h_i has a maximum on it, and there the gradients of those h_i that are
 equal have zero in their convex hull. In a cell this is excluded where one direction d has d·∇h_i > 0 for every h_i
-that can be the smallest. `proven` says that all open cells pass; where one does not, parts smaller than a cell are
-not excluded.
+that can be the smallest; where the cell touches a limit, d must not leave the box. `proven` says that all open cells
+pass; where one does not, parts smaller than a cell are not excluded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import pairwise
+from itertools import pairwise, product
+from math import ceil, prod
 from typing import Protocol
 
 import numpy as np
@@ -33,6 +36,8 @@ Labels = NDArray[np.int64]
 
 SIZES = {1: (32, 256, 2048, 16_384), 2: (32, 128, 512), 3: (16, 32, 64, 96)}
 """Cells along each angle, coarse ones first, by the number of angles."""
+MOST_CELLS = 1_000_000
+"""Cells of a grid after the first one."""
 _PART = 100_000  # cells in one array
 _TICKS = 0.3  # work of one cell [µs]
 
@@ -142,24 +147,91 @@ class Parts:
 ONE = Parts(1, 1, proven=True)
 
 
-def count_parts(conditions: Sequence[Condition], work: Work | None = None) -> Parts:
-    """The connected parts of the set where all conditions hold, on the torus of the joints they depend on.
+Box = Mapping[int, tuple[float, float]]
+"""Joint -> lower and upper limit of its angle [rad]; a joint without an entry turns round."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of a torus, a box, or a product of both.
+
+    Attributes:
+        joints: the joints (from 1) of its axes.
+        shape: cells along each.
+        low: where each axis begins [rad].
+        step: width of a cell along each [rad].
+        wraps: whether the last cell of an axis has the first one for a neighbour.
+    """
+
+    joints: tuple[int, ...]
+    shape: tuple[int, ...]
+    low: tuple[float, ...]
+    step: tuple[float, ...]
+    wraps: tuple[bool, ...]
+
+    @classmethod
+    def of(cls, joints: Sequence[int], size: int, box: Box) -> Grid:
+        """A grid with so many cells along a whole turn.
+
+        Args:
+            joints: of its axes.
+            size: cells along 2π; of a joint with limits, as many as its range takes at this width.
+            box: limits.
+        """
+        ends = [box.get(joint, (-np.pi, np.pi)) for joint in joints]
+        shape = tuple(max(1, ceil(size * (high - low) / (2 * np.pi) - 1e-9)) for low, high in ends)
+        steps = tuple((high - low) / count for (low, high), count in zip(ends, shape, strict=True))
+        return cls(tuple(joints), shape, tuple(low for low, _ in ends), steps, tuple(j not in box for j in joints))
+
+    @property
+    def cells(self) -> int:
+        """Their number."""
+        return prod(self.shape)
+
+    @property
+    def radius(self) -> float:
+        """Half the width of the widest cell [rad]."""
+        return 0.5 * max(self.step, default=0.0)
+
+    def indices(self, places: Labels) -> tuple[Labels, ...]:
+        """Index of cells along each axis."""
+        if not self.joints:
+            return ()
+        return np.unravel_index(places, self.shape)
+
+    def middles(self, places: Labels) -> dict[int, Array]:
+        """Angles of the middles of cells by joint."""
+        axes = zip(self.joints, self.indices(places), self.low, self.step, strict=True)
+        return {joint: np.asarray(low + (k + 0.5) * step) for joint, k, low, step in axes}
+
+    def inward(self, places: Labels, direction: Mapping[int, Array]) -> dict[int, Array]:
+        """The part of a direction, by joint, along which no cell that touches a limit leaves the box."""
+        kept = dict(direction)
+        for joint, k, count, wraps in zip(self.joints, self.indices(places), self.shape, self.wraps, strict=True):
+            if not wraps:
+                d = np.where(k == 0, np.maximum(kept[joint], 0.0), kept[joint])
+                kept[joint] = np.where(k == count - 1, np.minimum(d, 0.0), d)
+        return kept
+
+
+def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: Box | None = None) -> Parts:
+    """The connected parts of the set where all conditions hold, over the joints they depend on.
 
     Grids are made finer until the number is proven, or the finest of `SIZES` is reached.
 
     Args:
         conditions: of at most three joints together.
         work: its limit is checked before each grid.
+        box: limits of joints; None: all turn round.
 
     Raises:
         OutOfTime: that limit was met.
     """
-    joints = sorted({joint for condition in conditions for joint in condition.joints})
     best: Parts | None = None
-    for size in SIZES[max(len(joints), 1)] if joints else (1,):
+    for grid in _grids(conditions, box or {}):
         if work is not None:
             work.check()
-        found = _at(conditions, joints, size)
+        found = _at(conditions, grid)
         if best is None:
             best = found
         else:
@@ -168,6 +240,17 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None) -> Pa
             break
     assert best is not None
     return best
+
+
+def _grids(conditions: Sequence[Condition], box: Box) -> Iterator[Grid]:
+    """Finer and finer grids of the joints that conditions depend on."""
+    joints = sorted(set[int]().union(*(condition.joints for condition in conditions)))
+    if not joints:
+        yield Grid.of((), 1, box)
+        return
+    first, *finer = (Grid.of(joints, size, box) for size in SIZES[len(joints)])
+    yield first
+    yield from (grid for grid in finer if grid.cells <= MOST_CELLS)
 
 
 def _better(one: Parts, other: Parts) -> Parts:
@@ -179,26 +262,45 @@ def _better(one: Parts, other: Parts) -> Parts:
     return Parts(at_least, max(upper.at_most, at_least), upper.proven)
 
 
-def _at(conditions: Sequence[Condition], joints: Sequence[int], size: int) -> Parts:
+def _at(conditions: Sequence[Condition], grid: Grid) -> Parts:
     """By one grid."""
-    shape = (size,) * len(joints)
-    radius = np.pi / size
-    inside, outside = np.ones(shape, dtype=bool).ravel(), np.zeros(shape, dtype=bool).ravel()
+    inside, outside = np.ones(grid.cells, dtype=bool), np.zeros(grid.cells, dtype=bool)
     tick(_TICKS * inside.size * len(conditions))
     for places in _chunks(np.arange(inside.size)):
-        middles = _middles(places, joints, size)
+        middles = grid.middles(places)
         for condition in conditions:
-            value = condition.over(middles, radius)
+            value = condition.over(middles, grid.radius)
             inside[places] &= value.low > 0
             outside[places] |= value.high < 0
+    for condition in conditions:
+        _mark_behind_limits(condition, grid, outside)
     inside &= ~outside
-    labels = clusters(~outside.reshape(shape)).ravel()
+    labels = clusters(~outside.reshape(grid.shape), grid.wraps).ravel()
     at_least = len(np.unique(labels[inside]))
-    own = clusters(inside.reshape(shape))
+    own = clusters(inside.reshape(grid.shape), grid.wraps)
     at_most = len(np.unique(own[own >= 0]))
     undecided = np.flatnonzero(~inside & ~outside)
-    proven = all(_no_maximum(conditions, joints, places, size).all() for places in _chunks(undecided))
+    proven = all(_no_maximum(conditions, grid, places).all() for places in _chunks(undecided))
     return Parts(at_least, at_most, proven)
+
+
+def _mark_behind_limits(condition: Condition, grid: Grid, outside: Mask) -> None:
+    """Mark the last cells before the limits of a joint as outside, where a function of it alone rises to a value < 0.
+
+    A limit that stands on a zero of h would else leave open cells on every grid.
+    """
+    if len(condition.joints) != 1:
+        return
+    axis = grid.joints.index(condition.joints[0])
+    if grid.wraps[axis]:
+        return
+    joint, count, low, step = condition.joints[0], grid.shape[axis], grid.low[axis], grid.step[axis]
+    cells = np.moveaxis(outside.reshape(grid.shape), axis, 0)
+    for k, limit, outward in ((0, low, -1), (count - 1, low + count * step, 1)):
+        there = condition.over({joint: np.array([limit])}, 0.0)
+        slope = condition.slopes_over({joint: np.array([low + (k + 0.5) * step])}, 0.5 * step)[joint].scaled(outward)
+        if there.high[0] < 0 and slope.low[0] > 0:
+            cells[k] = True
 
 
 def _chunks(places: Labels) -> list[Labels]:
@@ -206,37 +308,45 @@ def _chunks(places: Labels) -> list[Labels]:
     return [places[first:last] for first, last in pairwise(ends) if last > first]
 
 
-def _middles(places: Labels, joints: Sequence[int], size: int) -> dict[int, Array]:
-    """Angles of the middles of cells by joint."""
-    if joints:
-        index = np.unravel_index(places, (size,) * len(joints))
-    else:
-        index = ()
-    step = 2 * np.pi / size
-    return {joint: np.asarray((k + 0.5) * step - np.pi) for joint, k in zip(joints, index, strict=True)}
-
-
-def _no_maximum(conditions: Sequence[Condition], joints: Sequence[int], places: Labels, size: int) -> Mask:
+def _no_maximum(conditions: Sequence[Condition], grid: Grid, places: Labels) -> Mask:
     """For each open cell: whether in one direction all conditions that can be the smallest there grow.
 
-    The direction that is tried is the sum of the gradients of the conditions that can be the smallest.
+    Directions that are tried: the sum of the gradients of the conditions that can be the smallest, then those towards
+    the neighbours of a cell; each without what leaves the box.
     """
-    radius = np.pi / size
-    middles = _middles(places, joints, size)
+    radius, middles = grid.radius, grid.middles(places)
     values = [condition.over(middles, radius) for condition in conditions]
     lowest = reduce(np.minimum, [value.high for value in values])
     active = [value.low <= lowest for value in values]
     slopes = [condition.slopes_over(middles, radius) for condition in conditions]
-    count = len(places)
-    direction = {joint: np.zeros(count) for joint in joints}
+    direction = _summed(slopes, active, grid.joints)
+    grows = _all_grow(slopes, active, grid.inward(places, direction))
+    for steps in product((-1.0, 0.0, 1.0), repeat=len(grid.joints)):
+        if grows.all():
+            break
+        constant = {joint: np.full(len(places), step) for joint, step in zip(grid.joints, steps, strict=True)}
+        grows |= _all_grow(slopes, active, grid.inward(places, constant))
+    return grows
+
+
+def _summed(
+    slopes: Sequence[Mapping[int, Interval]], active: Sequence[Mask], joints: Sequence[int]
+) -> dict[int, Array]:
+    """The sum of the middles of the gradients of active conditions."""
+    direction = {joint: np.zeros(len(active[0])) for joint in joints}
     for some, here in zip(slopes, active, strict=True):
         for joint, slope in some.items():
             with np.errstate(invalid="ignore"):
                 middle = 0.5 * (slope.low + slope.high)
             direction[joint] += np.where(here & np.isfinite(middle), middle, 0.0)
-    grows = np.ones(count, dtype=bool)
+    return direction
+
+
+def _all_grow(slopes: Sequence[Mapping[int, Interval]], active: Sequence[Mask], direction: Mapping[int, Array]) -> Mask:
+    """For each cell: whether every active condition grows along a direction."""
+    grows = np.ones(len(active[0]), dtype=bool)
     for some, here in zip(slopes, active, strict=True):
-        along = np.zeros(count)
+        along = np.zeros(len(here))
         for joint, slope in some.items():
             d = direction[joint]
             with np.errstate(invalid="ignore"):
@@ -246,13 +356,20 @@ def _no_maximum(conditions: Sequence[Condition], joints: Sequence[int], places: 
     return grows
 
 
-def clusters(mask: Mask) -> Labels:
-    """A number for each cell of the mask, the same for cells that faces join around the torus; −1 outside it."""
+def clusters(mask: Mask, wraps: Sequence[bool]) -> Labels:
+    """A number for each cell of the mask, the same for cells that faces join; −1 outside it.
+
+    Args:
+        mask: of the cells of a grid.
+        wraps: for each axis, whether its last cell has the first one for a neighbour.
+    """
     flat = mask.ravel()
     number = np.where(flat, np.arange(flat.size), -1).reshape(mask.shape)
     pairs = []
     for axis in range(mask.ndim):
         other = np.roll(number, -1, axis=axis)
+        if not wraps[axis]:
+            np.moveaxis(other, axis, 0)[-1] = -1
         both = (number >= 0) & (other >= 0)
         pairs.append(np.stack([number[both], other[both]]))
     if pairs:

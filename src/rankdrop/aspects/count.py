@@ -163,7 +163,7 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
         (True, 2, ('s2',))
     """
     signed, chain = signs.factors, signs.chain
-    head = AspectCount(tuple(factor.text for factor in signed), tuple(_role(name) for name in signs.names))
+    head = head_of(signs)
     if not all(factor.periodic for factor in signed):
         return replace(head, left=Left.SIGN)
     if len(signed) > MOST_FACTORS:
@@ -186,12 +186,23 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
     return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
 
 
+def head_of(signs: Signs) -> AspectCount:
+    """A count that says which factors there are, and no numbers yet."""
+    return AspectCount(tuple(factor.text for factor in signs.factors), tuple(_role(name) for name in signs.names))
+
+
+def wave_of_factor(ring: Ring, numbers: Mapping[str, float], parts: Sequence[Polynomial]) -> tuple[Wave, ...]:
+    """The Fourier sums of a factor, or of its A, B and C, divided by their largest coefficient."""
+    unit = max(max(abs(value) for value in p.coeffs()) for p in parts if p != 0)
+    return tuple(wave_of(ring, p, numbers, unit) for p in parts)
+
+
 def _role(name: FamilyName | None) -> str:
     """The part of the arm that a family is named after."""
     return name.short if name is not None and name.parts else ""
 
 
-def _polynomial(factor: SignedFactor) -> Polynomial:
+def polynomial_of(factor: SignedFactor) -> Polynomial:
     """The trigonometric polynomial of a factor with a sign, up to a positive number and up to its sign."""
     ring = factor.ring
     f = ring.half.constant(1)
@@ -238,7 +249,7 @@ class Peeling:
     def __init__(self, ring: Ring, numbers: Mapping[str, float], factors: Sequence[SignedFactor]) -> None:
         self.ring, self.numbers = ring, numbers
         self.atoms = [factor.atoms for factor in factors]
-        self.whole: list[Polynomial | None] = [_polynomial(factor) for factor in factors]  # None once peeled
+        self.whole: list[Polynomial | None] = [polynomial_of(factor) for factor in factors]  # None once peeled
         self.linear: dict[int, _Linear] = {}  # those that one joint was peeled off
         self.peeled: list[int] = []
         self._waves: dict[int, tuple[Wave, ...]] = {}
@@ -260,10 +271,7 @@ class Peeling:
     def condition(self, i: int, sign: int) -> Condition:
         """What a factor with this sign asks of the joints that are left."""
         if i not in self._waves:
-            some = self._parts(i)
-            sizes = [max(abs(value) for value in p.coeffs()) for p in some if p != 0]
-            unit = max(sizes)
-            self._waves[i] = tuple(wave_of(self.ring, p, self.numbers, unit) for p in some)
+            self._waves[i] = wave_of_factor(self.ring, self.numbers, self._parts(i))
         waves = self._waves[i]
         if len(waves) == 1:
             return Positive(waves[0], sign)
@@ -330,17 +338,26 @@ class Peeling:
         return all(atom.pinned for atom in new) and cut_once and not held & set(cut)
 
     def _grouped(self) -> list[tuple[int, ...]]:
-        groups: list[tuple[set[int], list[int]]] = []
-        for i in self._alive():
-            joints, members = self._joints(i), [i]
-            apart = []
-            for others, some in groups:
-                if others & joints:
-                    joints, members = joints | others, some + members
-                else:
-                    apart.append((others, some))
-            groups = [*apart, (joints, members)]
-        return [tuple(sorted(members)) for _, members in groups]
+        return sharing({i: self._joints(i) for i in self._alive()})
+
+
+def sharing(joints: Mapping[int, set[int]]) -> list[tuple[int, ...]]:
+    """Factors in groups: two that depend on a common joint are in one.
+
+    Args:
+        joints: index of each factor -> the joints it depends on.
+    """
+    groups: list[tuple[set[int], list[int]]] = []
+    for i, own in joints.items():
+        together, members = set(own), [i]
+        apart = []
+        for others, some in groups:
+            if others & together:
+                together, members = together | others, some + members
+            else:
+                apart.append((others, some))
+        groups = [*apart, (together, members)]
+    return [tuple(sorted(members)) for _, members in groups]
 
 
 def joints_of(ring: Ring, p: Polynomial) -> set[int]:

@@ -23,14 +23,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.algebra.work import OutOfTime, Work, watched
-from rankdrop.aspects.count import AspectCount, Left, count_aspects, walls_of
+from rankdrop.aspects.arm import count_of_arm
+from rankdrop.aspects.count import AspectCount
+from rankdrop.aspects.limits import count_within_limits
 from rankdrop.codec import Result
 from rankdrop.cover.setting import settings_for
-from rankdrop.errors import ConfigurationError, MissingExtraError, RobotError, TaskError
-from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.posture_changes import CUSPS, OPEN, Decision
-from rankdrop.exact.signs import Signs, configuration_flags, signs_of
+from rankdrop.exact.signs import Signs, configuration_flags
 from rankdrop.kinematics import check_robot, one_configuration, pose
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box
 from rankdrop.options import takes
@@ -41,6 +41,10 @@ from rankdrop.poses.inverse import apart, check_square, determinants, near_and_w
 from rankdrop.poses.postures import decided
 from rankdrop.problem import Mask
 from rankdrop.questions import AspectsOptions
+from rankdrop.results.aspect_summary import CUSPIDAL as CUSPIDAL
+from rankdrop.results.aspect_summary import NOT_ASKED as NOT_ASKED
+from rankdrop.results.aspect_summary import NOT_CUSPIDAL as NOT_CUSPIDAL
+from rankdrop.results.aspect_summary import NOT_FOUND as NOT_FOUND
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
@@ -48,9 +52,6 @@ from rankdrop.text import aspects as text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
-CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
-NOT_ASKED = "not asked"
-"""Verdict of an arm with more or fewer joints than rows: solutions of a pose are curves, or there are none."""
 _RINGS = (0.05, 0.1, 0.2, 0.3, 0.4)  # distances from a cusp at which poses are tried [rad]
 _AROUND = 4  # poses on each
 
@@ -127,6 +128,7 @@ class Postures(Result):
         change: a path from one solution of a pose to another; None where none was found or none exists.
         notes: what was rounded.
         complete: False after Ctrl-C.
+        within: how many regions are left within the joint limits; None where limits were not asked for.
     """
 
     robot: Robot
@@ -138,6 +140,7 @@ class Postures(Result):
     change: Change | None
     notes: tuple[str, ...]
     complete: bool
+    within: AspectCount | None = None
     FILE: ClassVar[str] = "aspects"
 
     @property
@@ -222,8 +225,9 @@ def aspects_of(
     how = AspectsOptions.of(options, given)
     resolved = resolve_task(task, robot)
     if robot.n != resolved.m and q is None:
-        count, _ = _counted(robot, resolved)
-        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True)
+        count, numeric = count_of_arm(robot, resolved)
+        within = _within(robot, numeric, how)
+        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True, within)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
@@ -236,7 +240,7 @@ def aspects_of(
         raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
                                  mend="rankdrop explain shows ways out of it")  # fmt: skip
     decision, signs, notes = decided(robot, resolved)
-    count, numeric = _counted(robot, resolved)
+    count, numeric = count_of_arm(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
     else:
@@ -262,7 +266,15 @@ def aspects_of(
         complete = False
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete)
+    within = _within(robot, numeric, how)
+    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete, within)
+
+
+def _within(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCount | None:
+    """The regions within the joint limits, where they are asked for."""
+    if not how.limits or signs is None:
+        return None
+    return count_within_limits(robot, signs)
 
 
 def _searched(
@@ -323,24 +335,6 @@ def _grouped(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
     return group
 
 
-COUNTING = 20.0
-"""Work that counting the aspects may take [s of an idle machine]."""
-
-
-def _counted(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
-    """How many aspects the arm has, with its factors in numbers."""
-    work = Work(COUNTING)
-    try:
-        with watched(work.check):
-            chain = exact_chain(robot, task, lengths="numbers")
-            signs = signs_of(chain) if chain.n == chain.task.m else walls_of(chain, work)
-            if signs is None:
-                return AspectCount(left=Left.WORK), None
-            return count_aspects(signs, work), signs
-    except OutOfTime:
-        return AspectCount(left=Left.WORK), None
-    except (RobotError, TaskError, MissingExtraError):
-        return AspectCount(left=Left.CONDITIONS), None
 
 
 def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits: bool) -> Solved:

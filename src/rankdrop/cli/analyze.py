@@ -150,6 +150,9 @@ def _brief(
     speeds = text.speed_section(analysis)
     if speeds is not None:
         blocks.append(speeds)
+    aspects = text.aspects_line(analysis.aspects)
+    if aspects:
+        blocks.append([aspects])
     blocks.append([text.more_line(seconds)])
     return fitted(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
@@ -175,6 +178,9 @@ def _blocks(
     speeds = text.speed_section(analysis)
     if speeds is not None:
         yield speeds
+    aspects = text.aspects_line(analysis.aspects)
+    if aspects:
+        yield [aspects]
     if analysis.families:
         yield [Text(text.legend(analysis.robot, analysis.families), style="dim")]
     if analysis.exact is not None:

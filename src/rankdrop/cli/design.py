@@ -69,9 +69,9 @@ def sweep(
     """Measure many variants of an arm.
 
     Lengths, angles, offsets, base or tool are parameters. Per variant what the file asks for: families, and how they
-    differ from the neighbour's; the share of the joint space near them; σ over a region or on paths; the share proven
-    free. Then the Pareto-optimal variants: those not dominated by any other by more than the error of the samples. How
-    to write the file: docs/howto/comparing-designs.md.
+    differ from the neighbour's; the share of the joint space near them; the number of aspects; σ over a region or on
+    paths; the share proven free. Then the Pareto-optimal variants: those not dominated by any other by more than the
+    error of the samples. How to write the file: docs/howto/comparing-designs.md.
 
     For example:
         rankdrop sweep --example designs.toml
@@ -194,7 +194,7 @@ class CompareOptions(Options):
         """
         asked: dict[str, Any] = {
             "task": self.task, "length_scale": self.length_scale, "limits": self.limits, "seed": self.seed,
-            "as_written": self.as_written, "families": {"starts": self.starts, "fresh": 1000},
+            "as_written": self.as_written, "families": {"starts": self.starts, "fresh": 1000}, "aspects": {},
             "near": {"within": self.within},
         }  # fmt: skip
         if self.speed is not None:
@@ -226,8 +226,9 @@ def compare(
 ) -> Done:
     """Compare arms for the same task.
 
-    Two to ten arms, by the same measures: families, the share of the joint space near them, and on request σ over a
-    box of the workspace, on tool paths, and the share proven free. σ is divided by one length scale for all of them.
+    Two to ten arms, by the same measures: families, aspects, the share of the joint space near singularities, and on
+    request σ over a box of the workspace, on tool paths, and the share proven free. σ is divided by one length scale
+    for all of them.
 
     For example:
         rankdrop compare ur5e gp7 irb1200

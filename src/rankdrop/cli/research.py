@@ -321,8 +321,9 @@ def aspects(
     """Count the aspects of an arm, and find changes of posture without a singularity.
 
     An aspect is a connected set of regular configurations; their number is printed
-    first, joint limits ignored. Of arms with as many joints as rows the inverse of
-    a pose is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
+    first, joint limits ignored; with --limits also the number of regions within them.
+    Of arms with as many joints as rows the inverse of a pose is solved, and its
+    solutions are sorted by aspect. Cuspidal: two lie in one, shown by a path between them
     that is proven free, or by the proven number of aspects. Not cuspidal: proven
     from the arm's structure, or because no three solutions meet anywhere.
 
@@ -333,6 +334,7 @@ def aspects(
         rankdrop aspects crx10ia --certificate cuspidal.json
         rankdrop verify cuspidal.json --robot crx10ia
         rankdrop aspects ur5e --certificate ur5e.json
+        rankdrop aspects irb120 --limits
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
     change of posture was found, which is no proof, or the number of aspects is not

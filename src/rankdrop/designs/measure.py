@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.codec import encode, plain, restored
 from rankdrop.cover.covering import plan_of
 from rankdrop.designs.postures import reached, slow_poses, targets_of
@@ -40,9 +41,11 @@ from rankdrop.path import FREE, check_poses
 from rankdrop.problem import Problem
 from rankdrop.results import Analysis, Conditions, known_analysis, known_conditions
 from rankdrop.results.analysis import Settings
+from rankdrop.results.known import known_aspects
 from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
 from rankdrop.schema.design import NEAR_SHARE
+from rankdrop.schema.families import ASPECTS_SUMMARY
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
 from rankdrop.tolerances import DEFAULT
@@ -223,6 +226,15 @@ def _family(family: Family, robot: Robot) -> Record:
     }
 
 
+def _aspects(problem: Problem, _: Any, _asked: Any, _seed: int) -> Measured:
+    """The number of aspects: stored for arms of the catalogue, else counted; None where it is not proven."""
+    summary = known_aspects(problem.robot, problem.task)
+    if summary is None:
+        count, _signs = count_of_arm(problem.robot, problem.task)
+        summary = summary_of(count)
+    return {"aspects": encode(ASPECTS_SUMMARY, summary)}, {"aspects": summary.number}
+
+
 def _near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
     near = near_shares(known.families, problem, asked["within"], samples=asked["samples"], seed=seed)
     entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, one) for one in near.families],
@@ -323,7 +335,8 @@ def _certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
 
 
 _MEASURES: dict[str, Callable[..., Measured]] = {
-    "families": _families, "near": _near, "slow": _slow, "region": _region, "paths": _paths, "certified": _certified,
+    "families": _families, "aspects": _aspects, "near": _near, "slow": _slow, "region": _region, "paths": _paths,
+    "certified": _certified,
 }  # fmt: skip
 """What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
 NEED_FAMILIES = ("families", "near", "paths")

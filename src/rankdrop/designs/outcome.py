@@ -24,15 +24,17 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
-from rankdrop.designs.spec import GOALS, Parameter, Spec
+from rankdrop.designs.spec import GOALS, UNRANKED, Parameter, Spec
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.options import advised
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.robot import Robot, reach
 from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
+from rankdrop.text.aspects import aspects_cell, aspects_line
 from rankdrop.text.brief import compared_arms, compared_sentence, sigma_note, slow_poses_note
 from rankdrop.text.words import sweep_next
 
@@ -335,17 +337,42 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
 
 
 def measure_cell(name: str, record: Mapping[str, Any]) -> str:
-    """A measure of a variant for people; σ over a region with its proven bounds: "0.305 (0.302 … 0.308)"."""
-    value = record["measures"].get(name)
-    text = measure_text(name, value)
+    """A measure of a variant for people; some with their bounds: "0.305 (0.302 … 0.308)", "2 … 8"."""
+    text = measure_text(name, record["measures"].get(name))
+    if name in _CELLS:
+        return _CELLS[name](text, record)
+    return text
+
+
+def _aspects_cell(text: str, record: Mapping[str, Any]) -> str:
+    """The number of aspects, or its bounds."""
+    if record.get("aspects"):
+        return aspects_cell(AspectSummary(**record["aspects"]))
+    return text
+
+
+def _slow_poses_cell(text: str, record: Mapping[str, Any]) -> str:
+    """The share of slow poses with its interval."""
     region = record.get("region") or {}
-    if name == "slow_poses" and region.get("slow"):
-        low, high = (100 * end for end in region["slow"]["interval"])
-        return f"{text} ({low:.2g} … {high:.2g} %)"
-    if name != "sigma" or value is None or region.get("sigma_lower") is None:
+    if not region.get("slow"):
+        return text
+    low, high = (100 * end for end in region["slow"]["interval"])
+    return f"{text} ({low:.2g} … {high:.2g} %)"
+
+
+def _sigma_cell(text: str, record: Mapping[str, Any]) -> str:
+    """σ over a region with its proven bounds."""
+    region = record.get("region") or {}
+    if record["measures"].get("sigma") is None or region.get("sigma_lower") is None:
         return text
     upper = region.get("sigma_upper")
     return f"{text} ({region['sigma_lower']:.4g} … {'?' if upper is None else format(upper, '.4g')})"
+
+
+_CELLS: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
+    "aspects": _aspects_cell, "slow_poses": _slow_poses_cell, "sigma": _sigma_cell,
+}  # fmt: skip
+"""Measures with bounds -> their cell, from the measure as text and the record."""
 
 
 def shown(value: float, parameter: Parameter) -> str:
@@ -555,7 +582,7 @@ class SideBySide(Result):
 
     def _ranked_best(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)
-        if measure != "families" and len(best) < len(self.names):
+        if measure not in UNRANKED and len(best) < len(self.names):
             return best
         return ()
 
@@ -568,6 +595,8 @@ def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
         for family in one.get("families", [])
     )  # fmt: skip
     lines = [one["error"]] if one["error"] else []
+    if one.get("aspects"):
+        lines.append(aspects_line(AspectSummary(**one["aspects"])))
     if "sentence" in one:
         lines.append(one["sentence"])
     if one.get("region") and one["region"]["sigma"] is not None:

@@ -30,15 +30,18 @@ from rankdrop.task import Task, resolve_task
 KINDS = ("grid", "latin-hypercube", "sobol", "list")
 MOST_VARIANTS = 1_000_000
 MOST_PARAMETERS = 12
-ASKS = ("families", "near", "slow", "region", "paths", "certified")
+ASKS = ("families", "aspects", "near", "slow", "region", "paths", "certified")
 GOALS = {
-    "families": "less", "near": "less", "slow": "less", "sigma": "more", "reached": "more", "slow_poses": "less",
-    "path_sigma": "more", "path_distance": "more", "paths_free": "more", "free": "more",
+    "families": "less", "aspects": "less", "near": "less", "slow": "less", "sigma": "more", "reached": "more",
+    "slow_poses": "less", "path_sigma": "more", "path_distance": "more", "paths_free": "more", "free": "more",
 }  # fmt: skip
 """Every measure, and whether less or more of it is better."""
+UNRANKED = ("families", "aspects")
+"""Numbers that make no arm better by themselves: they are goals only where a plan names them in `[pareto]`."""
 _MEASURES = {
-    "families": ("families",), "near": ("near",), "slow": ("slow",), "region": ("sigma", "reached", "slow_poses"),
-    "paths": ("path_sigma", "path_distance", "paths_free"), "certified": ("free",),
+    "families": ("families",), "aspects": ("aspects",), "near": ("near",), "slow": ("slow",),
+    "region": ("sigma", "reached", "slow_poses"), "paths": ("path_sigma", "path_distance", "paths_free"),
+    "certified": ("free",),
 }  # fmt: skip
 
 
@@ -75,6 +78,7 @@ class Asks:
 
     Attributes:
         families: starts, fresh and exact.
+        aspects: no keys; joint limits are ignored.
         near: within [rad] and samples.
         slow: speed [m/s], turn_speed [rad/s] and samples.
         region: lower, upper [m], rpy [rad] or None, points, starts, budget of each proven bound of σ, and
@@ -84,6 +88,7 @@ class Asks:
     """
 
     families: Mapping[str, Any] | None = None
+    aspects: Mapping[str, Any] | None = None
     near: Mapping[str, Any] | None = None
     slow: Mapping[str, Any] | None = None
     region: Mapping[str, Any] | None = None
@@ -131,8 +136,8 @@ class Spec:
 
     @property
     def goals(self) -> dict[str, str]:
-        """What a better variant has less or more of: as given, else every measure but the number of families."""
-        return dict(self.pareto) or {name: GOALS[name] for name in self.asks.measures if name != "families"}
+        """What a better variant has less or more of: as given, else every measure but those of `UNRANKED`."""
+        return dict(self.pareto) or {name: GOALS[name] for name in self.asks.measures if name not in UNRANKED}
 
     @property
     def box(self) -> tuple[Array, Array]:
@@ -336,8 +341,9 @@ TABLES: dict[str, dict[str, Entry]] = {
         "robot": (_text, None), "tip": (_text, None), "base": (_text, None), "as_written": (_flag, False),
         "task": (_text, None), "length_scale": (_length, None), "limits": (_flag, False),
         "seed": (_whole_number, 0, 0, 2**63 - 1), "parameters": (_any, {}), "sample": (_any, {}),
-        "variants": (_any, None), "families": (_any, None), "near": (_any, None), "slow": (_any, None),
-        "region": (_any, None), "paths": (_any, None), "certified": (_any, None), "pareto": (_any, {}),
+        "variants": (_any, None), "families": (_any, None), "aspects": (_any, None), "near": (_any, None),
+        "slow": (_any, None), "region": (_any, None), "paths": (_any, None), "certified": (_any, None),
+        "pareto": (_any, {}),
     },
     "parameters": {},
     "sample": {"kind": (_any, None), "variants": (_any, 0)},
@@ -345,6 +351,7 @@ TABLES: dict[str, dict[str, Entry]] = {
         "starts": (_whole_number, 300, 10, MOST_STARTS), "fresh": (_whole_number, 300, 10, 20_000),
         "exact": (_flag, True),
     },
+    "aspects": {},
     "near": {
         "within": (_width, "5 deg", WIDEST),
         "samples": (_whole_number, 2000, 100, 1_000_000),

@@ -250,9 +250,9 @@ def compare(
 
     Args:
         arms: names in the catalogue, or files.
-        spec: tables as of a sweep, without arm and variants: what is measured (families, near, region, paths,
-            certified), by default the families and the share of the joint space within 5° of them; task, else that of
-            the first arm; length_scale, else the largest reach; limits, seed, as_written.
+        spec: tables as of a sweep, without arm and variants: what is measured (families, aspects, near, region,
+            paths, certified), by default the families and the share of the joint space within 5° of them; task, else
+            that of the first arm; length_scale, else the largest reach; limits, seed, as_written.
         workers, scheduler: as for `sweep`.
         report: report(label, done, total).
 

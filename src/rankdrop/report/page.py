@@ -35,7 +35,7 @@ from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, near_ideal
 from rankdrop.sections import html
 from rankdrop.task import Task, link_index, resolve_task
-from rankdrop.text import lost_sentences
+from rankdrop.text import aspects_line, lost_sentences
 from rankdrop.tolerances import DEFAULT
 from rankdrop.version import VERSION
 from rankdrop.viewer.upright import upright_start
@@ -123,9 +123,13 @@ def _header(content: Content) -> str:
         ("length scale", f"{settings.length_scale:.4g} m"),
         ("made by", f"rankdrop {settings.version}, seed {settings.seed}"),
     ]
+    aspects = aspects_line(analysis.aspects)
+    if aspects:
+        facts.insert(1, ("aspects", aspects))
     if content.slow is not None:
         share = f"{'at least ' * content.slow.bound}{100 * content.slow.share:.2g} %"
-        facts.insert(3, ("slow", f"below 25 mm/s or 5°/s in some direction: {share} of configurations inside limits"))
+        told = f"below 25 mm/s or 5°/s in some direction: {share} of configurations inside limits"
+        facts.insert(len(facts) - 2, ("slow", told))
     title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
     about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
     return header(title, css, " ".join(verdict.beside(analysis.answer)), facts, about, _notes(content))

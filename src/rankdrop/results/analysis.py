@@ -26,6 +26,7 @@ from rankdrop.families.name import FamilyName
 from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
@@ -55,6 +56,8 @@ class Analysis(Result):
         exact: the exact derivation of the families; None where it was not asked for.
         near: share of the joint space near each family; None where it was not asked for.
         speeds: how far from each family the tool keeps a speed; None where it was not asked for.
+        aspects: how many aspects the arm has, joint limits ignored; None for arms outside the catalogue where it was
+            not asked for.
     """
 
     robot: Robot
@@ -69,6 +72,7 @@ class Analysis(Result):
     exact: Derivation | None = None
     near: Near | None = None
     speeds: SpeedDistances | None = None
+    aspects: AspectSummary | None = None
     FILE: ClassVar[str] = "analysis"
 
     @property
@@ -181,6 +185,7 @@ class Analysis(Result):
             exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
             speeds=at("$.speeds", lambda: restored(SpeedDistances, record["speeds"])) if "speeds" in record else None,
+            aspects=at("$.aspects", lambda: _aspects(record)),
         )
 
     def sections(self) -> tuple[Section, ...]:
@@ -290,6 +295,14 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
+
+
+def _aspects(record: Record) -> AspectSummary | None:
+    """The entry `aspects`; None where the record has none."""
+    if "aspects" not in record:
+        return None
+    aspects: AspectSummary = restored(AspectSummary, record["aspects"])
+    return aspects
 
 
 def _derivation(record: Record) -> Derivation:

@@ -40,6 +40,8 @@ from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.local.directions import lost_directions
 from rankdrop.questions import ConditionsOptions
+from rankdrop.results.aspect_summary import FILE as ASPECTS
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import SCHEMA, Conditions
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
@@ -92,18 +94,63 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
         >>> len(known_analysis(arm, resolve_task(None, arm)).families)
         9
     """
-    there = in_metres(robot)
-    names = _names.setdefault(robot, {})
-    key = (task.rows, task.frame, any_tip)
-    if key not in names:
-        names[key] = _known_name(there, task, any_tip=any_tip)
-    name = names[key]
+    name = known_name(robot, task, any_tip=any_tip)
     if name is None:
         return None
-    named = _named_after(shipped(name), there)
+    there = in_metres(robot)
+    named = replace(_named_after(shipped(name), there), aspects=catalogue_aspects().get(name))
     if there is robot:
         return named
     return _out_of_metres(named, robot)
+
+
+def known_name(robot: Robot, task: Task, *, any_tip: bool = False) -> str | None:
+    """The name in the catalogue of an arm with this geometry and task, or None.
+
+    Args:
+        robot: any arm.
+        task: from `resolve_task`.
+        any_tip: as in `known_analysis`.
+    """
+    names = _names.setdefault(robot, {})
+    key = (task.rows, task.frame, any_tip)
+    if key not in names:
+        names[key] = _known_name(in_metres(robot), task, any_tip=any_tip)
+    return names[key]
+
+
+def known_aspects(robot: Robot, task: Task) -> AspectSummary | None:
+    """The stored number of aspects of an arm with this geometry and task, or None; joint limits play no part.
+
+    An arm that differs from an arm of the catalogue in its end effector only is known where the task has all six rows:
+    a tool neither makes nor removes a singularity.
+
+    Args:
+        robot: any arm.
+        task: from `resolve_task`.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("ur5e")
+        >>> known_aspects(arm, resolve_task(None, arm)).number
+        8
+    """
+    there, tip = in_metres(robot), task.m < 6
+    mine = geometry(there, tip=tip)
+    for name in candidates(there, tip=tip):
+        arm = open_robot(name)
+        own = resolve_task(None, arm)
+        same_task = own.rows == task.rows and (task.m == 6 or own.frame == task.frame)
+        if same_task and np.abs(geometry(in_metres(arm), tip=tip) - mine).max() <= _SAME:
+            return catalogue_aspects().get(name)
+    return None
+
+
+@cache
+def catalogue_aspects() -> dict[str, AspectSummary]:
+    """Name of an arm of the catalogue -> its number of aspects, for the task that the arm is made for."""
+    return {name: AspectSummary(**entry) for name, entry in (_file("aspects", ASPECTS) or {}).items()}
 
 
 def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:

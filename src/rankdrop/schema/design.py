@@ -8,6 +8,7 @@ from typing import Any, Literal
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
 from rankdrop.robot.numbers import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
+from rankdrop.schema.families import ASPECTS_SUMMARY
 from rankdrop.task import ROWS
 from rankdrop.version import VERSION
 
@@ -62,10 +63,12 @@ JACOBIAN_FILE = file(
     checks=many(CHECKS),
     holds=(bool, "whether every check does"),
 )
-UNITS = {"families": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share", "slow_poses": "share",
-         "path_sigma": "1", "path_distance": "rad", "paths_free": "share", "free": "share"}  # fmt: skip
+UNITS = {"families": "", "aspects": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share",
+         "slow_poses": "share", "path_sigma": "1", "path_distance": "rad", "paths_free": "share",
+         "free": "share"}  # fmt: skip
 MEANINGS = {
     "families": "number of families of every corank",
+    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven",
     "near": "share of the joint space near any family",
     "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
     "sigma": "smallest, over the poses of the region, of the σ of the best posture, with proven bounds",
@@ -166,6 +169,7 @@ _MEASURED: dict[str, Any] = {
     "sentence": optional(str),
     "rank": optional(int),
     "families": optional(many(ARMS_FAMILY)),
+    "aspects": optional(ASPECTS_SUMMARY),
     "near": optional(ARMS_NEAR),
     "slow": optional(ARMS_SLOW | None),
     "region": optional(REGION),

@@ -20,6 +20,7 @@ from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow,
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
 from rankdrop.formula.notation import C, Python, Step
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost import lost_sentences
@@ -155,6 +156,15 @@ SPEED_DISTANCES = table(
         slower_speed=(num("m/s", ge=0) | None, "of the tool there, in its slowest direction"), boxes=Count,
     )),
 )  # fmt: skip
+ASPECTS_SUMMARY = table(
+    "aspects_summary", of=AspectSummary,
+    at_least=(Count | None, "aspects, proven; null where they were not counted"),
+    at_most=(Count | None, "null where they were not counted"),
+    proven=(bool, "whether `at_most` is proven as well"),
+    posture_change=(Literal["cuspidal", "not cuspidal", "none found", "not asked"] | None,
+        "whether the arm can change its posture without a singularity: as `verdict` of `aspects`; null where only the "
+        "aspects were counted"),
+)  # fmt: skip
 SIGMA = table("sigma", least=num("1", ge=0), median=num("1", ge=0), most=num("1", ge=0))
 DISTANCE = table("distance", least=num("distance", ge=0), median=num("distance", ge=0), most=num("distance", ge=0))
 IDEAL_FAMILIES = table(
@@ -207,6 +217,8 @@ ANALYSIS_FILE = file(
         lambda one: one.near or UNSET),
     speeds=(optional(SPEED_DISTANCES), "how far from each family the tool keeps a speed; absent where it was not asked "
         "for", lambda one: one.speeds or UNSET),
+    aspects=(optional(ASPECTS_SUMMARY), "how many aspects the arm has, joint limits ignored; absent for arms outside "
+        "the catalogue where it was not asked for", lambda one: one.aspects or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",
         _absent),
 )

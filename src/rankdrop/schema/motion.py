@@ -102,6 +102,8 @@ ASPECTS_FILE = file(
         "proof of absence; not asked: not as many joints as rows"),
     sentence=str,
     count=(optional(ASPECTS_COUNT), "of aspects, joint limits ignored"),
+    within_limits=(optional(ASPECTS_COUNT), "with --limits: connected sets of regular configurations within the joint "
+        "limits; absent where they were not asked for", lambda one: one.within or UNSET),
     exact=(ASPECTS_EXACT, "", attrgetter("decision")),
     poses=(many(POSES), "", attrgetter("solved")),
     path=(PATH | None, "", attrgetter("change")),

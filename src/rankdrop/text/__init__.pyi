@@ -1,3 +1,5 @@
+from .aspects import aspects_cell as aspects_cell
+from .aspects import aspects_line as aspects_line
 from .aspects import no_certificate as no_certificate
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line

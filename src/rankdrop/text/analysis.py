@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rankdrop.results.analysis import Analysis
 from rankdrop.sections import Section
+from rankdrop.text.aspects import aspects_line
 from rankdrop.text.brief import speed_section
 from rankdrop.text.conditions import of_analysis, opening, summary_of_analysis
 from rankdrop.text.families import inside_limits, overview
@@ -20,7 +21,9 @@ def sections_of(analysis: Analysis) -> tuple[Section, ...]:
         limits=analysis.settings.limits,
     )  # fmt: skip
     speeds = speed_section(analysis)
-    return (Section(first, lines=(second,)), *tables, *([] if speeds is None else [speeds]))
+    aspects = aspects_line(analysis.aspects)
+    lines = tuple(filter(None, (second, aspects)))
+    return (Section(first, lines=lines), *tables, *([] if speeds is None else [speeds]))
 
 
 def latex_of(analysis: Analysis) -> str:

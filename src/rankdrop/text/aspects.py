@@ -84,6 +84,69 @@ def aspects_number(found: Any) -> str:
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
+_NOT_WITHIN = _NOT_COUNTED | {
+    "joints": "conditions that share joints depend on more than three of them",
+    "slide": "a condition depends on a slide",
+}
+
+
+def within_limits_sentence(count: Any) -> str:
+    """How many regular regions are left within the joint limits, in one sentence; "" where that was not asked for."""
+    if count is None:
+        return ""
+    if count.left is not None:
+        return f"Within the joint limits nothing was counted: {_NOT_WITHIN[count.left.value]}."
+    least, most = count.at_least, count.at_most
+    if count.exact:
+        return f"Within the joint limits: {least} {plural('region', least)} (proven)."
+    if count.proven:
+        return f"Within the joint limits: {least} to {most} regions (proven)."
+    return f"Within the joint limits: at least {least} {plural('region', least)} (proven); cells show {most}."
+
+
+_CHANGE = {
+    "cuspidal": "it can change its posture without a singularity (proven)",
+    "not cuspidal": "it cannot change its posture without a singularity (proven)",
+    "none found": "no change of posture without a singularity was found, which proves nothing",
+}
+
+
+def aspects_line(summary: Any) -> str:
+    """How many aspects an arm has and whether it can change its posture, in one sentence; "" where nothing is known.
+
+    Example:
+        >>> from rankdrop.results.aspect_summary import NOT_CUSPIDAL, AspectSummary
+        >>> aspects_line(AspectSummary(8, 8, True, NOT_CUSPIDAL))
+        'The arm has 8 aspects (proven): it cannot change its posture without a singularity (proven).'
+    """
+    if summary is None:
+        return ""
+    change = _CHANGE.get(summary.posture_change or "", "")
+    if summary.at_least is None:
+        if change:
+            return f"The aspects of the arm were not counted: {change}."
+        return "The aspects of the arm were not counted: rankdrop aspects says why."
+    number = f"{summary.at_least} {plural('aspect', summary.at_least)} (proven)"
+    if summary.number is None:
+        number = f"at least {number}"
+    if summary.number is None and summary.proven:
+        number = f"{number} and at most {summary.at_most} (proven)"
+    if change:
+        return f"The arm has {number}: {change}."
+    return f"The arm has {number}."
+
+
+def aspects_cell(summary: Any) -> str:
+    """The number of aspects in a cell: "8", "2 … 8" between proven bounds, "≥ 2" with a lower bound, or "–"."""
+    if summary is None or summary.at_least is None:
+        return "–"
+    if summary.number is not None:
+        return str(summary.number)
+    if summary.proven:
+        return f"{summary.at_least} … {summary.at_most}"
+    return f"≥ {summary.at_least}"
+
+
 def _signs_of_what(count: Any, *, square: bool) -> str:
     """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name; "" where nothing is."""
     if not count.factors:
@@ -134,9 +197,12 @@ def no_certificate(found: Any) -> str:
 
 def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     """Changes of posture: the number of aspects and the verdict first."""
-    yield Section(f"{aspects_number(found)} {found.sentence}")
+    sentences = (aspects_number(found), within_limits_sentence(found.within), found.sentence)
+    yield Section(" ".join(filter(None, sentences)))
     counting = _counting_line(found.count)
     lines = [counting] if counting else []
+    if found.within is not None and found.within.left is None:
+        lines.append("within the joint limits: " + _WITHIN_HOW.format(cells=_numbered(found.within.cells)))
     if found.robot.n != found.task.m:
         yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
         return
@@ -191,6 +257,10 @@ def _numbered(joints: Sequence[int]) -> str:
     return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
 
 
+_WITHIN_HOW = (
+    "cells in {cells}; a joint with limits is a line, not a circle: θ and θ + 360° are two places; limits may cut an "
+    "aspect into several regions, or leave all of it out"
+)
 _WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
 
 

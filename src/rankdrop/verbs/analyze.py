@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.distance.share import check_within, near_shares
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
@@ -31,8 +32,9 @@ from rankdrop.options import takes
 from rankdrop.problem import Problem
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.results.analysis import Analysis, Settings
+from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_conditions
+from rankdrop.results.known import known_aspects, known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
@@ -240,7 +242,17 @@ def analyze(
         exact=None if unfinished is not None else derivation,
         near=near,
         speeds=speeds,
+        aspects=_aspects(robot, resolved, asked=how.aspects),
     )
+
+
+def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:
+    """The number of aspects: stored for arms of the catalogue, else counted where it is asked for."""
+    known = known_aspects(robot, task)
+    if known is None and asked:
+        count, _ = count_of_arm(robot, task)
+        return summary_of(count)
+    return known
 
 
 def _region(robot: Robot, task: Task, how: AnalyzeOptions) -> SpeedRegion | None:

@@ -1,0 +1,123 @@
+"""The stored numbers of aspects are those that are counted, and are found by geometry."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+
+import pytest
+from jsonschema import Draft202012Validator
+from scripts import tool
+
+from rankdrop import sweep
+from rankdrop.aspects.arm import count_of_arm, summary_of
+from rankdrop.cli import main
+from rankdrop.designs import compare
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
+from rankdrop.results.known import catalogue_aspects, known_analysis, known_aspects
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+from rankdrop.text.aspects import aspects_cell, aspects_line
+from rankdrop.verbs.analyze import analyze
+
+TOOL = tool("make_aspects")
+QUICK = ("planar2r", "ur5e", "iiwa14")
+ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in robot_names()]
+
+
+def test_the_table_has_every_arm_and_is_written_by_the_tool() -> None:
+    assert tuple(sorted(catalogue_aspects())) == tuple(sorted(robot_names()))
+    table = {name: asdict(one) for name, one in catalogue_aspects().items()}
+    assert TOOL.read_table() == table
+
+
+@pytest.mark.slow_at("iiwa14", "ur5e")
+@pytest.mark.parametrize("name", ANEW)
+def test_a_stored_number_is_counted_again(name: str) -> None:
+    arm = open_robot(name)
+    count, _ = count_of_arm(arm, resolve_task(None, arm))
+    assert replace(catalogue_aspects()[name], posture_change=None) == summary_of(count)
+
+
+@pytest.mark.slow
+def test_the_tool_makes_the_entry_that_is_stored() -> None:
+    assert TOOL.summary_of("puma560") == catalogue_aspects()["puma560"]
+
+
+@pytest.mark.by_hand
+def test_arms_with_as_many_joints_as_rows_have_a_verdict_and_others_none() -> None:
+    for name, one in catalogue_aspects().items():
+        arm = open_robot(name)
+        square = arm.n == resolve_task(None, arm).m
+        assert (one.posture_change == NOT_ASKED) == (not square), name
+        assert one.posture_change in (CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, NOT_ASKED), name
+
+
+def test_aspects_are_known_of_the_arm_and_its_task_only() -> None:
+    arm = open_robot("ur5e")
+    found = known_aspects(arm, resolve_task(None, arm))
+    assert found == AspectSummary(8, 8, True, NOT_CUSPIDAL)
+    assert known_aspects(arm, resolve_task("position", arm)) is None
+    moved = known_analysis(arm, resolve_task(None, arm))
+    assert moved is not None
+    assert moved.aspects == found
+
+
+def test_the_words_say_what_is_proven() -> None:
+    lines = {
+        AspectSummary(8, 8, True, NOT_CUSPIDAL): ("8", "The arm has 8 aspects (proven): it cannot change its posture"),
+        AspectSummary(1, 1, True, NOT_ASKED): ("1", "The arm has 1 aspect (proven)."),
+        AspectSummary(2, 8, True, None): ("2 … 8", "The arm has at least 2 aspects (proven) and at most 8 (proven)."),
+        AspectSummary(2, 8, False, CUSPIDAL): ("≥ 2", "The arm has at least 2 aspects (proven): it can change its"),
+        AspectSummary(None, None, False, None): ("–", "The aspects of the arm were not counted: rankdrop aspects says"),
+    }
+    for summary, (cell, line) in lines.items():
+        assert aspects_cell(summary) == cell
+        assert aspects_line(summary).startswith(line)
+    assert aspects_cell(None) == "–"
+    assert aspects_line(None) == ""
+
+
+def test_an_analysis_has_the_aspects_of_its_arm_and_keeps_them_in_its_file() -> None:
+    found = analyze(open_robot("planar2r"), starts=50, fresh=False)
+    assert found.aspects == catalogue_aspects()["planar2r"]
+    assert found.to_dict()["aspects"]["at_least"] == 2
+    assert Analysis.from_dict(found.to_dict()).aspects == found.aspects
+
+
+def test_aspects_of_another_arm_are_counted_where_asked_for() -> None:
+    links = [{"d": 0.0, "a": a, "alpha": 0.0} for a in (1.0, 0.37)]
+    own = from_dh(links, convention="standard", task="planar-position", name="own")
+    assert analyze(own, starts=50).aspects is None
+    assert analyze(own, starts=50, aspects=True).aspects == AspectSummary(2, 2, True)
+
+
+@pytest.mark.slow
+def test_a_sweep_and_a_comparison_have_a_column_of_aspects() -> None:
+    found = compare(["planar3r", "planar2r"], {"aspects": {}, "task": "planar-position"}, workers=1)
+    assert [one["measures"]["aspects"] for one in found.records] == [1, 2]
+    changes = [one["aspects"]["posture_change"] for one in found.records]
+    assert changes == [None, "not cuspidal"]  # the first is counted, the second stored
+    table = next(one for one in found.sections() if one.title == "Side by side")
+    assert ("aspects", "1", "2") in table.rows
+    Draft202012Validator(load_schema("side-by-side")).validate(found.to_dict())
+
+
+@pytest.mark.slow
+def test_a_count_changes_where_a_family_vanishes() -> None:
+    """The shoulder a1 + a2 c2 + d4 c23 = 0 of the elbow arm is real while |a1| ≤ a2 + d4 = 0.9 m."""
+    plan = {"robot": "anthropomorphic", "aspects": {},
+            "parameters": {"shift": {"sets": "1.a", "values": [0.6, 1.2]}}}  # fmt: skip
+    found = sweep(plan, workers=1)
+    assert found.values("aspects") == [8, 4]
+    assert found.spec.goals == {}
+    assert found.holds
+    Draft202012Validator(load_schema("sweep")).validate(found.to_dict())
+
+
+@pytest.mark.slow
+def test_the_command_prints_the_number(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.run(["analyze", "planar2r", "--starts", "50", "--quiet"]) == 0
+    assert "The arm has 2 aspects (proven): it cannot change its posture" in capsys.readouterr().out

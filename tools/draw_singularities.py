@@ -23,8 +23,10 @@ from rankdrop.kinematics import link_poses
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array
 
-WIDTH, HEIGHT = 330, 400  # of one panel
-SHOWN = ((0, 0.55, 0.3, 0, 0.7, 1.3, 0), (0.3, -0.5, 0.2, 1.7, np.pi / 2, 0, 0), (0, 0, 0, 0, 0, 0, 0))
+WIDTH, HEIGHT = 210, 440  # of one panel: words can be read where the picture is 390 px wide
+TOP, BOTTOM = 62, 128  # of a panel, for the legend and for the words
+_LINE = 20  # characters of a line of a panel
+SHOWN = ((0, 0.3, 0.3, 0, 0.7, 1.1, 0), (0.3, -0.4, 0.2, 1.3, np.pi / 2, 0, 0), (0, 0, 0, 0, 0, 0, 0))
 AZIMUTH, ELEVATION = np.radians(-62), np.radians(16)
 STYLE = """
   .card { fill: #ffffff; } .text { fill: #1b1b1b; } .faint { fill: #595959; }
@@ -51,8 +53,9 @@ class View:
         self.across = np.stack([right, -up])  # (2, 3); y runs down in a drawing
         flat = points @ self.across.T
         low, high = flat.min(axis=0), flat.max(axis=0)
-        self.scale = float(min((WIDTH - 90) / (high[0] - low[0] + 0.25), (HEIGHT - 150) / (high[1] - low[1])))
-        self.shift = np.array([left + WIDTH / 2, HEIGHT / 2 - 25]) - self.scale * (low + high) / 2
+        room = WIDTH - 40, HEIGHT - TOP - BOTTOM - 24
+        self.scale = float(min(room[0] / max(high[0] - low[0], 0.1), room[1] / (high[1] - low[1])))
+        self.shift = np.array([left + WIDTH / 2, (TOP + HEIGHT - BOTTOM) / 2]) - self.scale * (low + high) / 2
 
     def __call__(self, point: Array) -> NDArray[np.float64]:
         """Drawing coordinates of points (..., 3)."""
@@ -99,7 +102,7 @@ def axes_drawn(view: View, frames: Array, blamed: set[int]) -> list[str]:
         a, b = view(point + (min(places) - 0.27) * along), view(point + (max(places) + 0.27) * along)
         low, high = (a, b) if a[1] > b[1] else (b, a)
         x, y = low + 16 * (low - high) / np.linalg.norm(low - high) + np.array([0, 4])
-        place = f'x="{x:.1f}" y="{y:.1f}" font-size="13" text-anchor="middle"'
+        place = f'x="{x:.1f}" y="{y:.1f}" font-size="16" text-anchor="middle"'
         words = ", ".join(str(number) for number in joints)
         found += [line("blamed", a, b, 2.2), f'<text class="number" {place}>{words}</text>']
     return found
@@ -134,23 +137,32 @@ def panel(arm: rankdrop.Robot, q: Array, left: float) -> list[str]:
     here = rankdrop.explain(arm, q)
     family, frames = here.met[0].family, link_poses(arm, q)  # standard DH: joint i turns about z of frame i − 1
     knots = np.vstack([frames[: arm.n, :3, 3], frames[-1:, :3, 3]])
-    view = View(np.vstack([knots, [[0, 0, -0.27]], knots[-1:] + np.array([0, 0, 0.27])]), left)
     sets = [circuit.numbers for circuit in here.blame.smallest]
     blamed = set(min(sets, key=len)) if family.corank == 1 else {number for one in sets for number in one}
+    ends = [frames[i - 1, :3, 3] + way * frames[i - 1, :3, 2] for i in blamed for way in (-0.27, 0.27)]
+    view = View(np.vstack([knots, *ends, knots[-1:] + np.array([0, 0, 0.2])]), left)
     flat = view(knots)
     x, y = flat[0]
-    found = [line("edge", np.array([x - 45, y + 8]), np.array([x + 45, y + 8]), 2)]
+    found = [line("edge", np.array([x - 22, y + 8]), np.array([x + 22, y + 8]), 2)]
     for a, b in pairwise(flat):
         found += [line("edge", a, b, 13), line("link", a, b, 10)] if np.linalg.norm(b - a) > 1 else []
     found += [f'<circle class="joint" cx="{x:.1f}" cy="{y:.1f}" r="6" stroke-width="2"/>' for x, y in flat[:-1]]
     found += axes_drawn(view, frames, blamed) + lost_drawn(view, here, frames)
+    told = conditions(family)
+    if len(told) > _LINE:
+        cut = "; " if ";" in told else " = "
+        first, second = told.split(cut, 1)
+        lines = (first, second if cut == "; " else f"= {second}")
+    else:
+        lines = (told, "")
     rows = (
-        (17, "text", HEIGHT - 62, family.name.partition(":")[0]),
-        (13, "text", HEIGHT - 41, conditions(family)),
-        (13, "faint", HEIGHT - 21, f"{family.corank} of 6 freedoms lost; family of dimension {family.dimension}"),
+        (17, "text", HEIGHT - 92, family.name.partition(":")[0].replace(", elbow and", ", elbow,")),
+        (16, "text", HEIGHT - 64, lines[0]),
+        (16, "text", HEIGHT - 42, lines[1]),
+        (16, "faint", HEIGHT - (18 if lines[1] else 40), f"{family.corank} of 6 freedoms lost"),
     )
     middle = f'x="{left + WIDTH / 2:.0f}" text-anchor="middle"'
-    words = (f'<text class="{c}" {middle} y="{y}" font-size="{size}">{escape(t)}</text>' for size, c, y, t in rows)
+    words = (f'<text class="{c}" {middle} y="{y}" font-size="{size}">{escape(t)}</text>' for size, c, y, t in rows if t)
     return [*found, *words]
 
 
@@ -159,8 +171,10 @@ def drawing() -> str:
     arm = rankdrop.open_robot("pa10")
     parts = [part for i, q in enumerate(SHOWN) for part in panel(arm, np.array(q, dtype=float), i * WIDTH)]
     width = WIDTH * len(SHOWN)
-    words = "Mitsubishi PA-10. Blue: motions lost (solid translation, dotted rotation). Orange: joint axes to blame."
-    legend = f'<text class="faint" x="16" y="24" font-size="13">{words}</text>'
+    words = "Mitsubishi PA-10. Orange: joint axes to blame.", "Blue: motions lost (solid translation, dotted rotation)."
+    legend = "".join(
+        f'<text class="faint" x="14" y="{26 + 22 * i}" font-size="17">{line}</text>' for i, line in enumerate(words)
+    )
     title = "The PA-10 arm at three of its singularities, with the motions that are lost and the joint axes to blame"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" role="img" aria-label="{title}">\n'

@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
-from rankdrop.families import Family, LostFreedom, posed
+from rankdrop.families import Family, LostFreedom
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
@@ -26,6 +26,7 @@ from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
 from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
 from rankdrop.text import joint_cell, joint_symbol, lost_note, lost_sentences
+from rankdrop.viewer.upright import upright
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
 _SIZE = 150  # of a picture [px]
@@ -48,7 +49,7 @@ def title(entry: CatalogEntry) -> str:
 def picture(found: Analysis) -> str:
     """The arm at the witness of its first family, as SVG."""
     robot = found.robot
-    family = posed(robot, found.task, found.families[0]) if found.families else None
+    family = upright(robot, found.task, found.families[0]) if found.families else None
     arm = drawn_at(robot, np.zeros(robot.n) if family is None else np.array(family.witness))
     right = np.array([-np.sin(_TURN), np.cos(_TURN), 0.0])
     toward = np.array([np.cos(_TURN) * np.cos(_TILT), np.sin(_TURN) * np.cos(_TILT), np.sin(_TILT)])

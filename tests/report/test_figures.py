@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +16,19 @@ from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
 from rankdrop.report.chart import angle_ticks, axis_name
 from rankdrop.report.content import Content, content
-from rankdrop.report.figures import check_figures, figure_names, figures, slice_figure, spread_out, workspace_figure
+from rankdrop.report.figures import (
+    arm_figure,
+    check_figures,
+    figure_names,
+    figures,
+    slice_figure,
+    spread_out,
+    workspace_figure,
+)
 from rankdrop.results.known import shipped
+from rankdrop.robot import reach
 from rankdrop.task import SPACE
+from rankdrop.viewer.upright import upright
 
 pytest.importorskip("matplotlib")
 
@@ -143,3 +154,28 @@ def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content
         axes = drawn.axes[0]
         drawn.canvas.draw()
         assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0
+
+
+@pytest.mark.parametrize("name", ["pa10", "crx10ial", "yumi"])
+def test_an_arm_fills_its_figure_and_no_numbers_stand_on_each_other(name: str) -> None:
+    from mpl_toolkits.mplot3d import proj3d
+
+    found = shipped(name)
+    family = upright(found.robot, found.task, found.families[0], found.families)
+    drawn = arm_figure(found, family, range(1, found.robot.n + 1))
+    drawn.canvas.draw()
+    axes: Any = drawn.axes[0]
+    arm = drawn_at(found.robot, np.array(family.witness))
+    links = proj3d.proj_transform(*np.vstack([arm.links, spread_out(arm, 0.11 * reach(found.robot))]).T,
+                                  axes.get_proj())[:2]  # fmt: skip
+    flat = axes.transData.transform(np.stack(links, axis=1))
+    whole = drawn.get_tightbbox().size * drawn.dpi
+    assert (np.ptp(flat, axis=0) / whole).max() >= 0.55
+    numbers = [one for one in drawn.texts if one.get_text().isdigit()]
+    assert len(numbers) == len(found.robot.joints)
+    boxes = [one.get_window_extent() for one in numbers]
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+    (title,) = (one for one in drawn.texts if one not in numbers)
+    assert flat[:, 1].max() <= axes.bbox.y1  # nothing is cut off, and the title stands above
+    assert title.get_window_extent().y0 >= flat[:, 1].max()
+    assert title.get_text().split(": ")[1].split()[0].rstrip(",") in {"shoulder", "elbow", "wrist"}

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rankdrop.families.equation import Equation, Term
-from rankdrop.results.known import shipped
+from rankdrop.results.known import shipped, shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.latex import as_text
@@ -25,10 +25,13 @@ needs_latex = pytest.mark.skipif(LATEX is None, reason="no pdflatex is installed
 
 def compiled(text: str, folder: Path) -> str:
     """The log of pdfLaTeX over a document that holds the text; a document that stops at an error fails the test."""
-    document = f"\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n{text}\n\\end{{document}}\n"
+    head = "\\documentclass{article}\n\\usepackage{amsmath,longtable}\n\\begin{document}\n"
+    document = f"{head}{text}\n\\end{{document}}\n"
     (folder / "tables.tex").write_text(document, encoding="utf-8")
     command = [str(LATEX), "-interaction=nonstopmode", "-halt-on-error", "tables.tex"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+    for _ in range(2 * ("longtable" in text)):  # long tables learn the widths of their columns from the run before
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stdout[-1500:]
     return done.stdout
 
@@ -41,6 +44,29 @@ def test_the_tables_compile(name: str, tmp_path: Path) -> None:
     assert "Missing character" not in log
     widths = [float(one) for one in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", log)]
     assert max(widths, default=0.0) < 25.0  # the page is 345 pt wide
+
+
+@pytest.mark.slow
+@pytest.mark.shipped
+@needs_latex
+@pytest.mark.parametrize("name", ["yumi", "crx10ial"])
+@pytest.mark.parametrize("kind", ["analysis", "conditions"])
+def test_long_tables_fit_their_pages(name: str, kind: str, tmp_path: Path) -> None:
+    """A table of YuMi was 4000 pt too high for its page, and 49 pt too wide."""
+    if kind == "analysis":
+        text = shipped(name).latex()
+    else:
+        text = shipped_conditions(name).latex()
+    log = compiled(text, tmp_path)
+    sizes = [float(one) for one in re.findall(r"Overfull \\[hv]box \(([\d.]+)pt too", log)]
+    assert max(sizes, default=0.0) < 10.0
+    assert "Float too large" not in log
+
+
+def test_a_table_of_many_rows_breaks_over_pages() -> None:
+    assert r"\begin{longtable}" in shipped("yumi").latex()
+    assert "longtable" in shipped("yumi").latex().splitlines()[0]
+    assert "longtable" not in shipped("pa10").latex()
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.scene import (
+    LENGTH,
     Live,
     arrows,
     axis_lines,
@@ -130,7 +131,7 @@ def test_arrows_turn_with_a_frame_that_moves() -> None:
     assert np.allclose(axes, links[-1, :3, :3])
     found = arrows(np.array([[0, 0, 1.0, 0, 0, 0], [0, 0, 0, 1.0, 0, 0]]), links, task, 1.0)
     assert [arrow.turns for arrow in found] == [False, True]
-    assert np.allclose(found[0].end - found[0].start, 0.45 * axes[:, 2])
+    assert np.allclose(found[0].end - found[0].start, LENGTH * axes[:, 2])
     assert np.allclose(found[1].start, point)
     dashes = found[1].segments()
     assert dashes.shape == (7, 2, 3)

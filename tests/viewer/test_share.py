@@ -230,4 +230,4 @@ def test_a_stop_of_the_tour_is_one_sentence_without_numbers(viewer: Viewer) -> N
     viewer._tour.place = 0
     viewer._tour.go(1)
     assert told[1] in viewer._tour._told.content
-    assert "0.652 vx" in viewer._tour._told.content.split(told[1])[1]  # below it, in plain type
+    assert "0.553 vx" in viewer._tour._told.content.split(told[1])[1]  # below it, in plain type

@@ -14,6 +14,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape as quoted
 from io import StringIO
 from math import isfinite, pi
@@ -24,7 +25,7 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families import Family, Slice, Solid, Sweep, Verdict, posed, solids, sweeps, telling_slices
+from rankdrop.families import Family, Slice, Solid, Sweep, Verdict, solids, sweeps, telling_slices
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,
@@ -34,7 +35,6 @@ from rankdrop.local import (
     make_all,
     sampling_box,
     skeleton,
-    start_posture,
 )
 from rankdrop.problem import Problem
 from rankdrop.report.chart import pieces
@@ -56,6 +56,7 @@ from rankdrop.text import (
     short,
 )
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
+from rankdrop.viewer.upright import VIEW, place_name, upright, upright_start
 
 _SINGLE = 3  # joints alone that are offered, the best first
 
@@ -103,7 +104,7 @@ class Content:
 
     Attributes:
         analysis: the families and how they were verified, each with its witness in a posture that can be looked at
-            (`rankdrop.families.posed`).
+            (`rankdrop.viewer.upright.upright`).
         blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
             freedom lost.
         blame_words: per family the sets from which all its dependencies follow, in words.
@@ -132,6 +133,12 @@ class Content:
     beside: tuple[Section, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     slow: NearShare | None = None
+
+    @cached_property
+    def titles(self) -> dict[str, str]:
+        """Id of each family -> the part of the arm that is special where it is drawn: "elbow: arm stretched"."""
+        robot, task = self.analysis.robot, self.analysis.task
+        return {family.id: place_name(robot, task, family) for family in self.analysis.families}
 
     @property
     def verdict(self) -> Verdict:
@@ -167,7 +174,7 @@ def content(
         meshes: shapes of the links (`rankdrop.report.content.simplified`).
     """
     robot, task = analysis.robot, analysis.task
-    families = tuple(posed(robot, task, family, analysis.families) for family in analysis.families)
+    families = tuple(upright(robot, task, family, analysis.families) for family in analysis.families)
     analysis = replace(analysis, families=families)
     tell = progress or (lambda label, done, total: None)
     tell("report", 0, _PARTS)
@@ -335,9 +342,10 @@ def page_data(content: Content) -> dict[str, Any]:
         "generic_rank": analysis.generic_rank,
         "live_tolerance": LIVE,
         "view": first_view(analysis.robot),
-        "start": start_posture(analysis.robot, analysis.task).tolist(),
+        "start": upright_start(analysis.robot, analysis.task).tolist(),
         "families": [
-            _family(family, numbers, words, out, analysis.robot) | {"standing": standing(analysis, family)}
+            _family(family, numbers, words, out, analysis.robot, content.titles[family.id])
+            | {"standing": standing(analysis, family)}
             for family, numbers, words, out in blame
         ],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
@@ -408,7 +416,7 @@ def first_view(robot: Robot) -> dict[str, float]:
     slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)
     if upright and not slides:
         return {"turn": -1.2, "tilt": 1.05}
-    return {"turn": -0.9, "tilt": 0.38}
+    return {"turn": VIEW, "tilt": 0.38}
 
 
 def _rows(pose: Array) -> list[float]:
@@ -417,21 +425,23 @@ def _rows(pose: Array) -> list[float]:
 
 
 def _family(
-    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot
+    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot,
+    title: str,
 ) -> dict[str, Any]:
     return {
         "id": family.id,
         "name": family.name,
+        "title": title,
         "corank": family.corank,
         "witness": list(family.witness),
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
-        "facts": family_html(family, words, robot),
+        "facts": family_html(family, words, robot, title),
         "ways": [dict(zip(("label", "after", "q"), one, strict=True)) for one in ways],
     }
 
 
-def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
+def family_html(family: Family, words: tuple[str, ...], robot: Robot, title: str) -> str:
     """A family in sentences: what is lost, in which axes, and who is to blame."""
     lost = "".join(
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
@@ -446,7 +456,7 @@ def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
         axes = f'<p class="small">{quoted(note)}</p>'
     else:
         axes = ""
-    return f"<b>{quoted(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
+    return f"<b>{quoted(title)}</b><ul>{lost}</ul>{axes}{blame}"
 
 
 def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from io import BytesIO
-from math import pi
+from math import degrees, pi
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from rankdrop.report.content import Content
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach
 from rankdrop.viewer.scene import arrows, barrel_mesh
+from rankdrop.viewer.upright import VIEW, place_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +40,7 @@ _HEAD, _WIDTH, _SIDES = 0.075, 0.026, 16
 """Of an arrow head, per size."""
 
 
-def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), long: float = 0.09) -> None:
+def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), long: float = 0.09) -> list[Any]:
     """An arm on axes in space: its links, a body for each joint, its axis as a line with its number.
 
     Joints whose axes meet in one point are drawn apart on their axes.
@@ -49,7 +51,11 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         size: length that everything is drawn in proportion to, such as the reach [m].
         marked: numbers of joints that are drawn in another colour, with longer axes.
         long: how far axes stand out of their joints, per size.
+
+    Returns:
+        The numbers, as texts in space; `words_apart` moves those that stand on each other.
     """
+    numbers = []
     axes.set_autoscale_on(False)  # whoever draws sets the limits
     axes.plot(*drawn.links.T, color=LINK, lw=4, solid_capstyle="round", solid_joinstyle="round")
     places = spread_out(drawn, _APART * size)
@@ -62,11 +68,55 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         sides = 4 if slides else _SIDES
         half = _HALF * size * axis
         _add(axes, barrel_mesh(place - half, place + half, _RADIUS * size, sides=sides), tone)
-        reached = (_HALF + (0.28 if number in marked else long)) * size
+        reached = (_HALF + (0.2 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
-        axes.text(*(place + (reached + 0.03 * size) * axis), str(number), fontsize=7, zorder=1000,
-                  color=MARKED if number in marked else "black")  # fmt: skip
+        at = place + (reached + 0.03 * size) * axis
+        colour = MARKED if number in marked else "black"
+        numbers.append(axes.text(*at, str(number), fontsize=7, zorder=1000, color=colour))
+    return numbers
+
+
+_RINGS, _AROUND, _APART_BY = (0.0, 1.0, 1.6, 2.4, 3.3), 12, 9.0
+"""Where else a number is tried: so many widths away, in so many directions; a width at 72 dots per inch."""
+
+
+def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
+    """Numbers of joints in the plane of the picture, each as near to its axis as it may be without touching another.
+
+    Args:
+        axes: of matplotlib, its limits and view set.
+        numbers: texts of `draw_arm`; they are taken away.
+
+    Returns:
+        The texts that stand there now.
+    """
+    from mpl_toolkits.mplot3d import proj3d
+
+    figure = axes.figure
+    figure.canvas.draw()
+    dot = figure.dpi / 72
+    taken: list[Array] = []
+    placed = []
+    tries = [np.zeros(2)] + [
+        ring * _APART_BY * dot * np.array([np.cos(turn), np.sin(turn)])
+        for ring in _RINGS[1:] for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False)
+    ]  # fmt: skip
+    half = 0.5 * _APART_BY * dot
+    for number in sorted(numbers, key=lambda one: one.get_color() != MARKED):
+        flat = proj3d.proj_transform(*number.get_position_3d(), axes.get_proj())[:2]
+        start = np.asarray(axes.transData.transform(flat))
+        free = (start + shift for shift in tries
+                if all(np.abs(start + shift - other).max() >= 2 * half for other in taken))  # fmt: skip
+        at = next(free, start)
+        taken.append(at)
+        x, y = figure.transFigure.inverted().transform(at)
+        placed.append(figure.text(
+            x, y, number.get_text(), fontsize=7, color=number.get_color(), ha="center", va="center", zorder=1000,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6},
+        ))  # fmt: skip
+        number.remove()
+    return placed
 
 
 def draw_arrow(axes: Any, start: Array, vector: Array, colour: str, size: float, *, dotted: bool = False,
@@ -115,13 +165,14 @@ def every_figure(content: Content) -> dict[str, Callable[[], Figure]]:
     """Name of each figure -> what draws it."""
     analysis, colours, section = content.analysis, content.colours, content.workspace
     robot, families = analysis.robot, analysis.families
+    titles = content.titles
     arms = {f"arm-{family.id}": partial(arm_figure, analysis, family, blamed)
             for family, blamed in zip(families, content.blamed, strict=True)}  # fmt: skip
     slices = {f"slice-{one.family}": partial(slice_figure, robot, one, colours) for one in content.slices}
     solids = {f"solid-{one.family}": partial(solid_figure, robot, one, colours[one.family]) for one in content.solids}
     images = {f"image-{one}": partial(workspace_figure, section, one, colours[one])
               for one, points in section.images if len(points)}  # fmt: skip
-    lines = {f"lines-{family.id}": partial(lines_figure, analysis, family, swept)
+    lines = {f"lines-{family.id}": partial(lines_figure, analysis, family, swept, titles[family.id])
              for family, swept in zip(families, content.sweeps, strict=True)}  # fmt: skip
     return {**arms, **slices, **solids, "workspace": partial(workspace_figure, section), **images, **lines}
 
@@ -215,7 +266,7 @@ def workspace_figure(section: Workspace, family: str = "", index: int = 0) -> Fi
     return drawn
 
 
-def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> Figure:
+def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep], title: str) -> Figure:
     """The smallest singular values as each joint moves through the witness, one panel per joint."""
     columns = min(4, len(swept))
     rows = -(-len(swept) // columns)
@@ -225,7 +276,7 @@ def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> 
         sweep_chart(analysis.robot, sweep, family.corank).draw(axes)
         axes.tick_params(labelsize=6)
     vanish = " … ".join(sorted({f"σ{analysis.generic_rank - family.corank + 1}", f"σ{analysis.generic_rank}"}))
-    drawn.suptitle(f"{family.id}: {family.name}; {vanish} in orange, the next one in blue", fontsize=8)
+    drawn.suptitle(f"{family.id}: {title}; {vanish} in orange, the next one in blue", fontsize=8)
     drawn.tight_layout()
     return drawn
 
@@ -241,7 +292,9 @@ def new_figure(size: tuple[float, float], what: str = "a figure for papers") -> 
 
 ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 """Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
-_ARROW = 0.32  # length per reach
+_ARROW, _SHARE = 0.32, 0.25  # length per reach, and at most per size of the arm as it stands
+_ELEVATION, _TITLE = 20.0, 58  # of the view [°]; characters of a line of the title
+_FILLED = (0.93, 0.97)  # width and height of the box about the arm, per those of the picture; the rest is for numbers
 
 
 def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -> Figure:
@@ -258,29 +311,48 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     robot = analysis.robot
     drawn = new_figure((3.8, 3.8))
     axes: Any = drawn.add_subplot(projection="3d")
-    arm = drawn_at(robot, np.array(family.witness))
-    size = reach(robot)
-    draw_arm(axes, arm, size, blamed)
-    lost = arrows(family.lost_directions, link_poses(robot, family.witness), analysis.task, size, _ARROW)
+    axes.view_init(elev=_ELEVATION, azim=degrees(VIEW))
+    q = np.array(family.witness)
+    arm, size = drawn_at(robot, q), reach(robot)
+    numbers = draw_arm(axes, arm, size, blamed)
+    own = float(np.linalg.norm(np.ptp(arm.links, axis=0))) / size
+    lost = arrows(family.lost_directions, link_poses(robot, q), analysis.task, size, min(_ARROW, _SHARE * own))
     for arrow, tone in zip(lost, ARROWS * len(lost), strict=False):
         if len(arrow.ring):
             axes.plot(*arrow.ring.reshape(-1, 3).T, color=tone, lw=1.3, zorder=900)
         draw_arrow(axes, arrow.start, arrow.end - arrow.start, tone, size, dotted=arrow.turns)
-    _framed(axes, np.vstack([arm.links, *([arrow.start, arrow.end] for arrow in lost)]), size)
-    drawn.suptitle(f"{family.id}: {family.name}", fontsize=8, y=0.96)
+    ends = spread_out(arm, _APART * size)[:, None] + _HALF * size * np.stack([-arm.axes, arm.axes], axis=1)
+    _framed(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
+    words_apart(axes, numbers)
+    title = f"{family.id}: {place_name(robot, analysis.task, family)}"
+    if ((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).any():
+        title += " (outside the joint limits)"
+    top = drawn.get_tightbbox().y1 / drawn.get_figheight() + 0.01
+    drawn.suptitle(fill(title, _TITLE), fontsize=8, y=top, va="bottom")
     return drawn
 
 
-def _framed(axes: Any, points: Array, size: float) -> None:
-    """A box as large as what is drawn, its floor at the base or below it; lengths are the same along all axes."""
+def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
+    """A box about the points of the arm, so large that it and the heads of the arrows fill the picture.
+
+    Lengths are the same along all axes.
+    """
+    from matplotlib.ticker import MaxNLocator
+    from mpl_toolkits.mplot3d import proj3d
+
     low, high = points.min(axis=0), points.max(axis=0)
-    low[2] = min(low[2], 0.0)
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2 + 0.08 * size, 0.2 * size)
-    middle[2] += half[2] - (high[2] - low[2]) / 2  # room above, not under the floor
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2 + 0.01 * size, 0.16 * size)
     (left, near, floor), (right, far, top) = middle - half, middle + half
     axes.set(xlim=(left, right), ylim=(near, far), zlim=(floor, top))
-    axes.set_box_aspect(half, zoom=1.2)
-    axes.locator_params(nbins=5)
-    axes.tick_params(labelsize=6)
-    for name, set_name in (("x", axes.set_xlabel), ("y", axes.set_ylabel), ("z", axes.set_zlabel)):
-        set_name(f"{name} [m]", fontsize=7)
+    axes.set_position([0.0, 0.0, 1.0, 1.0])
+    axes.set_box_aspect(half)
+    axes.figure.canvas.draw()  # the projection is known once it has been drawn
+    corners = np.array([(x, y, z) for x in (left, right) for y in (near, far) for z in (floor, top)])
+    held = np.vstack([corners, heads.reshape(-1, 3)])
+    flat = np.stack(proj3d.proj_transform(*held.T, axes.get_proj())[:2], axis=1)
+    wide, tall = 2 * np.abs(axes.transAxes.inverted().transform(axes.transData.transform(flat)) - 0.5).max(axis=0)
+    axes.set_box_aspect(half, zoom=min(_FILLED[0] / wide, _FILLED[1] / tall))
+    axes.tick_params(labelsize=6, pad=-2)
+    for name, bins, away in zip("xyz", np.ceil(4 * half / half.max()).astype(int), (-7, -7, 0), strict=True):
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(nbins=max(2, int(bins))))
+        getattr(axes, f"set_{name}label")(f"{name} [m]", fontsize=7, labelpad=away)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError
 from rankdrop.families import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.local import blame, lost_directions, singular_values, start_posture
+from rankdrop.local import blame, lost_directions, singular_values
 from rankdrop.report.content import Content, first_view, limit_range, page_data, robot_data, slider_range, standing
 from rankdrop.report.sections import (
     STANDING,
@@ -38,6 +38,7 @@ from rankdrop.task import Task, link_index, resolve_task
 from rankdrop.text import aspects_line, lost_sentences
 from rankdrop.tolerances import DEFAULT
 from rankdrop.version import VERSION
+from rankdrop.viewer.upright import upright_start
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
 """The page's program, in this order."""
@@ -162,7 +163,7 @@ def _arm(content: Content) -> str:
             f'<input type="range" id="slider{i + 1}" min="{low:.6f}" max="{high:.6f}" step="any" value="0" '
             f'aria-label="joint {i + 1}, {escape(joint.name)}"><span id="value{i + 1}"></span></label>'
         )
-    buttons = "".join(_button(analysis, family) for family in analysis.families)
+    buttons = "".join(_button(analysis, family, content.titles[family.id]) for family in analysis.families)
     return (
         '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" role="group" tabindex="0" '
         f'aria-label="families">{buttons}<button id="home">start posture</button></div><div class="stage">'
@@ -183,14 +184,14 @@ _SAVE = (
 )
 
 
-def _button(analysis: Analysis, family: Family) -> str:
+def _button(analysis: Analysis, family: Family, title: str) -> str:
     word = STANDING[standing(analysis, family)]
     if word:
         note = f' <small class="limit">{word}</small>'
     else:
         note = ""
     return (
-        f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(family.name)}{note}</button>'
+        f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(title)}{note}</button>'
     )
 
 
@@ -211,18 +212,19 @@ def _meshes_box(content: Content) -> str:
 
 
 def _tables(content: Content) -> str:
-    cards = []
+    cards, titles = [], content.titles
     for family, words in zip(content.analysis.families, content.blame_words, strict=True):
         sentences = lost_sentences(family.lost_freedoms)
         lost = "".join(f"<p>{escape(text)}</p>" for text in sentences)
-        seen = f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(sentences)}."
+        title = titles[family.id]
+        seen = f"The arm in {family.id}, {title}. Lost, an arrow each: {'; '.join(sentences)}."
         if words:
             blame = f'<p class="small">{escape("; ".join(words))}</p>'
         else:
             blame = ""
         cards.append(
             f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{escape(seen)}">'
-            f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
+            f"</canvas><h4>{family.id}&ensp;{escape(title)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )
     if cards:
@@ -302,7 +304,7 @@ def arm_view(robot: Robot, at: ArrayLike | Family | None = None, task: Task | st
     """
     found = resolve_task(task, robot)
     where = at.witness if isinstance(at, Family) else at
-    q = start_posture(robot, found) if where is None else np.array(where, dtype=np.float64)
+    q = upright_start(robot, found) if where is None else np.array(where, dtype=np.float64)
     if q.shape != (robot.n,) or not np.isfinite(q).all():
         raise ConfigurationError("a configuration has one finite number for each joint", where=f"robot {robot.name!r}",
                                  got=f"shape {q.shape}", allowed=f"({robot.n},)")  # fmt: skip

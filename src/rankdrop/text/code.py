@@ -114,6 +114,8 @@ static inline double {mark}(const double q[{n}])
 }}
 """
 _UNUSED = "    (void)q;\n"
+_LONG_CELL, _LONG_TABLE = 700, 24
+"""Characters of the conditions of a family that fit a cell of a LaTeX table; rows of a table that fits a page."""
 
 
 @dataclass(frozen=True)
@@ -263,27 +265,44 @@ class Code:
         return frozenset(j for family in self.families for one in family.conditions for j in one.ring.prismatic)
 
     def latex(self) -> str:
-        """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""
-        rows = []
+        """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for.
+
+        Conditions that are long stand below the table, where pages break; a table that is long breaks over pages.
+        """
+        rows, long = [], []
         for family in self.families:
-            shown = r"; \newline ".join(f"${one.latex()}$" for one in family.stated)
-            rows.append(rf"{family.id} & {as_text(family.name)} & {family.corank} & {shown} \\")
-        head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
+            told = [f"${one.latex()}$" for one in family.stated]
+            if sum(map(len, told)) > _LONG_CELL:
+                long += [rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par"]
+                told = ["see below"]
+            shown = r"; \newline ".join(told)
+            cells = (family.id, rf"\raggedright {as_text(family.name)}", str(family.corank), rf"\raggedright {shown}")
+            rows.append(" & ".join(cells) + r" \tabularnewline")
+        kind = "longtable" if len(rows) > _LONG_TABLE or long else "tabular"
+        head = [
+            rf"\begin{{{kind}}}{{@{{}}l@{{\quad}}p{{0.24\linewidth}}@{{\ }}r@{{\quad}}p{{0.48\linewidth}}@{{}}}}",
+            r"& family & corank & conditions \\", r"\hline",
+        ]  # fmt: skip
+        packages = ["longtable"] if kind == "longtable" else []
         values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
-        if any(r"\tfrac" in row for row in [*rows, *values]):
-            head = [r"% \tfrac needs \usepackage{amsmath}", *head]
+        if any(r"\tfrac" in row for row in [*rows, *long, *values]):
+            packages += ["amsmath"]
+        if packages:
+            head = [rf"% needs \usepackage{{{','.join(packages)}}}", *head]
         below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
         for j, shift in self._shifted():
             sign = "-" if shift < 0 else "+"
             below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {Latex().angle_value(abs(shift))}")
-        if any(re.search(r"\b[sc]_", row) for row in [*rows, *values]):
+        if any(re.search(r"\b[sc]_", row) for row in [*rows, *long, *values]):
             below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
         if below:
             tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)]
         else:
             tail = []
         said = [line for value in values for line in (r"\par\smallskip", value)]
-        return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
+        if long:
+            long = [r"{\small\raggedright\sloppy", *long, "}"]
+        return "\n".join([*head, *rows, rf"\end{{{kind}}}", *long, *said, *tail, ""])
 
     def _shifted(self) -> Iterator[tuple[int, float]]:
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)

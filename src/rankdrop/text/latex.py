@@ -1,7 +1,7 @@
 r"""The tables of an analysis as LaTeX, laid out as AM print them (Tables 3–5): θ columns, dimension, lost motion.
 
-What is written compiles with pdfLaTeX and the package amsmath alone: every letter that is not plain is set as
-mathematics, and what has no sign there is left out.
+What is written compiles with pdfLaTeX and the package amsmath, and longtable where a table needs more than a page:
+every letter that is not plain is set as mathematics, and what has no sign there is left out.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from math import ceil
 
 from rankdrop.families.record import CorankSummary, Derivation, Family
 from rankdrop.robot.model import Robot, witness_text
@@ -29,6 +30,7 @@ _NUMBERED = re.compile(r"([θσqωv])(\d+)")
 _WORDS, _COLUMN, _DEGREES = 0.8, 0.052, 0.07
 """Of the width of a page: what two columns of words share, what a joint takes of that, what decimals add."""
 _LINES = 8  # conditions of one row that are printed; the rest is in the JSON
+_PAGE, _LINE = 38, 62  # lines of a table that fits one page with its caption; characters of a line of the page
 _LONGEST = 1500  # characters of one condition
 
 
@@ -48,11 +50,14 @@ def latex_tables(
     Returns:
         Lines of LaTeX; the first says what they need.
     """
-    parts = [r"% needs \usepackage{amsmath}"]
+    parts, long = [""], False
     for summary in coranks:
         rows = [family for family in families if family.corank == summary.corank]
         if rows:
-            parts.append(_table(robot, rank, summary, rows, exact, limits=limits))
+            table, breaks = _table(robot, rank, summary, rows, exact, limits=limits)
+            parts.append(table)
+            long = long or breaks
+    parts[0] = r"% needs \usepackage{amsmath,longtable}" if long else r"% needs \usepackage{amsmath}"
     if len(parts) == 1:
         parts.append(f"% {as_text(robot.name)}: no families were found, which is no proof that there are none")
     return "\n\n".join(parts) + "\n"
@@ -60,7 +65,8 @@ def latex_tables(
 
 def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
-) -> str:
+) -> tuple[str, bool]:
+    """The table and whether it breaks over pages."""
     every = [one for one in columns(robot, summary.corank) if one.printed]
     share, name = summary.completeness, re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     caption = (
@@ -78,15 +84,38 @@ def _table(
         for number, (inside, _) in enumerate((within(row, robot, limits=limits) for row in rows), start=1)
     ]
     notes = _notes(robot, rows, exact)
+    body = [*_aligned([heads]), r"\hline", *_aligned(cells), r"\hline"]
+    size = r"\footnotesize" if decimals else r"\small"
+    label = rf"\label{{tab:{name}-corank-{summary.corank}}}"
+    if _height(every, rows, words, notes) > _PAGE:
+        broken = [
+            "{" + size, r"\setlength{\tabcolsep}{3pt}", rf"\begin{{longtable}}{{{shape}}}",
+            rf"\caption{{{caption}}}{label}\\", r"\hline", *_aligned([heads]), r"\hline", r"\endhead", *body[2:],
+            r"\end{longtable}", r"\raggedright\sloppy", *notes, "}",
+        ]  # fmt: skip
+        return "\n".join(broken), True
     small = [r"\par\smallskip", r"\begin{minipage}{\linewidth}\raggedright", *notes, r"\end{minipage}"]
     lines = [
-        r"\begin{table}[htbp]", r"\centering", r"\footnotesize" if decimals else r"\small",
-        r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}", f"\\label{{tab:{name}-corank-{summary.corank}}}",
-        f"\\begin{{tabular}}{{{shape}}}", r"\hline",
-        *_aligned([heads]), r"\hline", *_aligned(cells), r"\hline", r"\end{tabular}",
+        r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}", label,
+        f"\\begin{{tabular}}{{{shape}}}", r"\hline", *body, r"\end{tabular}",
         *(small if notes else []), r"\end{table}",
     ]  # fmt: skip
-    return "\n".join(lines)
+    return "\n".join(lines), False
+
+
+def _height(every: Sequence[Column], rows: Sequence[Family], words: float, notes: Sequence[str]) -> int:
+    """About how many lines a table and what stands below it take."""
+    told = {one.key: _share(one, words) * _LINE for one in every if one.holds == WORDS}
+    lines = sum(
+        max(2, *(ceil(len("; ".join(lines_of(one, row))) / told[one.key]) for one in every if one.holds == WORDS))
+        for row in rows
+    )
+    return lines + sum(ceil(len(note) / (1.2 * _LINE)) for note in notes)
+
+
+def _share(column: Column, words: float) -> float:
+    """Width of a column of words, of that of the page."""
+    return {"name": 0.4, "lost": 0.6}.get(column.key, 0.3) * words
 
 
 def _aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
@@ -97,9 +126,8 @@ def _shape(column: Column, words: float) -> str:
     """The column in the head of a table: right, centred, or so wide a paragraph of words."""
     if column.key == "id":
         return "r"
-    width = {"name": 0.4, "lost": 0.6}.get(column.key, 0.3) * words
     if column.holds == WORDS:
-        return f"p{{{width:.3f}\\linewidth}}"
+        return f"p{{{_share(column, words):.3f}\\linewidth}}"
     return "c"
 
 

@@ -82,7 +82,7 @@ def carried(pose: Array, points: Array) -> Array:
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
 
-LENGTH = 0.45  # of an arrow, as a share of the size
+LENGTH = 0.32  # of an arrow, as a share of the size
 DASHES = 7  # of a dotted arrow
 HEAD = 0.18  # share of an arrow that is its head
 RINGS = 6  # capsule ends

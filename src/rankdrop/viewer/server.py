@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.families import posed
-from rankdrop.local import start_posture
 from rankdrop.path import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot, meshes_of, visuals_of
@@ -24,6 +22,7 @@ from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
 from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, SliceTab, TourTab
 from rankdrop.viewer.tab_path import PathTab, ShareTab, state_of
+from rankdrop.viewer.upright import upright, upright_start
 
 if TYPE_CHECKING:
     import viser
@@ -32,6 +31,7 @@ PORT = 8765
 """Where it listens by default; a later one where this is in use."""
 HOST = "127.0.0.1"
 _POSED = 60  # families whose witnesses are put into good postures: hundreds, of calibrated arms, would take seconds
+_SEEN = 4  # families that the camera shows whole from the start
 _SOURCES = {"catalogue": "from the catalogue", "analysis": "from the analysis given", "on the spot": "none known"}
 
 
@@ -85,7 +85,7 @@ class Viewer:
     def __init__(self, robot: Robot, task: Task, wishes: Wishes) -> None:
         families, source = known_families(robot, task, wishes.analysis, DEFAULT)
         if len(families) <= _POSED:
-            families = tuple(posed(robot, task, family, families) for family in families)
+            families = tuple(upright(robot, task, family, families) for family in families)
         live = Live(robot, task, families)
         self._wishes, self._others = wishes, list[Viewer]()
         visuals, left_out = visuals_of(robot, wishes.packages, wishes.args)
@@ -96,13 +96,14 @@ class Viewer:
         self.server: viser.ViserServer = start_gated(wishes.host, gate, self._arrived)
         self.url = _url(wishes.host, gate)
         if wishes.q is None:
-            start = start_posture(robot, task)
+            start = upright_start(robot, task)
         else:
             start = wishes.q
         self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
                                frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
-        self.stage.look_at_arm()
+        shown = [one.witness for one in families if one.corank == 1][:_SEEN]
+        self.stage.look_at_arm(np.array([start, *shown]))
         self.controls = Controls(self.server, self.session, self.stage)
         bound_uploads(self.server, self.controls.say)
         self._escape = EscapeTab(self.controls)

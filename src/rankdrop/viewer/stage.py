@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.kinematics import link_poses
+from rankdrop.local.posture import spine
 from rankdrop.robot import Array, Mesh
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
 from rankdrop.viewer.scene import Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
+from rankdrop.viewer.upright import VIEW
 
 if TYPE_CHECKING:
     import viser
@@ -22,14 +24,40 @@ _DULL = 0.45  # dark meshes are lifted so far towards grey: black parts are not 
 _LIT = (176, 34, 0)  # vermilion under the lights of the scene, which wash it out to orange
 _SAME = 1e-3  # links of the ghost that differ by less are those of the arm [lengths of the arm, quaternion]
 _WITHIN = 0.97  # what of the ghost turns in place is hidden in the arm, not mixed with it
+_BODY = 0.05  # of links and joints about the line of the arm, per size
 _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
-def camera_for(size: float, *, wide: bool) -> tuple[Array, Array]:
-    """Position and aim of a camera that sees an arm of this size [m]; the panel covers the right or the lower part."""
-    aim = np.array([0.0, 0.0, 0.3]) + (0.45 * np.array([0.78, 0.62, 0.0]) if wide else np.array([0.0, 0.0, -0.8]))
-    away = np.array([1.1, -1.35, 0.75]) * (0.95 if wide else 1.5)
-    return size * (aim + away), size * aim
+FOV = np.radians(75.0)
+"""Angle of view of the page from top to bottom, as viser has it [rad]."""
+FREE = {True: (0.64, 1.0), False: (1.0, 0.5)}
+"""Width and height of what the panel leaves of the window, which is wide or upright: left of it, or above it."""
+_ASPECT = 1.55  # of a window that is wide, until it is known
+_FILLED = 0.86  # of that part that everything shown may take
+TOWARD = np.array([np.cos(VIEW) * np.cos(0.38), np.sin(VIEW) * np.cos(0.38), np.sin(0.38)])
+"""(3,) from the arm to the camera."""
+
+
+def camera_for(points: Array, *, wide: bool, aspect: float = _ASPECT) -> tuple[Array, Array]:
+    """Position and aim of a camera that these points (N, 3) [m] fill the free part of the window of, in its middle.
+
+    Args:
+        points: what is to be seen.
+        wide: the panel is on the right; else below.
+        aspect: width of the window over its height.
+    """
+    right = np.array([-np.sin(VIEW), np.cos(VIEW), 0.0])
+    up = np.cross(TOWARD, right)
+    flat = points @ np.stack([right, up, TOWARD], axis=1)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    span, middle = np.maximum(high - low, 1e-3), (low + high) / 2
+    free = np.array(FREE[wide])
+    half = np.tan(FOV / 2) * np.array([aspect, 1.0])  # of the window, per distance
+    away = float((span[:2] / (2 * half * free * _FILLED)).max())
+    away += float(high[2] - middle[2])  # what is near looks larger
+    beside, above = (1 - free) * half * away * np.array([1.0, -1.0])
+    aim = right * (middle[0] + beside) + up * (middle[1] + above) + TOWARD * middle[2]
+    return aim + away * TOWARD, aim
 
 
 def rgb(colour: str) -> Rgb:
@@ -136,15 +164,23 @@ class Stage:
         if not shown:
             self.show_ghost(None)
 
-    def look_at_arm(self) -> None:
-        """Place the camera so that the arm is seen whole, left of the panel or, on an upright screen, above it."""
+    def look_at_arm(self, configurations: Array) -> None:
+        """Place the camera so that the arm fills what the panel leaves of the window, left of it or above it.
+
+        Args:
+            configurations: (N, n) at which it is to be seen whole, with its arrows [rad, m].
+        """
+        heads = [arrow.end for q in configurations for arrow in self.live.look(q).arrows]
+        ends = spine(self.live.robot, configurations).reshape(-1, 3)
+        self._seen = np.vstack([ends - _BODY * self.size, ends + _BODY * self.size, *heads])
         camera = self.server.initial_camera
-        camera.position, camera.look_at = camera_for(self.size, wide=True)
+        camera.position, camera.look_at = camera_for(self._seen, wide=True)
         self.server.on_client_connect(self._turn_upright)
 
     def _turn_upright(self, client: viser.ClientHandle) -> None:
-        if client.camera.aspect < 1.0:
-            client.camera.position, client.camera.look_at = camera_for(self.size, wide=False)
+        aspect = float(client.camera.aspect)
+        if aspect < 1.0:
+            client.camera.position, client.camera.look_at = camera_for(self._seen, wide=False, aspect=aspect)
 
     def paint(self, *, dark: bool) -> None:
         """Colours of the body and the floor for a light or a dark page."""

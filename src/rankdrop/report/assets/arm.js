@@ -1,6 +1,8 @@
 // The arm as capsules, its axes, and an arrow for each lost direction: solid for translation, dotted for rotation.
 
 const ARROW = 0.34; // length of an arrow, per reach
+const SHARE = 0.33; // of the size of the arm as it stands that an arrow is long at most: it does not make the arm small
+const BODY = 0.043; // radius of a joint, per reach
 const ARROW_COLOURS = ["--lost1", "--lost2", "--lost3", "--lost4"];
 
 // One lost freedom (v; ω) as one arrow and the axis of its ring, as `rankdrop.local.arrow_of` makes it.
@@ -11,11 +13,21 @@ function arrowOf({ v, w }) {
   return { along: unit(v).map((x) => x * (0.35 + 0.65 * slide)), ring: unit(w).map((x) => x * (0.07 + 0.25 * turn)), turns: false };
 }
 
+// The corners of the box about points.
+function bounding(points) {
+  const ends = [0, 1, 2].map((k) => [Math.min(...points.map((p) => p[k])), Math.max(...points.map((p) => p[k]))]);
+  return ends[0].flatMap((x) => ends[1].flatMap((y) => ends[2].map((z) => [x, y, z])));
+}
+
+// The diagonal of that box.
+const spread = (points) => length([0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]))));
+
 class Arm {
   constructor(robot, canvas, view) {
     this.robot = robot;
     this.scene = new Scene(canvas, view);
     this.scene.draw = () => this.draw();
+    this.standing = [[0, 0, 0]];
     this.state = { q: robot.joints.map(() => 0), blamed: [], arrows: [], trail: [], dots: [] };
   }
 
@@ -36,27 +48,31 @@ class Arm {
     return points;
   }
 
-  // Centre and size of the view, so that these configurations are inside.
+  // The view that these configurations fill.
   fit(configurations) {
-    const points = this.points(configurations), low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k])));
-    const high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
-    this.scene.centre = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
-    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.13 * this.robot.reach;
+    this.standing = this.points(configurations);
   }
 
   // The view grows where the arm would leave it.
   widen(q) {
-    const far = Math.max(...this.points([q]).map((p) => length(plus(p, this.scene.centre, -1))));
-    this.scene.radius = Math.max(this.scene.radius, far + 0.1 * this.robot.reach);
+    this.standing.push(...this.points([q]));
+    if (this.standing.length > 4000) this.standing = bounding(this.standing);
+  }
+
+  // What a reader may measure: size of the picture, shares of it that the arm spans, boxes of the words.
+  drawn() {
+    const { scene } = this, flat = this.points([this.state.q]).map((p) => scene.project(p)), body = 2 * BODY * this.robot.reach * scene.scale;
+    const spans = [0, 1].map((k) => Math.max(...flat.map((p) => p[k])) - Math.min(...flat.map((p) => p[k])) + body);
+    return { width: scene.width, height: scene.height, shares: [spans[0] / scene.width, spans[1] / scene.height], words: scene.boxes };
   }
 
   draw() {
     const scene = this.scene, robot = this.robot, unitSize = robot.reach, moved = displacements(robot, this.state.q);
     const point = taskFrame(robot, moved).point, small = scene.width <= 260;
-    for (const one of this.state.arrows) { // the view grows where an arrow would leave it
-      const far = length(plus(plus(point, arrowOf(one).along, ARROW * unitSize), scene.centre, -1));
-      if (!one.faint) scene.radius = Math.max(scene.radius, far + (small ? 0.05 : 0.03) * unitSize);
-    }
+    this.arrow = Math.min(ARROW * unitSize, SHARE * spread(this.points([this.state.q])));
+    const ends = this.state.arrows.filter((one) => !one.faint).map((one) => plus(point, arrowOf(one).along, this.arrow));
+    scene.held = [...this.standing, ...ends];
+    scene.margin = (small ? 0.045 : 0.05) * unitSize;
     scene.begin();
     this.ground(unitSize);
     const link = ink("--link"), joint = ink("--joint"), slide = ink("--slide"), blame = ink("--blame");
@@ -74,7 +90,7 @@ class Arm {
         this.slider(held, rotate(moved[i], one.screw.slice(0, 3)), colour, unitSize);
       } else {
         const axis = rotate(moved[i], one.screw.slice(3)), middle = place(moved[i], one.drawn);
-        scene.tube(plus(middle, axis, -0.052 * unitSize), plus(middle, axis, 0.052 * unitSize), 0.043 * unitSize, colour, { sides: 24, pieces: 3 });
+        scene.tube(plus(middle, axis, -0.052 * unitSize), plus(middle, axis, 0.052 * unitSize), BODY * unitSize, colour, { sides: 24, pieces: 3 });
       }
     });
     const last = place(moved[moved.length - 1], robot.chain[robot.chain.length - 1].point);
@@ -83,7 +99,7 @@ class Arm {
     this.triad(tip, tipPoint, 0.085 * unitSize);
     for (const one of this.state.trail) scene.line(one.points, ink(one.colour), one.width);
     for (const one of this.state.dots) scene.ball(one.at, 0.016 * unitSize, ink(one.colour));
-    this.arrows(point, unitSize);
+    this.arrows(point);
     scene.finish();
   }
 
@@ -124,7 +140,7 @@ class Arm {
       const reach = (blamed ? 0.3 : 0.1) * size, ends = [plus(middle, axis, -reach), plus(middle, axis, reach)];
       this.scene.line(ends, ink(blamed ? "--blame" : "--faint"), blamed ? 2.2 : 1, { dash: [9, 3, 2, 3], over: true });
       if (this.scene.width > 260) {
-        const words = String(one.variable + 1), far = blamed ? 0.33 + 0.045 * (i % 3) : 0.13;
+        const words = String(one.variable + 1), far = blamed ? 0.325 : 0.13;
         this.scene.text(plus(middle, axis, far * size), words, ink(blamed ? "--blame" : "--soft"), { size: blamed ? 14 : 11, bold: blamed });
       }
     });
@@ -149,13 +165,13 @@ class Arm {
     return [...points, plus(back, end, 0.2), end, plus(back, end, -0.2)].map((p) => plus(at, p, size));
   }
 
-  arrows(point, size) {
+  arrows(point) {
     const small = this.scene.width <= 260;
     this.state.arrows.forEach((one, i) => {
       const colour = ink(ARROW_COLOURS[i % 4]), width = small ? 2 : 3.4, alpha = one.faint ? 0.35 : 1;
       const { along, ring, turns } = arrowOf(one), dash = turns ? [0.1, small ? 4 : 6.5] : [];
-      if (length(ring)) this.scene.line(this.ring(point, ring, ARROW * size), colour, 0.6 * width, { alpha, over: true });
-      this.scene.arrow(point, plus(point, along, ARROW * size), colour, { width, dash, alpha });
+      if (length(ring)) this.scene.line(this.ring(point, ring, this.arrow), colour, 0.6 * width, { alpha, over: true });
+      this.scene.arrow(point, plus(point, along, this.arrow), colour, { width, dash, alpha });
     });
   }
 }

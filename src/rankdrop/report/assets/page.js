@@ -6,7 +6,7 @@ robot.meshes = data.meshes;
 const byId = (id) => document.getElementById(id);
 const state = { q: [...data.start], family: null, arrows: [], sigma: [], singular: false };
 const arm = new Arm(robot, byId("arm"), data.view);
-arm.fit([...data.families.map((family) => family.witness), data.start]);
+arm.fit([data.start]);
 
 const degrees = (x) => `${(x * 180 / Math.PI).toFixed(1).replace("-", "−")}°`;
 const shown = (joint, x) => (joint.kind === "prismatic" ? `${x.toFixed(3).replace("-", "−")} m` : degrees(x));
@@ -72,7 +72,7 @@ function setQ(q) {
 // The picture in words: what stands there and what is drawn on it.
 function described() {
   const at = robot.joints.map((joint, i) => `joint ${i + 1} at ${shown(joint, state.q[i])}`).join(", ");
-  const family = state.family && state.singular ? ` in ${state.family.id}, ${state.family.name}` : "";
+  const family = state.family && state.singular ? ` in ${state.family.id}, ${state.family.title}` : "";
   return `The arm ${robot.name}${family}: ${at}. ${byId("verdict").textContent}. Arrow keys turn the view.`;
 }
 
@@ -233,4 +233,5 @@ window.rankdropReport = {
   singularValues: (q) => decompose(robot, q).sigma,
   lostAt: (q) => lostAt(q, decompose(robot, q)),
   project: (p) => arm.scene.project(p),
+  drawn: () => [arm, ...stills].map((one) => one.drawn()),
 };

@@ -17,6 +17,9 @@ class Scene {
     this.start = { ...this.view };
     this.centre = [0, 0, 0];
     this.radius = 1;
+    this.aside = [0, 0];
+    this.held = []; // points that the picture holds, filling it; without any it shows a ball of this radius
+    this.margin = 0; // of solid bodies about those points
     this.items = [];
     this.over = [];
     this.draw = () => {};
@@ -65,14 +68,31 @@ class Scene {
     this.up = cross(this.toward, this.right);
     this.light = unit(plus(plus(this.toward, this.up, 0.9), this.right, -0.55));
     this.scale = (0.5 * Math.min(this.width, this.height) / this.radius) * this.view.zoom * 0.94;
+    if (this.held.length) this.fill();
     this.items = [];
     this.over = [];
+  }
+
+  // Centre, scale and shift with which what is held fills the picture.
+  fill() {
+    const bounds = (points) => points[0].map((_, k) => [Math.min(...points.map((p) => p[k])), Math.max(...points.map((p) => p[k]))]);
+    this.centre = bounds(this.held).map(([low, high]) => (low + high) / 2);
+    this.radius = Math.max(...this.held.map((p) => length(plus(p, this.centre, -1))), 2 * this.margin) + this.margin;
+    const flat = bounds(this.held.map((p) => {
+      const d = plus(p, this.centre, -1), near = 1 / (1 - 0.13 * dot(d, this.toward) / this.radius);
+      return [dot(d, this.right) * near, dot(d, this.up) * near];
+    }));
+    const edge = this.width > 260 ? 22 : 6, room = [this.width - 2 * edge, this.height - 2 * edge];
+    const size = flat.map(([low, high]) => Math.max(high - low, 4 * this.margin) + 2 * this.margin);
+    this.scale = Math.min(room[0] / size[0], room[1] / size[1]) * this.view.zoom;
+    this.aside = flat.map(([low, high]) => (low + high) / 2);
   }
 
   // Pixel of a point and its depth (larger is nearer); mild perspective.
   project(p) {
     const d = plus(p, this.centre, -1), depth = dot(d, this.toward) / this.radius, near = 1 / (1 - 0.13 * depth);
-    return [this.width / 2 + dot(d, this.right) * this.scale * near, this.height / 2 - dot(d, this.up) * this.scale * near, depth, near];
+    const x = dot(d, this.right) * near - this.aside[0], y = dot(d, this.up) * near - this.aside[1];
+    return [this.width / 2 + x * this.scale, this.height / 2 - y * this.scale, depth, near];
   }
 
   shade(colour, normal, lift = 0.42) {
@@ -135,7 +155,28 @@ class Scene {
 
   finish() {
     this.items.sort((a, b) => a.depth - b.depth);
+    this.place(this.over.filter((item) => item.words));
     for (const item of [...this.items, ...this.over]) this.paint(item);
+  }
+
+  // Words go where no other words stand, as near to their places as may be, inside the picture; bold ones first.
+  place(words) {
+    const taken = this.boxes = [];
+    for (const one of words.sort((a, b) => (b.bold ? 1 : 0) - (a.bold ? 1 : 0))) {
+      this.pen.font = this.font(one);
+      const half = [this.pen.measureText(one.words).width / 2 + 2, one.size / 2 + 1], [x, y] = one.at;
+      const inside = (v, k) => Math.max(half[k], Math.min([this.width, this.height][k] - half[k], v));
+      const tries = [[0, 0]];
+      for (const far of [1, 1.7, 2.5, 3.5]) for (let k = 0; k < 8; k++) tries.push([far * Math.cos(k * Math.PI / 4), far * Math.sin(k * Math.PI / 4)]);
+      const boxes = tries.map(([dx, dy]) => [inside(x + dx * 2 * half[0], 0), inside(y + dy * 2 * half[1], 1)]);
+      const free = ([a, b]) => taken.every(([c, d, w, h]) => Math.abs(a - c) >= half[0] + w || Math.abs(b - d) >= half[1] + h);
+      one.at = boxes.find(free) || boxes[0];
+      taken.push([...one.at, ...half]);
+    }
+  }
+
+  font(item) {
+    return `${item.bold ? "600 " : ""}${item.size}px system-ui, sans-serif`;
   }
 
   paint(item) {
@@ -161,7 +202,7 @@ class Scene {
     } else if (item.line || item.arrow) {
       this.stroke(item);
     } else if (item.words) {
-      pen.font = `${item.bold ? "600 " : ""}${item.size}px system-ui, sans-serif`;
+      pen.font = this.font(item);
       pen.textAlign = item.align;
       pen.textBaseline = "middle";
       pen.lineWidth = 3;

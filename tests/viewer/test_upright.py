@@ -1,0 +1,55 @@
+"""Postures of pictures: upright, inside the limits, seen from the side, and called by the part of the arm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rankdrop.families import posed
+from rankdrop.local import fault, singular_values
+from rankdrop.results.known import shipped
+from rankdrop.viewer.upright import TALL, height, place_name, upright, upright_start
+
+
+@pytest.mark.parametrize("name", ["pa10", "crx10ial"])
+def test_an_arm_is_drawn_upright(name: str) -> None:
+    """Both lay on the floor (0.18 and 0.22 of the reach)."""
+    found = shipped(name)
+    robot, task = found.robot, found.task
+    before = [posed(robot, task, family, found.families) for family in found.families]
+    after = [upright(robot, task, family, found.families) for family in found.families]
+    assert min(height(robot, np.array([one.witness for one in before]))) < 0.25
+    for family, usual in zip(after, before, strict=True):
+        q = np.array(family.witness)
+        assert height(robot, q[None])[0] >= 0.95 * TALL
+        assert ((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all()
+        assert fault(robot, q[None])[0] <= fault(robot, np.array([usual.witness]))[0] + 0.15 + 1e-9
+        sigma = singular_values(robot, q, task)
+        assert (sigma[-family.corank :] <= 1e-9).all()
+        assert sigma[-family.corank - 1] > 1e-3
+
+
+def test_lost_directions_are_those_of_the_new_posture() -> None:
+    found = shipped("crx10ial")
+    family = upright(found.robot, found.task, found.families[0], found.families)
+    assert family.witness != found.families[0].witness
+    assert family.lost_directions.shape == (1, 6)
+    assert not np.allclose(family.lost_directions, found.families[0].lost_directions)
+
+
+@pytest.mark.parametrize("name", ["pa10", "panda", "crx10ia"])
+def test_pictures_begin_with_an_arm_that_stands(name: str) -> None:
+    found = shipped(name)
+    q = upright_start(found.robot, found.task)
+    assert height(found.robot, q[None])[0] >= 0.95 * TALL
+    assert ((q >= found.robot.lower) & (q <= found.robot.upper)).all()
+    assert singular_values(found.robot, q, found.task)[-1] > 0.02
+
+
+@pytest.mark.parametrize("name", ["crx10ial", "yumi", "ur5e", "xarm6"])
+def test_a_picture_is_called_by_the_part_of_the_arm(name: str) -> None:
+    found = shipped(name)
+    for family in found.families:
+        title = place_name(found.robot, found.task, family)
+        assert title.split(":")[0].split()[0].strip(",") in {"shoulder", "elbow", "wrist"}
+        assert "screws" not in title

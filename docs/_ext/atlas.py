@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 import rankdrop
-from rankdrop.families import Family, LostFreedom
+from rankdrop.families import Family, LostFreedom, upright
 from rankdrop.local import drawn_at
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
@@ -26,7 +26,6 @@ from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
 from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
 from rankdrop.text import joint_cell, joint_symbol, lost_note, lost_sentences
-from rankdrop.viewer.upright import upright
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
 _SIZE = 150  # of a picture [px]

@@ -12,6 +12,7 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.families.pictured import upright
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
 from rankdrop.report.chart import angle_ticks, axis_name
@@ -28,7 +29,6 @@ from rankdrop.report.figures import (
 from rankdrop.results.known import shipped
 from rankdrop.robot import reach
 from rankdrop.task import SPACE
-from rankdrop.viewer.upright import upright
 
 pytest.importorskip("matplotlib")
 

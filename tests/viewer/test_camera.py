@@ -11,8 +11,8 @@ from rankdrop.robot import Array
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
+from rankdrop.families.pictured import upright_start
 from rankdrop.viewer.stage import FOV, FREE, camera_for  # needs viser
-from rankdrop.viewer.upright import upright_start
 
 
 def seen(points: Array, position: Array, aim: Array, aspect: float) -> Array:

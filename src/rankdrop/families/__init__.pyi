@@ -2,6 +2,11 @@ from .lost import LostFreedom as LostFreedom
 from .lost import MotionKind as MotionKind
 from .name import ArmPart as ArmPart
 from .name import FamilyName as FamilyName
+from .pictured import TALL as TALL
+from .pictured import VIEW as VIEW
+from .pictured import height as height
+from .pictured import upright as upright
+from .pictured import upright_start as upright_start
 from .points import Walk as Walk
 from .points import in_slice as in_slice
 from .reciprocal import EXACT as EXACT

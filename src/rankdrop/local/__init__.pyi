@@ -42,6 +42,7 @@ from .posture import Drawn as Drawn
 from .posture import drawn_at as drawn_at
 from .posture import fault as fault
 from .posture import skeleton as skeleton
+from .posture import spine as spine
 from .posture import start_posture as start_posture
 from .rates import Slowest as Slowest
 from .rates import damped_inverse as damped_inverse

@@ -25,7 +25,19 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families import Family, Slice, Solid, Sweep, Verdict, solids, sweeps, telling_slices
+from rankdrop.families import (
+    VIEW,
+    Family,
+    Slice,
+    Solid,
+    Sweep,
+    Verdict,
+    solids,
+    sweeps,
+    telling_slices,
+    upright,
+    upright_start,
+)
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,
@@ -53,10 +65,10 @@ from rankdrop.text import (
     motion,
     of_analysis,
     one_line,
+    place_name,
     short,
 )
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
-from rankdrop.viewer.upright import VIEW, place_name, upright, upright_start
 
 _SINGLE = 3  # joints alone that are offered, the best first
 

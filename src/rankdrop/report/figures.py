@@ -19,15 +19,15 @@ from numpy.typing import NDArray
 
 from rankdrop.distance import Workspace
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families import Family, Slice, Solid, Sweep
+from rankdrop.families import VIEW, Family, Slice, Solid, Sweep
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
 from rankdrop.report.chart import COLOURS, joint_axes, pieces, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach
+from rankdrop.text import place_name
 from rankdrop.viewer.scene import arrows, barrel_mesh
-from rankdrop.viewer.upright import VIEW, place_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

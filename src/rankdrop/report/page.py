@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.families import Family
+from rankdrop.families import Family, upright_start
 from rankdrop.kinematics import link_poses
 from rankdrop.local import blame, lost_directions, singular_values
 from rankdrop.report.content import Content, first_view, limit_range, page_data, robot_data, slider_range, standing
@@ -38,7 +38,6 @@ from rankdrop.task import Task, link_index, resolve_task
 from rankdrop.text import aspects_line, lost_sentences
 from rankdrop.tolerances import DEFAULT
 from rankdrop.version import VERSION
-from rankdrop.viewer.upright import upright_start
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
 """The page's program, in this order."""

@@ -269,30 +269,25 @@ class Code:
 
         Conditions that are long stand below the table, where pages break; a table that is long breaks over pages.
         """
-        rows, long = [], []
-        for family in self.families:
-            told = [f"${one.latex()}$" for one in family.stated]
-            if sum(map(len, told)) > _LONG_CELL:
-                long += [rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par"]
-                told = ["see below"]
-            shown = r"; \newline ".join(told)
-            cells = (family.id, rf"\raggedright {as_text(family.name)}", str(family.corank), rf"\raggedright {shown}")
-            rows.append(" & ".join(cells) + r" \tabularnewline")
-        kind = "longtable" if len(rows) > _LONG_TABLE or long else "tabular"
+        rows, long = self._latex_rows()
+        if len(rows) > _LONG_TABLE or long:
+            kind = "longtable"
+        else:
+            kind = "tabular"
         head = [
             rf"\begin{{{kind}}}{{@{{}}l@{{\quad}}p{{0.24\linewidth}}@{{\ }}r@{{\quad}}p{{0.48\linewidth}}@{{}}}}",
             r"& family & corank & conditions \\", r"\hline",
         ]  # fmt: skip
-        packages = ["longtable"] if kind == "longtable" else []
+        packages = []
+        if kind == "longtable":
+            packages += ["longtable"]
         values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
         if any(r"\tfrac" in row for row in [*rows, *long, *values]):
             packages += ["amsmath"]
         if packages:
             head = [rf"% needs \usepackage{{{','.join(packages)}}}", *head]
         below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
-        for j, shift in self._shifted():
-            sign = "-" if shift < 0 else "+"
-            below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {Latex().angle_value(abs(shift))}")
+        below += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._shifted()]
         if any(re.search(r"\b[sc]_", row) for row in [*rows, *long, *values]):
             below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
         if below:
@@ -303,6 +298,20 @@ class Code:
         if long:
             long = [r"{\small\raggedright\sloppy", *long, "}"]
         return "\n".join([*head, *rows, rf"\end{{{kind}}}", *long, *said, *tail, ""])
+
+    def _latex_rows(self) -> tuple[list[str], list[str]]:
+        """(rows of the table, conditions that are too long for it)."""
+        rows: list[str] = []
+        long: list[str] = []
+        for family in self.families:
+            told = [f"${one.latex()}$" for one in family.stated]
+            if sum(map(len, told)) > _LONG_CELL:
+                long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par")
+                told = ["see below"]
+            shown = r"; \newline ".join(told)
+            cells = (family.id, rf"\raggedright {as_text(family.name)}", str(family.corank), rf"\raggedright {shown}")
+            rows.append(" & ".join(cells) + r" \tabularnewline")
+        return rows, long
 
     def _shifted(self) -> Iterator[tuple[int, float]]:
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
@@ -316,6 +325,13 @@ class Code:
         if shifted:
             return [*lines, f"In the words on a condition {', '.join(shifted)}."]
         return lines
+
+
+def _shift_latex(shift: float) -> str:
+    value = Latex().angle_value(abs(shift))
+    if shift < 0:
+        return f"- {value}"
+    return f"+ {value}"
 
 
 def _mark(text: str) -> str:

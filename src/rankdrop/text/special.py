@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import degrees, radians
 
-from rankdrop.local.special import Shape, Special
+import numpy as np
+
+from rankdrop.families.record import Family
+from rankdrop.local.special import Shape, Special, specials_at
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
 from rankdrop.text.words import joint_word, short
 
 _NEAR = radians(20.0)
@@ -66,3 +71,10 @@ def _detail(one: Special, names: Sequence[str]) -> str:
     value = round(degrees(one.value), 1) + 0.0
     shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(one.off), 2)}°"
     return words[one.shape].format(joint=joint, axis=one.joint, value=shown, off=off)
+
+
+def place_name(robot: Robot, task: Task, family: Family) -> str:
+    """The part of the arm that is special at the witness, as `explain` names it; the family's name without any."""
+    q = np.asarray(family.witness, dtype=np.float64)
+    names = [joint.name for joint in robot.variables]
+    return special_words(specials_at(robot, task, q, family.corank), names) or family.name

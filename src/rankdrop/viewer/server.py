@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.families import upright, upright_start
 from rankdrop.path import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot, meshes_of, visuals_of
@@ -22,7 +23,6 @@ from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
 from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, SliceTab, TourTab
 from rankdrop.viewer.tab_path import PathTab, ShareTab, state_of
-from rankdrop.viewer.upright import upright, upright_start
 
 if TYPE_CHECKING:
     import viser

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rankdrop.families import VIEW
 from rankdrop.kinematics import link_poses
-from rankdrop.local.posture import spine
+from rankdrop.local import spine
 from rankdrop.robot import Array, Mesh
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
 from rankdrop.viewer.scene import Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
-from rankdrop.viewer.upright import VIEW
 
 if TYPE_CHECKING:
     import viser

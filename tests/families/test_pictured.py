@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from rankdrop.families import posed
+from rankdrop.families.pictured import TALL, height, upright, upright_start
 from rankdrop.local import fault, singular_values
 from rankdrop.results.known import shipped
-from rankdrop.viewer.upright import TALL, height, place_name, upright, upright_start
+from rankdrop.text.special import place_name
 
 
 @pytest.mark.parametrize("name", ["pa10", "crx10ial"])

@@ -1,6 +1,6 @@
 """The posture in which a family is drawn: upright where the family has such a member, inside the limits.
 
-`rankdrop.families.posed` chooses a witness that nothing speaks against. In a picture that is not enough: an arm that
+`posed` chooses a witness that nothing speaks against. In a picture that is not enough: an arm that
 lies along the floor is a thin line in a wide frame. Of the members near round configurations the one is drawn that
 stands up, and is no worse in `fault`.
 """
@@ -12,16 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.families import posed
 from rankdrop.families.naming import lost_motions
 from rankdrop.families.record import Family, family_in_metres
+from rankdrop.families.table import posed
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
-from rankdrop.local.special import specials_at
 from rankdrop.problem import Problem, into_limits, wrapped
-from rankdrop.robot import Array, Robot, reach
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
-from rankdrop.text.special import special_words
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -112,10 +111,3 @@ def _members(problem: Problem, family: Family) -> Array:
     points, solved = family.system.solve(starts, along=np.eye(problem.n)[:, sorted(bound)])
     points = wrapped(problem.robot, points[solved])
     return into_limits(problem.robot, points[problem.singular(points)])
-
-
-def place_name(robot: Robot, task: Task, family: Family) -> str:
-    """The part of the arm that is special at the witness, as `explain` names it; the family's name without any."""
-    q = np.asarray(family.witness, dtype=np.float64)
-    names = [joint.name for joint in robot.variables]
-    return special_words(specials_at(robot, task, q, family.corank), names) or family.name

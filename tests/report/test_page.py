@@ -208,9 +208,10 @@ def test_pictures_say_what_is_to_be_seen() -> None:
     for tag in re.findall(r"<(?:canvas|svg)[^>]*>", text):
         assert 'role="img"' in tag
         assert len(re.findall(r'aria-label="([^"]+)"', tag)[0]) >= len("The arm")
-    for family in shown("ur5").analysis.families:
+    found = shown("ur5")
+    for family in found.analysis.families:
         lost = lost_sentences(family.lost_freedoms)[0]
-        assert f'aria-label="The arm in {family.id}, {family.name}. Lost, an arrow each: {lost}' in text
+        assert f'aria-label="The arm in {family.id}, {found.titles[family.id]}. Lost, an arrow each: {lost}' in text
 
 
 def test_an_analysis_shows_itself_in_a_notebook() -> None:

@@ -1,6 +1,6 @@
 """Do the tests see a fault? One small change at a time to a file, and whether some test fails then.
 
-    .venv/bin/python tools/mutate.py src/rankdrop/certify/bittree.py --tests tests/cover/test_covering.py --most 40
+    .venv/bin/python tools/mutate.py src/rankdrop/cover/covering.py --tests tests/cover/test_covering.py --most 40
     .venv/bin/python tools/mutate.py src/core/readable.cpp --tests tests/local/test_readable_planted.py --most 20
 
 With several files, or whole folders, the tests of each line are those that reach it, as coverage.py recorded (`pip

@@ -152,7 +152,7 @@ def asked_about(
         robot: the arm.
         task: of the arm.
         q: (n,) the place [rad, m].
-        path: the file of a path as its reader read it (`motion.path_asked`), or its name, with `rows`.
+        path: the file of a path as its reader read it (`path.path_asked`), or its name, with `rows`.
         rows: (M, n) the rows of a path, joined by straight lines [rad, m].
         limits: a covering or a change of posture within the joint limits (True), or of the whole joint space (False).
 

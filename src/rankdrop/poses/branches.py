@@ -1,6 +1,6 @@
 """`inverse`: the configurations of an arm at one pose of the tip, each confirmed by forward kinematics.
 
-Damped Newton's method from random starts finds solutions (`motion.inverse`); the starts are drawn in batches until
+Damped Newton's method from random starts finds solutions (`poses.inverse`); the starts are drawn in batches until
 several batches in a row find nothing new. Solutions are isolated, or they form continua: curves and surfaces of
 configurations along which the tool stands still. A redundant arm has these at every pose, any arm may at a singular
 one. At a configuration with null motions N of J the dimension is the number of independent displacements that remain

@@ -3,7 +3,7 @@
 `check_poses`: straight moves between poses of the tip, through the arm's own inverse kinematics.
 
 The tip goes straight from pose to pose and turns about one axis, as a linear move of a controller does. Joint values
-are solved along this curve on one branch (`motion.inverse`), at rows so close that the joints, going straight between
+are solved along this curve on one branch (`poses.inverse`), at rows so close that the joints, going straight between
 them, are proven to keep the tip within a tolerance of the curve (`Aim.deviation`). That joint path is checked as any
 other (`check_path`), with the joint rates of the curve itself at both ends of every piece. Where the branch ends, the
 part up to there is checked.
@@ -96,8 +96,8 @@ def check_path(
 ) -> PathCheck:
     """Check a path at every one of its points, between its samples too.
 
-    Nothing is sampled: boxes and curves are enclosed (`motion.prove`), and halved until every piece of the path is
-    proven free or so narrow that double precision decides. The rest is decided by signs (`motion.survey`): a
+    Nothing is sampled: boxes and curves are enclosed (`path.check.prove`), and halved until every piece of the path is
+    proven free or so narrow that double precision decides. The rest is decided by signs (`path.check.survey`): a
     *crossing* is proven by the intermediate value theorem; where σ_r is within the tolerance without a change of sign
     the path is *touching*, which is a measurement; anything else is *undecided*. A path that is free but leaves the
     range of a joint, or its largest rate, is *outside limits* or *too fast*.

@@ -4,7 +4,7 @@ Between two poses of a tool path the tip goes straight and turns about one axis 
 a controller does. It is followed by steps from near (`Aim.solve`). A step counts only where the corrector has little
 left to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so
 that the branch is kept up to the singularity or the limit at which it stops. What the branch does at a singularity is
-decided by the local geometry (`motion.passing`). Poses passed over by a step are filled in from a straight guess
+decided by the local geometry (`path.check.passing`). Poses passed over by a step are filled in from a straight guess
 between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven to
 stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
 """

@@ -10,7 +10,7 @@ at the configuration. Three kinds are looked for, by finite motion on the move i
              (a self-motion), and at another of its points u·ξ = 0 and a smooth departure exists.
 
 A branch that neither departs nor turns is met on one side of the pose only: it folds back. This is the geometry of
-`motion.time_law`, which has the orders and the sources.
+`path.mend.time_law`, which has the orders and the sources.
 """
 
 from __future__ import annotations

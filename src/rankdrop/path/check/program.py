@@ -1,9 +1,9 @@
 """Robot programs checked, move by move: what was read of a program, on one joint path with the program's lines.
 
 Between the targets that were read the arm does what its controller would do without blending: a joint move goes
-straight in joint space, a linear move straight with its tip (`motion.follow`), from the configuration in which the
+straight in joint space, a linear move straight with its tip (`path.check.follow`), from the configuration in which the
 move before it ended. Where a line that moves the arm was not read, or a move cannot be followed, a new part begins at
-the next target. Every part is one curve, checked as any other path (`motion.check.check_curve`).
+the next target. Every part is one curve, checked as any other path (`path.check.check.check_curve`).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ can go on all the same: it is moved by ε B(t) along u, the direction that is lo
 
     T′(t) = exp(ε B(t) û) T(t),   u the left singular vector of σ_r at the crossing,
 
-with B as in `motion.bumps`, and the joints follow on the branch that they are on. At a wrist they turn half around
+with B as in `path.mend.bumps`, and the joints follow on the branch that they are on. At a wrist they turn half around
 while the tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the
 arm on another branch of the inverse kinematics, up to the next crossing, where it may come back.
 """

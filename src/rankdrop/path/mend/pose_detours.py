@@ -1,11 +1,11 @@
 """Local changes of a tool path that was given as poses: the tool led around each singularity that ends its branch.
 
-The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a window
-are moved, T′ = exp(ε B û) T (`motion.detours`), u the direction lost, and the branch goes on along them: past a wrist,
-where two joints turn half around, or inside the edge of reach, which the poses leave. Of both ways along u, windows of
-some lengths and sizes, all followed side by side, the least is taken that the joints can follow with room to the
-singularity. After the window the poses are as they were, and the joints on whichever branch
-the window led to. All other poses stay as they are, to the last bit.
+The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a
+window are moved, T′ = exp(ε B û) T (`path.mend.detours`), u the direction lost, and the branch goes on along them:
+past a wrist, where two joints turn half around, or inside the edge of reach, which the poses leave. Of both ways
+along u, windows of some lengths and sizes, all followed side by side, the least is taken that the joints can follow
+with room to the singularity. After the window the poses are as they were, and the joints are on the branch to which
+the window led. All other poses stay as they are, to the last bit.
 """
 
 from __future__ import annotations

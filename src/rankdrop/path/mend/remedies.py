@@ -1,10 +1,10 @@
 """`mend_path`: what would make a path free of singularities, or keep its limits, each proven by a new check.
 
-Local changes are made in `motion.bumps` and `motion.detours`, other joint paths for the tool in `motion.candidates`,
-new time laws in `motion.retime`. One remedy is made here: a corner cut short, where a straight path reaches a
-singularity around a row at which it turns. A parabola from a point before the corner to one after it, with the corner
-as its control point, leaves the path in the direction it has there and comes back in the direction it goes on in. It
-stays half as far in as the corner does.
+Local changes are made in `path.mend.bumps` and `path.mend.detours`, other joint paths for the tool in
+`path.mend.candidates`, new time laws in `path.mend.retime`. One remedy is made here: a corner cut short, where a
+straight path reaches a singularity around a row at which it turns. A parabola from a point before the corner to one
+after it, with the corner as its control point, leaves the path in the direction it has there and comes back in the
+direction it goes on in. It stays half as far in as the corner does.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     environment = {name: value for name, value in os.environ.items() if name in SETTINGS}
     configure = ["cmake", "-S", str(ROOT / "examples" / "cpp"), "-B", str(folder), f"-Drankdrop_DIR={get_cmake_dir()}",
                  f"-DPython_EXECUTABLE={sys.executable}", f"-DROBOTS={';'.join(ARMS)}", "-DCMAKE_BUILD_TYPE=Release",
-                 "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror"]  # fmt: skip
+                 "-DCMAKE_CXX_FLAGS_RELEASE=-O0", "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror"]  # fmt: skip
     for command in (configure, ["cmake", "--build", str(folder)]):
         done = subprocess.run(command, capture_output=True, text=True, env=environment)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -108,7 +108,7 @@ FOREIGN = {
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/mesh_file.py", "robot/models.py",
                      "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
                      "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
-    "text/read_names.py": "names of families in files", "viewer/access.py": "HTTP headers",
+    "viewer/access.py": "HTTP headers",
 }  # fmt: skip
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {

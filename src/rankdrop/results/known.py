@@ -34,7 +34,6 @@ from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
-from rankdrop.families.name import FamilyName
 from rankdrop.families.record import Check, Family, family_from_metres
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
@@ -43,6 +42,7 @@ from rankdrop.questions import ConditionsOptions
 from rankdrop.results.aspect_summary import FILE as ASPECTS
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import SCHEMA, Conditions
+from rankdrop.results.names import name_of
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
@@ -376,7 +376,7 @@ def _family(
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
-        called=FamilyName.of_words(record["name"]),
+        called=name_of(record),
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],

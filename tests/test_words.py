@@ -114,7 +114,7 @@ FOREIGN = {
 OWN = {
     "exact/determinants.py": 1, "formula/notation.py": 7, "formula/writing.py": 1,
     "text/by_hand.py": 3, "text/code.py": 9,
-    "text/conditions.py": 7, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
+    "text/conditions.py": 3, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
 

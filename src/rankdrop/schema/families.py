@@ -12,7 +12,7 @@ from msgspec import UNSET, UnsetType
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.distance.share import Near
 from rankdrop.exact.determinants import Determinants, Minor
-from rankdrop.exact.family import Assumption
+from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.families.equation import Term
@@ -351,7 +351,19 @@ CONDITIONS_FAMILY = table(
     lost_words=(many(str), "the same in words, one sentence each"),
     rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family"),
 )
-ASSUMPTIONS = table("assumptions", of=Assumption)
+ASSUMPTIONS = table(
+    "assumptions",
+    text=(str, "what was assumed: d3 ≠ d5"),
+    holds=(bool, "whether it is true of the arm's own lengths"),
+    words=(str, "what happens where it fails, in a sentence; empty where nothing is known"),
+    derived=(bool, "whether the special arm was derived"),
+    equal=(optional(table("equal_lengths", of=EqualLengths) | None),
+        "the lengths for which it fails: length = sign · other; null for others; since 0.3"),
+    families=(optional(many(table("special_families", of=SpecialFamily))),
+        "the first families that the special arm has besides; since 0.3"),
+    more=(optional(Count), "number of its other families"),
+)  # fmt: skip
+UNREAL = table("unreal", of=UnrealSet, tried=optional(Count))
 EXAMPLE = table(
     "example",
     of=Example,
@@ -429,7 +441,8 @@ CONDITIONS_FILE = file(
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
     families=(many(CONDITIONS_FAMILY), "of all coranks, by corank", _exact_families),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
-    not_real=(many(str), "sets on which no real point is known, and why"),
+    not_real=(many(str), "sets on which no real point is known, and why", lambda one: list(map(str, one.not_real))),
+    unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
     explained=SHARE,
     test=(optional(TEST | None), "what --test says (command line only)", _absent),
     flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),

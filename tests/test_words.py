@@ -108,13 +108,13 @@ FOREIGN = {
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/mesh_file.py", "robot/models.py",
                      "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",
                      "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"), "files of the user"),
-    "text/read_names.py": "names of families in files", "viewer/access.py": "HTTP headers",
+    "viewer/access.py": "HTTP headers",
 }  # fmt: skip
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
-    "exact/determinants.py": 1, "formula/notation.py": 7, "formula/writing.py": 1,
-    "text/by_hand.py": 3, "text/code.py": 9,
-    "text/conditions.py": 7, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
+    "formula/notation.py": 7, "formula/writing.py": 1,
+    "text/by_hand.py": 3, "text/code.py": 8,
+    "text/conditions.py": 3, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
 

@@ -49,6 +49,7 @@ _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
     "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
+    "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
 }  # fmt: skip
 """Class of a record -> module that words it."""
 

@@ -18,9 +18,9 @@ from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import Check, CorankSummary, Family, Pin, Unseen
 from rankdrop.families.row import vanishing_on
 from rankdrop.results.analysis import Analysis, Settings
+from rankdrop.results.old_files import name_of_words
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, resolve_task
-from rankdrop.text.read_names import read_name
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 
@@ -89,7 +89,7 @@ def family(
         vanishing_on([int(i == j) for i in range(1, 8)], values, periodic=True) for j, values in pins.items()
     )
     return Family(
-        id=f"k1.f{number}", called=read_name(name), corank=1, dimension=5,
+        id=f"k1.f{number}", called=name_of_words(name), corank=1, dimension=5,
         pinned=tuple(Pin(f"joint{j}", j, values) for j, values in pins.items()),
         free=tuple(j for j in range(1, 8) if j not in pins and j not in coupled), coupled=coupled,
         equations=(*conditions, *equations) if named else (),

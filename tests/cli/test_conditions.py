@@ -20,13 +20,13 @@ from rankdrop.cli import exits
 from rankdrop.cli.terminal import formula
 from rankdrop.codec import json_text
 from rankdrop.errors import OptionError, ResultFileError, TaskError
-from rankdrop.exact.family import Assumption
+from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import shipped_conditions
 from rankdrop.schema import load_schema
 from rankdrop.sections import Formula
 from rankdrop.task import resolve_task
-from rankdrop.text.conditions import condition_lines
+from rankdrop.text.conditions import condition_lines, special_sentence
 
 from .test_schema import closed
 
@@ -406,16 +406,31 @@ def test_a_disagreement_is_shown_and_ends_with_three(
 
 
 def test_a_length_that_breaks_an_assumption_is_told(puma: Conditions) -> None:
-    special = Assumption("a2 ≠ d4", holds=False, words="if a2 = d4, θ3 = 0 alone loses two freedoms", derived=True)
-    unknown = Assumption("a2² − d4² ≠ 0", holds=False, words="", derived=False)
+    special = Assumption(
+        "a2 ≠ d4", holds=False, derived=True, equal=EqualLengths("a2", 1, "d4"),
+        families=(SpecialFamily(("θ3 = 0",), 2), SpecialFamily(("θ2 = 0", "θ5 = π"), 3)), more=2,
+    )  # fmt: skip
+    unknown = Assumption("a2² − d4² ≠ 0", holds=False, derived=False)
     text = str(replace(puma, assumptions=(special, unknown)))
     assert "a2 ≠ d4 (NOT true here: 0.4318 = 0.4318); if a2 = d4:" in text
+    losses = ["θ3 = 0 alone loses two freedoms", "θ2 = 0, θ5 = π together lose three freedoms, and 2 more families"]
+    assert [line.strip() for line in text.splitlines() if "lose" in line and "freedoms" in line][:2] == losses
+    assert special_sentence(special) == f"if a2 = d4, {'; '.join(losses)}"
+    assert special_sentence(unknown) == ""
     assert "a2² − d4² ≠ 0 (NOT true here); what this arm has besides was not derived" in text
 
 
 def test_sets_that_are_not_real_are_counted_by_reason(puma: Conditions) -> None:
-    sets = tuple(f"θ{j} = 0: no real point was found from 96 random starts" for j in (1, 2, 3, 4))
-    text = str(replace(puma, not_real=(*sets, "θ6 = 0: not real, for a2 ≥ 0 does not hold")))
+    sets = tuple(UnrealSet(f"θ{j} = 0", Unreal.NOT_FOUND, tried=96) for j in (1, 2, 3, 4))
+    proven = UnrealSet("θ6 = 0", Unreal.PROVEN, proof="a2 ≥ 0 does not hold")
+    found = replace(puma, not_real=(*sets, proven))
+    text = str(found)
+    assert found.to_dict()["not_real"][-1] == str(proven) == "θ6 = 0: not real, for a2 ≥ 0 does not hold"
+    assert found.to_dict()["unreal"][0] == {
+        "conditions": "θ1 = 0", "reason": "not found", "tried": 96, "proof": "",
+    }  # fmt: skip
+    modulo = UnrealSet("θ6 = 0", Unreal.NOR_MODULO_PRIMES, tried=32)
+    assert str(modulo) == "θ6 = 0: no real point was found, nor one modulo 32 primes"
     assert text.count("no real point was found") == 1
     assert "and 2 more sets like these" in text
     assert "not real, for a2 ≥ 0 does not hold" in text

@@ -13,8 +13,9 @@ import pytest
 from rankdrop.algebra.work import Work
 from rankdrop.codec import encode
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.determinants import Minor, determinants_of
+from rankdrop.exact.determinants import Minor, MinorOf, determinants_of
 from rankdrop.formula.notation import Python
+from rankdrop.formula.writing import Value
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.robot.open import open_robot
@@ -143,3 +144,17 @@ def test_code_gives_the_same_numbers(tmp_path) -> None:
     )  # fmt: skip
     printed = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
     assert float(printed) == pytest.approx(wanted, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("of", "name", "mark"),
+    [
+        (MinorOf.BLOCK, "det J11", "det_J11"), (MinorOf.SCREWS, "|$1 $3|", "minor_1_3"),
+        (MinorOf.COLUMNS, "|J1 J3|", "minor_1_3"), (MinorOf.ROWS, "|vx wz|", "minor_vx_wz"),
+    ],
+)  # fmt: skip
+def test_a_minor_is_named_by_what_it_takes(of: MinorOf, name: str, mark: str) -> None:
+    ring = exact_chain(open_robot("planar2r")).ring
+    one = Value(ring, ring.trig.constant(1), None)
+    minor = Minor(of, (1, 3), ("vx", "wz"), "", one, (0.0, 0.0), "J11")
+    assert (minor.name, minor.mark) == (name, mark)

@@ -72,4 +72,4 @@ def test_the_panda_says_when_its_wrist_is_singular() -> None:
     assert family.texts == ("θ4 = 0", "a6 + d3 s6 + d5 s6 = 0")
     assert family.reality == "real if and only if (d3 + d5 − a6) (d3 + d5 + a6) ≥ 0"
     (unreal,) = found.not_real
-    assert "(d3 − d5 − a6) (d3 − d5 + a6) ≥ 0 does not hold" in unreal  # |d3 − d5| = 0.068 m, a6 = 0.088 m
+    assert "(d3 − d5 − a6) (d3 − d5 + a6) ≥ 0 does not hold" in unreal.proof  # |d3 − d5| = 0.068 m, a6 = 0.088 m

@@ -18,7 +18,7 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import families
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import full_rank, real_points, real_sets, reality
-from rankdrop.exact.family import alone, merge
+from rankdrop.exact.family import Unreal, alone, merge
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
@@ -51,9 +51,9 @@ def test_a_sum_of_squares_is_cut_down_to_its_real_points(chain: Chain) -> None:
 def test_a_set_without_a_real_point_is_told_with_what_was_done(chain: Chain) -> None:
     f = 3 + chain.ring.t[3] ** 2 * chain.ring.t[5] ** 2 + chain.ring.t[5] ** 4
     piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
-    sets, (sentence,) = real_sets(chain, [Drop(piece, 5)], Work(), [])
+    sets, (unreal,) = real_sets(chain, [Drop(piece, 5)], Work(), [])
     assert sets == []
-    assert "no real point was found from" in sentence
+    assert (unreal.reason, unreal.tried) == (Unreal.NOT_FOUND, REAL_STARTS)
 
 
 def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
-from rankdrop.families.name import FamilyName
+from rankdrop.families.name import ArmPart, Centre, Detail, FamilyName, Geometry, JointValues, Variable
 from rankdrop.families.naming import LONGEST, name_family, shortened
 from rankdrop.families.searching import search
 from rankdrop.local.axes import Common, Dependence
@@ -19,7 +19,6 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.read_names import read_name
 
 H = pi / 2
 Z = (0.0, pi)  # 0 and π
@@ -215,26 +214,38 @@ def test_what_is_not_a_singular_family_is_refused(q: Array) -> None:
         name(pa10(), q)
 
 
+STRETCHED = FamilyName(
+    (ArmPart.ELBOW,), details=(Detail(Geometry.COPLANAR_WITH_CENTRE, ((1, 2),), Centre.WRIST),)
+)  # fmt: skip
+FLAT = Detail(Geometry.PARALLEL_AND_COPLANAR, ((1, 2, 3, 5),))
+ALIGNED = FamilyName(tuple(ArmPart), details=(Detail(Geometry.ALIGNED, ((0, 2), (4, 6))),))
+
+
+def at(joint: int, *degrees: float) -> tuple[JointValues, ...]:
+    """Values of one joint."""
+    return (JointValues(Variable(joint), tuple(np.radians(degrees).tolist())),)
+
+
 @pytest.mark.parametrize(
     ("names", "expected"),
     [
-        (["elbow: axes 2, 3 and wrist centre coplanar"], ["elbow: axes 2, 3 and wrist centre coplanar"]),
+        ([STRETCHED], ["elbow: axes 2, 3 and wrist centre coplanar"]),
         (
-            ["elbow: axes 2, 3 and wrist centre coplanar (θ3 = −87.3° or 92.7°)"],
+            [replace(STRETCHED, values=at(3, -87.3, 92.7))],
             ["elbow: arm stretched or folded (θ3 = −87.3° or 92.7°)"],
         ),
         (
-            ["elbow and wrist, axes 2, 3, 4, 6 parallel and coplanar (θ4 = −90.1° or 89.9°)"],
+            [FamilyName((ArmPart.ELBOW, ArmPart.WRIST), True, (FLAT,), values=at(4, -90.1, 89.9))],
             ["elbow and wrist (θ4 = −90.1° or 89.9°)"],  # not −90° or 90°: that is another posture
         ),
         (
-            [f"shoulder, elbow and wrist: axes 1, 3 and 5, 7 aligned, with a condition on {x}" for x in ("θ3", "θ5")],
+            [replace(ALIGNED, bound=(Variable(joint),)) for joint in (3, 5)],
             ["shoulder, elbow and wrist: axes 1, 3 and 5, 7 aligned", None],
         ),
     ],
 )
-def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[str], expected: list[str | None]) -> None:
-    short = list(map(str, shortened(list(map(read_name, names)))))
+def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName], expected: list[str | None]) -> None:
+    short = list(map(str, shortened(names)))
     assert all(len(one) <= LONGEST for one in short)
     assert len(set(short)) == len(names)
     assert all(want in (None, got) for want, got in zip(expected, short, strict=True))

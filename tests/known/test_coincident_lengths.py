@@ -115,7 +115,7 @@ def test_a_forearm_as_long_as_the_upper_arm_is_singular_at_a_right_angle(name: s
 def test_an_assumption_that_is_false_is_no_exact_derivation() -> None:
     found = conditions(open_robot("planar3r"))
     assert found.verified
-    wrong = replace(found, assumptions=(Assumption("a2 ≠ d4", holds=False, words="", derived=False),))
+    wrong = replace(found, assumptions=(Assumption("a2 ≠ d4", holds=False, derived=False),))
     assert not wrong.verified
     assert wrong.verdict.word == "incomplete"
     assert wrong.verdict.claims in ((), ("sampled",))

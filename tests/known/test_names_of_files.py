@@ -1,14 +1,19 @@
-"""Names of families in files are read into facts, and worded again as they stand there."""
+"""Names of families in files: facts, worded as they were when the file was written; words up to version 0.2."""
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
+from rankdrop.codec import encode
 from rankdrop.families.name import ArmPart, Detail, FamilyName, Geometry, JointValues, LowRank, Shorter, Variable
 from rankdrop.local.axes import Common, Dependence, SlideWay
-from rankdrop.results.known import known_names, shipped
+from rankdrop.results.known import known_names, shipped_record
+from rankdrop.results.names import name_from_dict, name_of
+from rankdrop.results.old_files import name_of_words
+from rankdrop.schema.families import CALLED
 from rankdrop.text.names import name_words, short_name
-from rankdrop.text.read_names import read_name
 
 WRIST = Detail(Geometry.ALIGNED, ((3, 5),))
 
@@ -62,28 +67,57 @@ WRIST = Detail(Geometry.ALIGNED, ((3, 5),))
         ("a name: of the user", FamilyName(given="a name: of the user"), "a name: of the user"),
     ],
 )
-def test_a_name_is_read_into_facts(text: str, facts: FamilyName, short: str) -> None:
-    assert read_name(text) == facts
+def test_a_name_is_written_and_read_as_facts(text: str, facts: FamilyName, short: str) -> None:
+    record = json.loads(json.dumps(encode(CALLED, facts)))
+    assert name_from_dict(record) == facts
     assert (name_words(facts), short_name(facts)) == (text, short)
 
 
-def test_the_way_values_are_written_is_a_fact_of_its_own() -> None:
-    found = read_name("shoulder and wrist (θ2 = ±113°, θ3 = −157° or 22°)")
-    assert found.shorter == Shorter.PLUS_MINUS | Shorter.WHOLE_DEGREES
-    angles = read_name("wrist (θ2 = ±113°)").values[0].values
-    assert angles == pytest.approx((-1.9722, 1.9722), abs=1e-4)
+def test_a_name_holds_only_the_facts_that_it_has() -> None:
+    facts = FamilyName((ArmPart.WRIST,), values=(JointValues(Variable(2), (-1.9722, 1.9722)),),
+                       shorter=Shorter.PLUS_MINUS | Shorter.WHOLE_DEGREES)  # fmt: skip
+    record = encode(CALLED, facts)
+    assert sorted(record) == ["parts", "shorter", "values"]
+    assert record["shorter"] == ["plus_minus", "whole_degrees"]
+    assert str(name_from_dict(record)) == "wrist (θ2 = ±113°)"
 
 
-def unread(names: list[str]) -> list[str]:
-    """Names of families in shipped analyses whose words are not read into facts, or are worded otherwise."""
-    families = (family.called for name in names for family in shipped(name).families)
-    return [str(one) for one in families if one.given]
+@pytest.mark.parametrize("damage", [{"parts": ["knee"]}, {"relations": [{"geometry": "odd"}]}, {"ordinal": "second"}])
+def test_an_entry_that_is_no_fact_of_a_name_is_refused(damage: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=r"Invalid enum value|Expected"):
+        name_from_dict(damage)
+
+
+@pytest.mark.parametrize(
+    ("words", "parts", "short"),
+    [
+        ("elbow: arm stretched or folded (θ3 = −87.3° or 92.7°)", (ArmPart.ELBOW,), "elbow"),
+        ("elbow and wrist, axes 2, 3, 4 parallel", (ArmPart.ELBOW, ArmPart.WRIST), "elbow and wrist"),
+        ("shoulder, elbow and wrist (θ3 = 0)", tuple(ArmPart), "shoulder, elbow and wrist"),
+        ("wrist centre on axis 1", (), "wrist centre on axis 1"),
+        ("my own family", (), "my own family"),
+    ],
+)
+def test_a_name_of_a_file_up_to_0_2_keeps_its_words(words: str, parts: tuple[ArmPart, ...], short: str) -> None:
+    found = name_of({"name": words})
+    assert (str(found), found.parts, found.short) == (words, parts, short)
+
+
+def test_an_unnamed_family_of_a_file_up_to_0_2_is_unnamed() -> None:
+    assert name_of_words("unnamed family") == FamilyName(unnamed=True)
+
+
+def strays(names: list[str]) -> list[tuple[str, str]]:
+    """(words of a family in a shipped analysis, words of its facts) where the facts are none, or worded otherwise."""
+    families = [family for name in names for family in shipped_record(name)["families"]]
+    named = [(family["name"], name_from_dict(family["called"])) for family in families]
+    return [(words, str(facts)) for words, facts in named if facts.given or str(facts) != words]
 
 
 def test_names_of_shipped_files_are_facts() -> None:
-    assert unread(["planar3r", "ur5e"]) == []
+    assert strays(["planar3r", "ur5e"]) == []
 
 
 @pytest.mark.by_hand
 def test_every_name_of_a_shipped_file_is_facts() -> None:
-    assert unread(list(known_names())) == []
+    assert strays(list(known_names())) == []

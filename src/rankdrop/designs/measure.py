@@ -45,7 +45,7 @@ from rankdrop.results.known import known_aspects
 from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
 from rankdrop.schema.design import NEAR_SHARE
-from rankdrop.schema.families import ASPECTS_SUMMARY
+from rankdrop.schema.families import ASPECTS_SUMMARY, CALLED
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
 from rankdrop.tolerances import DEFAULT
@@ -213,6 +213,7 @@ def _family(family: Family, robot: Robot) -> Record:
         "key": key_of(form),
         "structure": plain(form),
         "name": family.name,
+        "called": encode(CALLED, family.called),
         "corank": family.corank,
         "dimension": family.dimension,
         "pinned": [{"number": pin.number, "values": list(pin.values)} for pin in family.pinned],

@@ -172,7 +172,7 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
                 "letters": {name: float(value) for name, value in derived.letters.items()},
                 "families": [{"id": family.id, "name": family.name, "corank": family.corank,
                               "conditions": list(family.texts), "real": family.reality} for family in derived.families],
-                "not_real": list(derived.not_real),
+                "not_real": list(map(str, derived.not_real)),
             })  # fmt: skip
     tell("exact conditions", len(sets), len(sets))
     return tuple(found)

@@ -35,6 +35,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 from functools import cached_property
 from itertools import combinations, pairwise
 
@@ -361,37 +362,83 @@ MOST = 60
 """More minors than that are counted, not written."""
 
 
+class MinorOf(Enum):
+    """The rows and columns of a Jacobian that a minor takes.
+
+    BLOCK: a square matrix. SCREWS, COLUMNS: all rows, and as many joint screws or columns. ROWS: all columns.
+    """
+
+    BLOCK = auto()
+    SCREWS = auto()
+    COLUMNS = auto()
+    ROWS = auto()
+
+
 @dataclass(frozen=True, eq=False)
 class Minor:
     """The determinant of some rows and columns of a Jacobian.
 
     Attributes:
-        name: "det J", "det J11", "|$1 $2 $3 $4 $5 $6|" of screws, "|J1 J3|" of columns for a task with fewer rows.
+        of: the rows and columns that are taken.
         joints: of its columns, numbered from 1, in order.
         rows: of the task, out of vx … wz, in order.
         about: where its rows are taken, where that is not said for all.
         value: the determinant.
         shifts: θ = q + shift, per joint: code is in the joint variables q [rad].
+        matrix: of a block: "J", "J11" or "J22".
     """
 
-    name: str
+    of: MinorOf
     joints: tuple[int, ...]
     rows: tuple[str, ...]
     about: str
     value: Value
     shifts: tuple[float, ...]
+    matrix: str = "J"
+
+    @property
+    def name(self) -> str:
+        """In formulas: "det J11", "|$1 $2 $3 $4 $5 $6|" of screws, "|J1 J3|" of columns, "|vx wz|" of rows."""
+        return minor_name(self.of, self.joints, self.rows, self.matrix)
+
+    @property
+    def entries(self) -> tuple[tuple[str, str], ...]:
+        """(letter, index) of each of its columns or rows: ("$", "1"), ("J", "1") or ("v", "x"); none of a block."""
+        return _entries(self.of, self.joints, self.rows)
 
     @property
     def mark(self) -> str:
         """A name for code: det_J11, minor_1_2_3, minor_vx_wz."""
-        if self.name.startswith("det"):
-            return self.name.replace(" ", "_")
-        return "minor_" + "_".join(word.lstrip("$J") for word in self.name.strip("|").split())
+        if self.of is MinorOf.BLOCK:
+            return f"det_{self.matrix}"
+        if self.of is MinorOf.ROWS:
+            taken = self.rows
+        else:
+            taken = tuple(map(str, self.joints))
+        return f"minor_{'_'.join(taken)}"
 
     @property
     def factored(self) -> bool:
         """Whether its factors were found."""
         return self.value.factors is not None or self.value.polynomial == 0
+
+
+def minor_name(of: MinorOf, joints: Sequence[int], rows: Sequence[str], matrix: str = "J") -> str:
+    """The name of a minor in formulas: see `Minor`."""
+    if of is MinorOf.BLOCK:
+        return f"det {matrix}"
+    words = [letter + index for letter, index in _entries(of, joints, rows)]
+    return f"|{' '.join(words)}|"
+
+
+def _entries(of: MinorOf, joints: Sequence[int], rows: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """See `Minor.entries`."""
+    if of is MinorOf.BLOCK:
+        return ()
+    if of is MinorOf.ROWS:
+        return tuple((row[0], row[1:]) for row in rows)
+    letter = {MinorOf.SCREWS: "$", MinorOf.COLUMNS: "J"}[of]
+    return tuple((letter, str(joint)) for joint in joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -420,7 +467,7 @@ class Determinants:
         found = [self.meaning]
         for one in self.minors:
             found += [one.about] if one.about else []
-            if self.product and one.name == "det J":
+            if self.product and one.of is MinorOf.BLOCK and one.matrix == "J":
                 name = self.product
             else:
                 name = one.name
@@ -455,7 +502,8 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
     left: list[str] = []
     shifts = tuple(map(float, chain.shifts))
     chosen = list(_chosen(chain))
-    for name, joints, rows in chosen[:MOST]:
+    for of, joints, rows in chosen[:MOST]:
+        words = tuple(ROWS[r] for r in rows)
         place = [chain.task.rows.index(r) for r in rows]
         try:
             work.check()
@@ -466,9 +514,9 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
                 found = found
             value = _value(chain.ring, found, work)
         except OutOfTime:
-            left.append(name)
+            left.append(minor_name(of, joints, words))
             continue
-        minors.append(Minor(name, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
+        minors.append(Minor(of, joints, words, "", value, shifts))
     if len(chosen) > MOST:
         left.append(f"{len(chosen) - MOST} more minors")
     return Determinants("", _meaning(chain), tuple(minors), tuple(left))
@@ -492,20 +540,20 @@ def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
     return 1
 
 
-def _chosen(chain: Chain) -> Iterator[tuple[str, tuple[int, ...], tuple[int, ...]]]:
+def _chosen(chain: Chain) -> Iterator[tuple[MinorOf, tuple[int, ...], tuple[int, ...]]]:
     joints, rows = tuple(range(1, chain.n + 1)), chain.task.rows
     if chain.n == len(rows):
-        yield "det J", joints, rows
+        yield MinorOf.BLOCK, joints, rows
     elif chain.n > len(rows):
         if len(rows) == 6 and not chain.coupled:
-            letter = "$"
+            of = MinorOf.SCREWS
         else:
-            letter = "J"
+            of = MinorOf.COLUMNS
         for some in combinations(joints, len(rows)):
-            yield f"|{' '.join(f'{letter}{j}' for j in some)}|", some, rows
+            yield of, some, rows
     else:
         for kept in combinations(rows, chain.n):
-            yield f"|{' '.join(ROWS[r] for r in kept)}|", joints, kept
+            yield MinorOf.ROWS, joints, kept
 
 
 def _meaning(chain: Chain) -> str:
@@ -535,17 +583,16 @@ def _meaning(chain: Chain) -> str:
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     """det J11 and det J22 of the blocks, and det J with the sign of their product."""
     ring, rows, shifts = chain.ring, chain.task.rows, tuple(map(float, chain.shifts))
-    names = ("det J11", "det J22")
     minors = []
-    for name, block in zip(names, split.blocks, strict=True):
-        told = f"J{name[-2:]}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
+    for matrix, block in zip(("J11", "J22"), split.blocks, strict=True):
+        told = f"{matrix}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
         value = Value(ring, block.determinant, block.factors)
-        minors.append(Minor(name, block.joints, block.rows, told, value, shifts))
+        minors.append(Minor(MinorOf.BLOCK, block.joints, block.rows, told, value, shifts, matrix))
     whole = ring.determinant([[split.form.columns[j][i] for j in range(chain.n)] for i in range(len(rows))])
     joints = tuple(range(1, chain.n + 1))
     whole = whole * _sign(chain, whole, joints)
     value = Value(ring, whole, ring.factor(whole))
-    minors.append(Minor("det J", joints, tuple(ROWS[r] for r in rows), "", value, shifts))
+    minors.append(Minor(MinorOf.BLOCK, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
     sign = "" if whole == together else "−"
     meaning = (

@@ -23,7 +23,7 @@ from rankdrop.algebra.work import Work, failure, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
-from rankdrop.exact.family import ExactFamily, Pins, Row, alone, merge, tidy
+from rankdrop.exact.family import ExactFamily, Pins, Row, Unreal, UnrealSet, alone, merge, tidy
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.families.equation import Equation, System
@@ -294,14 +294,14 @@ _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 def real_sets(
     chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0
-) -> tuple[list[tuple[Drop, Reality]], list[str]]:
-    """The sets that have real points, in short words, with these points, and sentences on the sets that have none.
+) -> tuple[list[tuple[Drop, Reality]], list[UnrealSet]]:
+    """The sets that have real points, in short words, with these points, and the sets that have none.
 
     Where the real points of a set are fewer than its conditions say (a sum of squares vanishes), the set is cut down to
     them by the derivatives of its conditions. What time does not allow is told in `left`.
     """
     kept: list[tuple[Drop, Reality]] = []
-    left_out: dict[str, list[ZeroSet]] = {}
+    left_out: dict[UnrealSet, list[ZeroSet]] = {}  # by reason, without conditions
     known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
@@ -338,24 +338,24 @@ def real_sets(
         elif why and not thinner:
             left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
-    sentences = [f"{row.text}: {why}" for why, pieces in left_out.items() for row in merge(pieces)]
-    return [one for one in kept if any(one[0] is drop for drop in remaining)], sentences
+    unreal = [replace(why, conditions=row.text) for why, pieces in left_out.items() for row in merge(pieces)]
+    return [one for one in kept if any(one[0] is drop for drop in remaining)], unreal
 
 
-def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, str]:
-    """What remains open of a set, and why it is left out; "" for neither."""
+def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, UnrealSet | None]:
+    """What remains open of a set, "" for nothing, and why it is left out, None where it is not."""
     if found.real and len(found.strays):
         return (
             f"the conditions of a set of rank {rank} hold at configurations of higher rank, too, and no further "
             "condition was found that separates them"
-        ), ""
+        ), None
     if found.real:
-        return "", ""
+        return "", None
     if found.proof:
-        return "", f"not real, for {found.proof}"
+        return "", UnrealSet("", Unreal.PROVEN, proof=found.proof)
     if found.unclear or (len(piece.equations) > 1 and len(found.points)):
-        return "a set has real points, but its conditions are dependent at all that were found", ""
-    return "", f"no real point was found from {REAL_STARTS} random starts"
+        return "a set has real points, but its conditions are dependent at all that were found", None
+    return "", UnrealSet("", Unreal.NOT_FOUND, tried=REAL_STARTS)
 
 
 def _sharp(

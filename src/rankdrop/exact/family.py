@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import cached_property
 from itertools import combinations, product
 from math import cos, pi, remainder
@@ -29,6 +30,7 @@ from rankdrop.families.name import FamilyName
 from rankdrop.families.record import Check, Family, Order, Pin, place_of
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
+from rankdrop.sections import words_of
 from rankdrop.units import exponent, into_units
 
 
@@ -150,20 +152,91 @@ def _angle(value: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
+class EqualLengths:
+    """Two lengths that are equal or opposite: length = sign · other.
+
+    Attributes:
+        length, other: letters.
+        sign: 1 or −1.
+    """
+
+    length: str
+    sign: int
+    other: str
+
+
+@dataclass(frozen=True, slots=True)
+class SpecialFamily:
+    """A family that an arm of special lengths has besides.
+
+    Attributes:
+        conditions: all of them, for people.
+        corank: freedoms that it takes away.
+    """
+
+    conditions: tuple[str, ...]
+    corank: int
+
+
+@dataclass(frozen=True, slots=True)
 class Assumption:
     """Lengths for which the derivation does not hold as it stands.
 
     Attributes:
         text: what was assumed: "d3 ≠ d5".
         holds: whether it is true of the arm's own lengths.
-        words: what happens where it fails: "if d3 = d5, θ4 = π alone loses two freedoms"; "" where nothing is known.
         derived: whether the special arm was derived.
+        equal: the lengths for which it fails; None for other lengths than equal or opposite ones.
+        families: the first families that the special arm has besides; none where it was not derived.
+        more: number of its other families.
     """
 
     text: str
     holds: bool
-    words: str
     derived: bool
+    equal: EqualLengths | None = None
+    families: tuple[SpecialFamily, ...] = ()
+    more: int = 0
+
+    @property
+    def words(self) -> str:
+        """What happens where it fails: "if d3 = d5, θ4 = π alone loses two freedoms"; "" where nothing is known."""
+        sentence: str = words_of(self).special_sentence(self)
+        return sentence
+
+
+class Unreal(StrEnum):
+    """Why a set of lower rank is left out: no real configuration on it is known.
+
+    PROVEN: the arm's lengths exclude one. NOT_FOUND: a search found none. NOR_MODULO_PRIMES: nor is a point modulo any
+    of several primes.
+    """
+
+    PROVEN = "proven"
+    NOT_FOUND = "not found"
+    NOR_MODULO_PRIMES = "nor modulo primes"
+
+
+@dataclass(frozen=True, slots=True)
+class UnrealSet:
+    """A set of lower rank on which no real configuration is known.
+
+    Attributes:
+        conditions: of the set, for people.
+        reason: why it is left out.
+        tried: random starts of the search, or primes.
+        proof: what excludes real points, where that is proven.
+    """
+
+    conditions: str
+    reason: Unreal
+    tried: int = 0
+    proof: str = ""
+
+    def __str__(self) -> str:
+        """In words: "θ4 = 0: no real point was found from 96 random starts"."""
+        words: str = words_of(self).unreal_words(self)
+        return words
 
 
 READABLE = 40

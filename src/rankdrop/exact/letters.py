@@ -26,7 +26,7 @@ from rankdrop.algebra.polynomial import (
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import Assumption, merge, tidy
+from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, merge, tidy
 from rankdrop.exact.tree import Drop, Tree, rank_tree
 from rankdrop.tolerances import ROUNDED_LENGTHS
 
@@ -186,12 +186,7 @@ def covered_by_numeric_tree(chain: Chain, tree: Tree, plain: Tree) -> bool:
     return True
 
 
-_NUMBERS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
-_SHOWN = 3  # families of a special arm that are named in its sentence
-
-
-_Equal = tuple[str, int, str]
-"""(letter, sign, other): letter = sign · other."""
+_LISTED = 3  # families of a special arm that its assumption lists
 
 
 def assumptions(
@@ -215,39 +210,44 @@ def assumptions(
         if never_zero(chain, f):
             continue
         equal = _equal(chain, f)
-        words = None
+        special = None
         if derive and equal is not None:
             with suppress(OutOfTime):
-                words = _words(chain, equal, drops, lowest, work)
-        if words != "":
-            found.append(
-                Assumption(_unequal(chain, f, equal), sign_of(chain, f) != 0, words or "", words is not None)
+                special = _special_families(chain, equal, drops, lowest, work)
+        if special == []:
+            continue
+        listed = special or []
+        found.append(
+            Assumption(
+                text=_unequal(chain, f, equal), holds=sign_of(chain, f) != 0, derived=special is not None, equal=equal,
+                families=tuple(listed[:_LISTED]), more=len(listed[_LISTED:]),
             )
+        )  # fmt: skip
     return found
 
 
-def _unequal(chain: Chain, f: Polynomial, equal: _Equal | None) -> str:
-    """What is assumed, in words."""
+def _unequal(chain: Chain, f: Polynomial, equal: EqualLengths | None) -> str:
+    """What is assumed, as a formula."""
     if equal is not None:
-        letter, sign, other = equal
-        return f"{letter} ≠ {'−' if sign < 0 else ''}{other}"
+        return f"{equal.length} ≠ {'−' if equal.sign < 0 else ''}{equal.other}"
     return f"{sum_text(chain.ring, f)} ≠ 0"
 
 
-def _equal(chain: Chain, f: Polynomial) -> _Equal | None:
+def _equal(chain: Chain, f: Polynomial) -> EqualLengths | None:
     """f = x ∓ y for two lengths; None for another factor."""
     names = chain.ring.names
     terms = list(primitive(f).terms())
     if len(terms) != 2 or f.total_degree() != 1 or any(abs(value) != 1 for _, value in terms):
         return None
     (one, first), (two, second) = ((names[list(powers).index(1)], value) for powers, value in terms)
-    return one, 1 if first != second else -1, two
+    return EqualLengths(one, 1 if first != second else -1, two)
 
 
-def _words(chain: Chain, equal: _Equal, drops: Sequence[Drop], lowest: int, work: Work) -> str:
-    """The families that the special arm has besides, in one sentence; "" for none."""
-    letter, sign, other = equal
-    special = chain.with_letters({other: (sign, letter)})
+def _special_families(
+    chain: Chain, equal: EqualLengths, drops: Sequence[Drop], lowest: int, work: Work
+) -> list[SpecialFamily]:
+    """The families that the special arm has besides."""
+    special = chain.with_letters({equal.other: (equal.sign, equal.length)})
     inner = Work(work.left)
     tree = rank_tree(special, inner, lowest=lowest)
     if not tree.finished:
@@ -256,27 +256,13 @@ def _words(chain: Chain, equal: _Equal, drops: Sequence[Drop], lowest: int, work
     rows = []
     for rank in sorted({drop.rank for drop in fresh}, reverse=True):
         pieces = [tidy(drop.piece, inner) for drop in fresh if drop.rank == rank]
-        rows += [(row.texts, tree.generic_rank - rank) for row in merge(pieces)]
-    if not rows:
-        return ""
-    said = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
-    if len(rows) > _SHOWN:
-        more = f", and {len(rows) - _SHOWN} more families"
-    else:
-        more = ""
-    return f"if {letter} = {'−' if sign < 0 else ''}{other}, " + "; ".join(said) + more
+        rows += [SpecialFamily(row.texts, tree.generic_rank - rank) for row in merge(pieces)]
+    return rows
 
 
-def _sentence(texts: tuple[str, ...], corank: int) -> str:
-    """What a family of a special arm takes away, in words."""
-    lost = _NUMBERS.get(corank, str(corank))
-    if len(texts) == 1:
-        return f"{texts[0]} alone loses {lost}"
-    return f"{', '.join(texts)} together lose {lost}"
-
-
-def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:
+def _known(drop: Drop, drops: Sequence[Drop], equal: EqualLengths) -> bool:
     """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
-    letter, sign, other = equal
-    points = [point.changed({other: sign * point[letter] % point.prime}) for point in drop.piece.samples]
+    points = [
+        point.changed({equal.other: equal.sign * point[equal.length] % point.prime}) for point in drop.piece.samples
+    ]
     return any(one.piece.holds_at(points) for one in drops if one.rank <= drop.rank)

@@ -1,13 +1,12 @@
 """The name of a family as facts: parts of the arm, what its axes have in common, joints with a condition, values.
 
-Words are made of them in `rankdrop.text.names`; files hold the words, which `rankdrop.text.read_names` reads.
+Words are made of them in `rankdrop.text.names`. Files hold the facts, entry `called`, and the words for their readers.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Flag, StrEnum, auto
-from importlib import import_module
 from math import pi
 
 from rankdrop.local.axes import Dependence
@@ -98,12 +97,16 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class JointValues:
-    """Values of a joint that tell the posture, in increasing order [rad; of a slide m]."""
+    """Values of a joint that tell the posture, in increasing order [rad; of a slide m], to ten decimals."""
 
     joint: Variable
     values: tuple[float, ...]
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", tuple(round(value, _DECIMALS) + 0.0 for value in self.values))
 
+
+_DECIMALS = 10  # of values: the same with every library of linear algebra
 _RIGHT = 1e-5  # an angle that differs by less from a multiple of a right one is one, in right angles
 
 
@@ -139,7 +142,7 @@ class FamilyName:
         shorter: how its words save characters.
         meeting: of the families that meet in the place, if it is one of several.
         unnamed: points without a condition.
-        given: a name that somebody else has given.
+        given: the words, of a name of which a file holds no facts: a user's own, or written up to version 0.2.
 
     Example:
         >>> name = FamilyName((ArmPart.WRIST,), details=(Detail(Geometry.ALIGNED, ((3, 5),)),))
@@ -158,12 +161,6 @@ class FamilyName:
     meeting: tuple[FamilyName, ...] = ()
     unnamed: bool = False
     given: str = ""
-
-    @classmethod
-    def of_words(cls, words: str) -> FamilyName:
-        """The facts of a name that a file holds in words: read once, at the border."""
-        name: FamilyName = import_module("rankdrop.text.read_names").read_name(words)
-        return name
 
     def __str__(self) -> str:
         """In words."""

@@ -109,7 +109,7 @@ def _open_ends(derived: Conditions) -> str:
     told = _paragraphs(unfinished, "bad") + _paragraphs(map(escape, derived.remarks), "small")
     if not derived.not_real:
         return told
-    unreal = _paragraphs(map(escape, derived.not_real), "small")
+    unreal = _paragraphs((escape(str(one)) for one in derived.not_real), "small")
     return f"{told}<details><summary>{len(derived.not_real)} sets without a real point</summary>{unreal}</details>"
 
 

@@ -22,11 +22,11 @@ from rankdrop.codec import plain as plain
 from rankdrop.distance.share import Near
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.equation import Equation
-from rankdrop.families.name import FamilyName
 from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
+from rankdrop.results.names import name_of
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
@@ -284,13 +284,13 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         ResultFileError: an equation whose text and terms say different things.
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
-    kinds, own = _family_types(), record.keys() - {"equations"}
+    kinds, own = _family_types(), record.keys() - {"called", "equations"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
     if "lost_freedoms" not in own:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
-    given["called"] = FamilyName.of_words(record["name"])
+    given["called"] = name_of(record)
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

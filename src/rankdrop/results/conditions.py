@@ -16,7 +16,7 @@ from rankdrop.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
 from rankdrop.families.record import Check
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
@@ -76,7 +76,7 @@ class Conditions(Result):
     families: tuple[ExactFamily, ...]
     lowest: int
     assumptions: tuple[Assumption, ...]
-    not_real: tuple[str, ...]
+    not_real: tuple[UnrealSet, ...]
     explained: Check
     disagreements: tuple[str, ...]
     complete: bool

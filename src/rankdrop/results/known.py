@@ -31,10 +31,9 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of
-from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
 from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
-from rankdrop.families.name import FamilyName
 from rankdrop.families.record import Check, Family, family_from_metres
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
@@ -43,6 +42,7 @@ from rankdrop.questions import ConditionsOptions
 from rankdrop.results.aspect_summary import FILE as ASPECTS
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import SCHEMA, Conditions
+from rankdrop.results.names import name_of
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
@@ -251,8 +251,8 @@ def _file(folder: str, name: str) -> Any:
     return None
 
 
-_AGAIN = ("robot", "equations", "lost_words", "determinants")
-"""Entries of the record that are made again: from the robot asked about, from `terms`, from `lost_freedoms`;
+_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real")
+"""Entries of the record that are made again: from the robot asked about, from `terms`, `lost_freedoms`, `unreal`;
 determinants belong to steps, which are not stored."""
 
 
@@ -351,7 +351,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         families=tuple(_family(one, ring, record, root_values(roots), robot, task) for one in record["families"]),
         lowest=record["lowest"],
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
-        not_real=tuple(record["not_real"]),
+        not_real=restored(tuple[UnrealSet, ...], record["unreal"]),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
         disagreements=tuple(record["disagreements"]),
         complete=record["complete"],
@@ -376,7 +376,7 @@ def _family(
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
     found = ExactFamily(
         id=record["id"],
-        called=FamilyName.of_words(record["name"]),
+        called=name_of(record),
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],

@@ -1,5 +1,8 @@
 """Facts that files up to version 0.2 hold as sentences only: the one place where these are read.
 
+Up to 0.2 the name of a family was stored in words alone, `name`; since then as facts too, `called`. Of an old
+name the parts of the arm are read; its words are kept.
+
 Up to 0.2 a family's lost motions were stored as sentences, `lost_words`; since then as facts, `lost_freedoms`, beside
 them. Of an old sentence the frame is read, and whether it holds for the whole family; the directions are computed again
 at the witness, to full precision.
@@ -8,14 +11,38 @@ at the witness, to full precision.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 import numpy as np
 
 from rankdrop.families.lost import LostFreedom, freedoms_of
+from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
+_UNNAMED = "unnamed family"
+
+
+def name_of_words(words: str) -> FamilyName:
+    """The name of a family, from its words in a file up to version 0.2: the parts of the arm; the words stay.
+
+    Example:
+        >>> found = name_of_words("elbow and wrist: axes 2, 3, 4, 6 parallel (θ4 = 90.1°)")
+        >>> found.short, str(found)
+        ('elbow and wrist', 'elbow and wrist: axes 2, 3, 4, 6 parallel (θ4 = 90.1°)')
+        >>> name_of_words("my own family").short
+        'my own family'
+    """
+    if words == _UNNAMED:
+        return FamilyName(unnamed=True)
+    before = words.partition(" (")[0].partition(": ")[0]
+    listed = before.replace(" and ", ", ").split(", ")
+    parts = tuple(map(ArmPart, takewhile(_PARTS.__contains__, listed)))
+    return FamilyName(parts=parts, given=words)
+
+
+_PARTS = frozenset(part.value for part in ArmPart)
 _AT_WITNESS = " (at the witness)"
 _TIE = "can only move so that "
 

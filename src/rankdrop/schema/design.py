@@ -97,6 +97,7 @@ ARMS_FAMILY = table(
         "the same as data: corank, dimension, pinned joints, coupled joints; of a pinned joint its number, whether it "
         "slides, values that do not depend on lengths, and how many others it has"),
     name=str,
+    called=(optional(dict[str, Any]), "the name as facts, as in an analysis; since 0.3"),
     corank=Positive,
     dimension=Count,
     pinned=many(INSIDE_PINNED),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from operator import attrgetter
 from typing import Any, Literal
@@ -11,15 +12,17 @@ from msgspec import UNSET, UnsetType
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.distance.share import Near
 from rankdrop.exact.determinants import Determinants, Minor
-from rankdrop.exact.family import Assumption
+from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.families.equation import Term
 from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
 from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
 from rankdrop.formula.notation import C, Python, Step
+from rankdrop.local.axes import Dependence
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
@@ -86,10 +89,65 @@ LOST_FREEDOM = table(
     kind=(Literal["translation", "rotation", "tied"], "tied: translation and rotation, by u · (v; ω) = 0",
         lambda one: one.kind.value),
 )
+
+
+def _unless_default(field: str) -> Callable[[FamilyName], Any]:
+    """Function of a name that gives a field; absent where it has its default."""
+    default = getattr(FamilyName(), field)
+
+    def value(name: FamilyName) -> Any:
+        found = getattr(name, field)
+        if found == default:
+            return UNSET
+        return found
+
+    return value
+
+
+def _details(kind: type) -> Callable[[FamilyName], Any]:
+    """Function of a name that gives its details of one kind; absent where it has none."""
+
+    def value(name: FamilyName) -> Any:
+        return [one for one in name.details if isinstance(one, kind)] or UNSET
+
+    return value
+
+
+def _shorter(name: FamilyName) -> Any:
+    return [one.name.lower() for one in Shorter if one.name and one in name.shorter] or UNSET
+
+
+_JOINTS = many(Count)  # from 0
+CALLED = table(
+    "called",
+    "The name of a family as facts; entries without a value are absent. Joints are counted from 0 in `joints` and "
+    "`slides`, from 1 elsewhere.",
+    parts=(optional(many(Literal["shoulder", "elbow", "wrist"])), "of the arm that are concerned",
+        _unless_default("parts")),
+    independent=(optional(bool), "each part loses one freedom by itself", _unless_default("independent")),
+    relations=(optional(many(table("called_relation", of=Detail, joints=optional(many(_JOINTS))))),
+        "relations of axes that hold on the family", _details(Detail)),
+    dependent=(optional(many(table("called_dependent", of=Dependence, joints=_JOINTS, slides=optional(_JOINTS)))),
+        "minimal dependent sets of joint screws", _details(Dependence)),
+    low_rank=(optional(many(table("called_low_rank", of=LowRank, joints=Positive, rank=Count))),
+        "rank of all joint screws, where no smaller dependent set is known", _details(LowRank)),
+    bound=(optional(many(table("called_variable", of=Variable, number=Count))),
+        "joints with a condition that the relations do not tell", _unless_default("bound")),
+    values=(optional(many(table("called_values", of=JointValues, values=some(num("joint"))))),
+        "of single joints", _unless_default("values")),
+    condition=(optional(str), "one that no other family of this name has", _unless_default("condition")),
+    ordinal=(optional(Positive), "number among the families of this name, from 1", _unless_default("ordinal")),
+    shorter=(optional(many(Literal[tuple(one.name.lower() for one in Shorter if one.name)])),
+        "how the words of a long name save characters", _shorter),
+    unnamed=(optional(bool), "points without a condition", _unless_default("unnamed")),
+    given=(optional(str), "words of a name without facts, kept as they are", _unless_default("given")),
+)
+NAME_FACTS = (optional(CALLED), "the name as facts, from which it is worded; since 0.3")
 FAMILY = table(
     "family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
     name=str,
+    called=NAME_FACTS,
     named=(bool, "false: points were found, but no condition"),
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
@@ -273,6 +331,7 @@ CONDITIONS_FAMILY = table(
     "conditions_family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
     name=str,
+    called=NAME_FACTS,
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
     codimension=(Positive, "number of joints less the dimension"),
@@ -292,7 +351,19 @@ CONDITIONS_FAMILY = table(
     lost_words=(many(str), "the same in words, one sentence each"),
     rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family"),
 )
-ASSUMPTIONS = table("assumptions", of=Assumption)
+ASSUMPTIONS = table(
+    "assumptions",
+    text=(str, "what was assumed: d3 ≠ d5"),
+    holds=(bool, "whether it is true of the arm's own lengths"),
+    words=(str, "what happens where it fails, in a sentence; empty where nothing is known"),
+    derived=(bool, "whether the special arm was derived"),
+    equal=(optional(table("equal_lengths", of=EqualLengths) | None),
+        "the lengths for which it fails: length = sign · other; null for others; since 0.3"),
+    families=(optional(many(table("special_families", of=SpecialFamily))),
+        "the first families that the special arm has besides; since 0.3"),
+    more=(optional(Count), "number of its other families"),
+)  # fmt: skip
+UNREAL = table("unreal", of=UnrealSet, tried=optional(Count))
 EXAMPLE = table(
     "example",
     of=Example,
@@ -370,7 +441,8 @@ CONDITIONS_FILE = file(
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
     families=(many(CONDITIONS_FAMILY), "of all coranks, by corank", _exact_families),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
-    not_real=(many(str), "sets on which no real point is known, and why"),
+    not_real=(many(str), "sets on which no real point is known, and why", lambda one: list(map(str, one.not_real))),
+    unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
     explained=SHARE,
     test=(optional(TEST | None), "what --test says (command line only)", _absent),
     flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),

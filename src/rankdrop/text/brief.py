@@ -15,6 +15,7 @@ from rankdrop.families.equation import pretty_angle
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import Family, Pin, SpeedDistance
 from rankdrop.options import advised
+from rankdrop.results.names import name_of
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
@@ -32,7 +33,6 @@ from rankdrop.text.families import (
     within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
-from rankdrop.text.read_names import read_name
 from rankdrop.text.words import listing
 
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
@@ -188,7 +188,7 @@ def _measured(record: Mapping[str, Any]) -> str:
     coranks = sorted({one["corank"] for one in families})
     for corank in coranks:
         mine = [one for one in families if one["corank"] == corank]
-        named = ", ".join(dict.fromkeys(read_name(one["name"]).short for one in mine))
+        named = ", ".join(dict.fromkeys(name_of(one).short for one in mine))
         parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
     if record.get("verdict", "verified") != "verified":
         parts += [record["sentence"]]

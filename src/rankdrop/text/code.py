@@ -281,7 +281,7 @@ class Code:
         packages = []
         if kind == "longtable":
             packages += ["longtable"]
-        values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
+        values = [rf"${_latex_minor(one)} = {one.value.latex()}$" for one in self.determinants]
         if any(r"\tfrac" in row for row in [*rows, *long, *values]):
             packages += ["amsmath"]
         if packages:
@@ -354,10 +354,10 @@ def _comment(text: str) -> str:
     return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?").split())
 
 
-def _latex_minor(name: str) -> str:
+def _latex_minor(minor: Minor) -> str:
     r"""det J11 → \det J_{11}, |$1 $2| → |\$_1 \, \$_2|, |vx wz| → |v_x \, w_z|."""
-    if name.startswith("det "):
-        return rf"\det {latex_name(name[4:])}"
-    words = (rf"\${word[1:] and '_' + word[1:]}" if word[0] == "$" else f"{word[0]}_{word[1:]}" for word in
-             name.strip("|").split())  # fmt: skip
+    if not minor.entries:
+        return rf"\det {latex_name(minor.matrix)}"
+    escaped = {"$": r"\$"}
+    words = [f"{escaped.get(letter, letter)}_{index}" for letter, index in minor.entries]
     return "|" + r" \, ".join(words) + "|"

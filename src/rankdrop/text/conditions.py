@@ -17,7 +17,7 @@ from math import degrees
 from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.family import Assumption, EqualLengths, ExactFamily, SpecialFamily, Unreal, UnrealSet
 from rankdrop.families.equation import pretty_angle
 from rankdrop.families.summary import (
     CONTRADICTED,
@@ -56,7 +56,6 @@ _METHOD = {
 _ROUNDED = re.compile(r"\d\.\d{5}|\de[−-]\d")
 _DIGITS = re.compile(r"\d{8}")
 _INSET = " " * 7  # below the mark of a family
-_UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
 
 
 def arm_lines(conditions: Any) -> dict[str, str]:
@@ -254,13 +253,12 @@ def condition_lines(family: ExactFamily) -> list[str]:
 def _assumed(conditions: Any) -> Iterator[Section]:
     lines = []
     for one in conditions.assumptions:
-        if one.words:
-            case, _, happens = one.words.partition(", ")
-            lines += [f"{one.text} ({_holds(one, conditions)}); {case}:"]
-            lines += [f"    {part}" for part in happens.split("; ")]
+        if one.equal and one.families:
+            lines += [f"{one.text} ({_holds(one, conditions)}); {_case(one.equal)}:"]
+            lines += [f"    {part}" for part in _special_losses(one)]
         elif not one.holds:
             lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
-    others = [one.text for one in conditions.assumptions if one.holds and not one.words]
+    others = [one.text for one in conditions.assumptions if one.holds and not one.families]
     if others:
         if conditions.settings.special:
             more = ""
@@ -282,18 +280,63 @@ def _holds(assumption: Assumption, conditions: Any) -> str:
         here = "true here"
     else:
         here = "NOT true here"
-    match = _UNEQUAL.fullmatch(assumption.text)
-    if match is None or not {match[1], match[3]} <= set(conditions.letters):
+    equal = assumption.equal
+    if equal is None or not {equal.length, equal.other} <= set(conditions.letters):
         return here
-    values = (conditions.letters[match[1]], (-1 if match[2] else 1) * conditions.letters[match[3]])
+    values = (conditions.letters[equal.length], equal.sign * conditions.letters[equal.other])
     return f"{here}: {_number(values[0])} {'≠' if assumption.holds else '='} {_number(values[1])}"
+
+
+def special_sentence(assumption: Assumption) -> str:
+    """What happens where an assumption fails: "if d3 = d5, θ4 = π alone loses two freedoms"; "" if nothing is known."""
+    if assumption.equal is None or not assumption.families:
+        return ""
+    return f"{_case(assumption.equal)}, {'; '.join(_special_losses(assumption))}"
+
+
+def _case(equal: EqualLengths) -> str:
+    return f"if {equal.length} = {'−' if equal.sign < 0 else ''}{equal.other}"
+
+
+def _special_losses(assumption: Assumption) -> list[str]:
+    """What each family of a special arm takes away, a sentence each."""
+    sentences = [_loss(one) for one in assumption.families]
+    if assumption.more:
+        sentences[-1] += f", and {assumption.more} more families"
+    return sentences
+
+
+def _loss(family: SpecialFamily) -> str:
+    lost = _FREEDOMS.get(family.corank, str(family.corank))
+    if len(family.conditions) == 1:
+        return f"{family.conditions[0]} alone loses {lost}"
+    return f"{', '.join(family.conditions)} together lose {lost}"
+
+
+_FREEDOMS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
+
+
+def unreal_words(unreal: UnrealSet) -> str:
+    """A set without a known real point, and why: "θ4 = 0: no real point was found from 96 random starts"."""
+    return f"{unreal.conditions}: {_why_unreal(unreal)}"
+
+
+def _why_unreal(unreal: UnrealSet) -> str:
+    return _UNREAL[unreal.reason].format(tried=unreal.tried, proof=unreal.proof)
+
+
+_UNREAL = {
+    Unreal.PROVEN: "not real, for {proof}",
+    Unreal.NOT_FOUND: "no real point was found from {tried} random starts",
+    Unreal.NOR_MODULO_PRIMES: "no real point was found, nor one modulo {tried} primes",
+}
 
 
 def _not_real(conditions: Any) -> Iterator[Section]:
     by_reason: dict[str, list[str]] = defaultdict(list)
-    for text in conditions.not_real:
-        where, _, reason = text.partition(": ")
-        by_reason[reason].append(where if len(where) <= _LONGEST else f"{where[:_LONGEST]} …")
+    for one in conditions.not_real:
+        where = one.conditions
+        by_reason[_why_unreal(one)].append(where if len(where) <= _LONGEST else f"{where[:_LONGEST]} …")
     lines: list[str] = []
     for reason, sets in by_reason.items():
         lines += [reason, *(Formula(f"    {one}") for one in sets[:_ALIKE])]

@@ -46,12 +46,12 @@ _SEPARATORS = {True: ", ", False: ": "}
 
 def short_name(name: FamilyName) -> str:
     """The parts of the arm alone ("shoulder"); without any, its first detail and the relations after it."""
+    if name.parts:
+        return _head(name)
     if name.given or name.unnamed:
         return name_words(name)
     if name.meeting:
         return MEETING
-    if name.parts:
-        return _head(name)
     details = name.details[:1]
     for one in name.details[1:]:
         if isinstance(one, Detail) and not one.brief:

@@ -22,7 +22,7 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.derivation import CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
-from rankdrop.exact.family import Assumption, ExactFamily, alone, merge
+from rankdrop.exact.family import Assumption, ExactFamily, Unreal, UnrealSet, alone, merge
 from rankdrop.exact.letters import (
     assumptions,
     decided_by_numbers,
@@ -95,7 +95,7 @@ def derived(
     )
     left += tree.left
     found: list[ExactFamily] = []
-    not_real: list[str] = []
+    not_real: list[UnrealSet] = []
     wrong: list[str] = []
     with work.share(_SHARE):
         found, not_real, wrong = _guarded(
@@ -115,7 +115,7 @@ def derived(
     if asked.steps:
         determinants = _unless_interrupted(work, left, "the determinant", lambda own: determinants_of(chain, own), None)
     hidden: list[str] = []
-    unmet: list[str] = []
+    unmet: list[UnrealSet] = []
     hidden, unmet = _guarded(
         "sets without points", lambda: _sets_without_points(chain, tree, found, asked.seed), (hidden, unmet), left
     )
@@ -242,7 +242,7 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
 
 def _families(
     chain: Chain, tree: Tree, work: Work, left: list[str]
-) -> tuple[list[ExactFamily], list[str], list[str]]:
+) -> tuple[list[ExactFamily], list[UnrealSet], list[str]]:
     """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
     sets, not_real = real_sets(chain, tree.drops, work, left, work.seed)
     found = families(chain, sets, tree.generic_rank, work)
@@ -391,8 +391,8 @@ def _cloud(
 
 def _sets_without_points(
     chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
-) -> tuple[list[str], list[str]]:
-    """What the tree leaves open for want of points, and the sets on which no real point was found, in sentences.
+) -> tuple[list[str], list[UnrealSet]]:
+    """What the tree leaves open for want of points, in a sentence, and the sets on which no real point was found.
 
     A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
     there and no smaller set inside it is looked for. That none was found is no proof that there is none.
@@ -408,9 +408,8 @@ def _sets_without_points(
             unmet[piece.key] = piece
         elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
             lost[piece.key] = piece
-    words = f"no real point was found, nor one modulo {len(PRIMES)} primes"
-    told = [f"{row.text}: {words}" for row in merge(list(unmet.values()))]
-    return [_sentence(list(lost.values()), bool(chain.letters))] if lost else [], told
+    unreal = [UnrealSet(row.text, Unreal.NOR_MODULO_PRIMES, tried=len(PRIMES)) for row in merge(list(unmet.values()))]
+    return [_sentence(list(lost.values()), bool(chain.letters))] if lost else [], unreal
 
 
 def _sentence(lost: Sequence[ZeroSet], letters: bool) -> str:

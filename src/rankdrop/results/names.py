@@ -1,0 +1,49 @@
+"""Names of families in files: facts in the entry `called`, and their words in the entry `name`."""
+
+from __future__ import annotations
+
+from typing import Any, get_type_hints
+
+from rankdrop.codec import Record, restored
+from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter
+from rankdrop.local.axes import Dependence
+from rankdrop.results.old_files import name_of_words
+
+_KINDS: dict[str, Any] = {
+    name: kind for name, kind in get_type_hints(FamilyName).items() if name not in ("details", "shorter", "meeting")
+}
+"""Entry that is a field of a name as it stands -> its type."""
+
+
+def name_of(family: Record) -> FamilyName:
+    """The name of a family of a file: from its entry `called`; from `name` in files up to version 0.2.
+
+    Raises:
+        ValueError: an entry that is no fact of a name.
+    """
+    called = family.get("called")
+    if called is None:
+        return name_of_words(family["name"])
+    return name_from_dict(called)
+
+
+def name_from_dict(record: Record) -> FamilyName:
+    """The name of a record made by the table `CALLED`: entries that are missing have their defaults.
+
+    Raises:
+        ValueError: an entry that is no fact of a name.
+
+    Example:
+        >>> str(name_from_dict({"parts": ["wrist"], "relations": [{"geometry": "on one line", "joints": [[3, 5]]}]}))
+        'wrist: axes 4 and 6 aligned'
+    """
+    details: tuple[Detail | Dependence | LowRank, ...] = (
+        *restored(tuple[Detail, ...], record.get("relations", ())),
+        *restored(tuple[Dependence, ...], record.get("dependent", ())),
+        *restored(tuple[LowRank, ...], record.get("low_rank", ())),
+    )
+    shorter = Shorter.NOTHING
+    for word in record.get("shorter", ()):
+        shorter |= Shorter[word.upper()]
+    fields = {name: restored(kind, record[name]) for name, kind in _KINDS.items() if name in record}
+    return FamilyName(**fields, details=details, shorter=shorter)

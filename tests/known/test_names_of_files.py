@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rankdrop.families.name import ArmPart, Detail, FamilyName, Geometry, JointValues, LowRank, Shorter, Variable
-from rankdrop.local.axes import Common, Dependence, SlideWay
+from rankdrop.local.dependence import Common, Dependence, SlideWay
 from rankdrop.results.known import known_names, shipped
 from rankdrop.text.names import name_words, short_name
 from rankdrop.text.read_names import read_name

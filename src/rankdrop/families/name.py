@@ -10,7 +10,7 @@ from enum import Flag, StrEnum, auto
 from importlib import import_module
 from math import pi
 
-from rankdrop.local.axes import Dependence
+from rankdrop.local.dependence import Dependence
 from rankdrop.sections import words_of
 
 

@@ -21,7 +21,7 @@ from rankdrop.families.name import (
     Shorter,
     Variable,
 )
-from rankdrop.local.axes import Common, Dependence
+from rankdrop.local.dependence import Common, Dependence
 from rankdrop.text.names import MEETING, PATTERNS, PLANES, UNNAMED, WAYS, name_words, ordinal_word
 
 Match = re.Match[str]

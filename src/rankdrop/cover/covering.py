@@ -467,8 +467,8 @@ def enclosed_trees(
     parts = [one[k] for one, k in zip(masks, kept, strict=True)]
     ordered = []
     for row in rows:
-        for p, (part, end) in enumerate(zip(parts, ends, strict=True)):
-            ordered.append(part[end[row] - sizes[row, p] : end[row]])
+        for p, (part, until) in enumerate(zip(parts, ends, strict=True)):
+            ordered.append(part[until[row] - sizes[row, p] : until[row]])
     return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), tested, 0
 
 

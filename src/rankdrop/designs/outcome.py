@@ -601,7 +601,7 @@ class SideBySide(Result):
         return ()
 
 
-def _family_rows(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...]:
+def _families_of_arm(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...]:
     """Corank, name, dimension and share of each family of an arm."""
     shares = {share["id"]: share["share"] for share in one.get("near", {}).get("families", [])}
     rows = []
@@ -614,7 +614,7 @@ def _family_rows(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...
 
 
 def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
-    rows = _family_rows(one)
+    rows = _families_of_arm(one)
     lines = [one["error"]] if one["error"] else []
     if one.get("aspects"):
         lines.append(aspects_line(AspectSummary(**one["aspects"])))

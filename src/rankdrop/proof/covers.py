@@ -67,7 +67,7 @@ def _path_of_covering(claim: Claim) -> Path:
     if "/" in name or "\\" in name or name in ("", ".", ".."):
         raise Refused("the certificate is malformed", where="claim.file", got=repr(name),
                       allowed="a name without a folder")  # fmt: skip
-    path = claim.folder / name
+    path: Path = claim.folder / name
     if not path.is_file():
         raise Refused("the covering is not in the folder of its certificate", where=str(path), mend="put it there")
     return path

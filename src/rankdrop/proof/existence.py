@@ -75,10 +75,12 @@ class _Zero:
         zero, arm = [self._f.arb(0)] * self._arm.variables, self._arm
         columns = arm.seen(zero, zero)[0]
         ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
-        return sorted({
-            one.driver for i, one in enumerate(arm.links)
-            if i not in ends or not all(columns[i].entries()[row].is_zero() for row in self._rows)
-        })  # fmt: skip
+        drivers = set()
+        for i, one in enumerate(arm.links):
+            entries = columns[i].entries()
+            if i not in ends or not all(entries[row].is_zero() for row in self._rows):
+                drivers.add(one.driver)
+        return sorted(drivers)
 
     def proven(self) -> tuple[float, float]:
         """How far the zero is from q, and how well it is known: both in the largest of the joints.
@@ -178,7 +180,7 @@ class _Zero:
         except ZeroDivisionError:
             return False
         size = len(x)
-        unit = f.arb_mat(size, size, [int(r == c) for r in range(size) for c in range(size)])
+        unit = f.arb_mat(np.eye(size, dtype=np.int64).tolist())
         off = f.arb_mat(size, 1, [f.arb(0, width)] * size)
         moved = (unit - inverse * system) * off - inverse * right
         return all(abs(one) < width for one in moved.entries())

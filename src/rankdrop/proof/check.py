@@ -295,12 +295,14 @@ def _free_joints(check: Check) -> str:
     if not free:
         return ""
     if len(free) == 1:
-        return f"; joint {free[0]} may stand anywhere"
-    return f"; joints {', '.join(free[:-1])} and {free[-1]} may stand anywhere"
+        which = f" {free[0]}"
+    else:
+        which = f"s {', '.join(free[:-1])} and {free[-1]}"
+    return f"; joint{which} may stand anywhere"
 
 
 def _prove_path(check: Check, near: str) -> tuple[str, list[str]]:
-    """What is proven of a path, in one sentence and entry by entry; `near`: for which arms.
+    """The proven claim of a path, in one sentence and entry by entry; `near`: for which arms.
 
     Raises:
         Unproven: it does not hold, or could not be confirmed.

@@ -443,7 +443,9 @@ def _variables(joints: list[Record], links: list[Link]) -> int:
 
 
 def _limits(joints: list[Record]) -> list[tuple[float, float]] | None:
-    stated = {"lower" in joint for joint in joints} | {"upper" in joint for joint in joints}
+    stated: set[bool] = set()
+    for joint in joints:
+        stated |= {key in joint for key in ("lower", "upper")}
     if len(stated) > 1:
         raise ValueError("all joints have an entry for both limits, or none has")
     if stated != {True}:

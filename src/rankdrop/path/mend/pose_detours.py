@@ -342,7 +342,7 @@ class PoseDetourer:
     def _side_by_side(self, poses: Array, times: Array, starts: Array, *, limits: bool) -> tuple[Array, Mask]:
         """(N, L, n) configurations along L rows of poses (N, L, 4, 4), and (L,) which rows were followed to the end.
 
-        Each guess goes on from the last two configurations at their rate. What is not followed is nan.
+        Each guess goes on from the last two configurations at their rate. A configuration that was not reached is nan.
         """
         lasts = np.diff(times, axis=0)
         followed = np.full((*poses.shape[:2], self.robot.n), np.nan)

@@ -13,7 +13,7 @@ from rankdrop.exact.families import _one_of_each_first
 from rankdrop.families.name import ArmPart, Centre, Detail, FamilyName, Geometry, JointValues, Variable
 from rankdrop.families.naming import LONGEST, name_family, shortened
 from rankdrop.families.searching import search
-from rankdrop.local.axes import Common, Dependence
+from rankdrop.local.dependence import Common, Dependence
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot

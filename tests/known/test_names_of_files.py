@@ -8,7 +8,7 @@ import pytest
 
 from rankdrop.codec import encode
 from rankdrop.families.name import ArmPart, Detail, FamilyName, Geometry, JointValues, LowRank, Shorter, Variable
-from rankdrop.local.axes import Common, Dependence, SlideWay
+from rankdrop.local.dependence import Common, Dependence, SlideWay
 from rankdrop.results.known import known_names, shipped_record
 from rankdrop.results.names import name_from_dict, name_of
 from rankdrop.results.old_files import name_of_words

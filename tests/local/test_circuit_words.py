@@ -7,7 +7,9 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.local.axes import Scene, describe, line_meets_all, to_blame
+from rankdrop.local.axes import Scene
+from rankdrop.local.circuits import to_blame
+from rankdrop.local.dependence import describe, line_meets_all
 from rankdrop.robot.model import Robot
 from rankdrop.robot.screws import from_screws, revolute
 from rankdrop.task import resolve_task

@@ -12,7 +12,7 @@ from reference import arms
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.axes import LARGEST_CHAIN, Circuit, blame, circuits_at, shared_circuits
+from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame, circuits_at, shared_circuits
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute

@@ -7,7 +7,7 @@ import pytest
 from reference import arms
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.local.axes import Relation, relations_at
+from rankdrop.local.relations import Relation, relations_at
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 

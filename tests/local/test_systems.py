@@ -11,8 +11,9 @@ import pytest
 from reference import arms
 
 from rankdrop.kinematics import jacobian
-from rankdrop.local.axes import ScrewSystem, always_singular_reason, closure, systems_at
 from rankdrop.local.block import generic_rank
+from rankdrop.local.screw_systems import ScrewSystem, always_singular_reason, systems_at
+from rankdrop.local.subgroups import closure
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws, helical, prismatic, revolute

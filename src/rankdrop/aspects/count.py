@@ -179,10 +179,15 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
             own = tuple(vector[i] for i in group)
             key = number, own
             if key not in known:
-                known[key] = count_parts([peeling.condition(i, vector[i]) for i in group], work)
+                conditions = [peeling.condition(i, vector[i]) for i in group]
+                known[key] = count_parts(conditions, work)
             parts = parts * known[key]
         each.append(SignCount(vector, parts))
-    cells = sorted({joint for group in peeling.groups for i in group for joint in peeling.condition(i, 1).joints})
+    left: set[int] = set()
+    for group in peeling.groups:
+        for i in group:
+            left.update(peeling.condition(i, 1).joints)
+    cells = sorted(left)
     return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
 
 

@@ -344,7 +344,8 @@ def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits
     """
     if signs is None or not signs.factors:
         return solved
-    flags = tuple(tuple(int(x) for x in np.sign(row)) for row in signs.values(solved.q))
+    values = np.sign(signs.values(solved.q)).astype(np.int64)
+    flags = tuple(tuple(row) for row in values.tolist())
     if limits or not count.signs_decide or any(0 in row for row in flags):
         return replace(solved, flags=flags)
     numbers = list(dict.fromkeys(flags))
@@ -357,9 +358,13 @@ def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved
     if signs is None:
         names = tuple(f"det J {'+' if sign > 0 else '−'}" for sign in solved.sign)
     else:
-        flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
-        names = tuple(", ".join(flag.label for flag in some) for some in flags)
+        names = tuple(_labels(signs, row) for row in q)
     return replace(solved, q=q, names=names)
+
+
+def _labels(signs: Signs, q: Array) -> str:
+    """The signs of the factors at a configuration."""
+    return ", ".join(flag.label for flag in configuration_flags(signs.chain, q, signs=signs).flags)
 
 
 @dataclass(eq=False)
@@ -407,7 +412,9 @@ class Roadmap:
         nodes = np.where(self.matters, drawn, middle)
         values = self._determinants(nodes)
         signs, usual = np.sign(values), float(np.median(np.abs(values)))
-        joined = [(i, j) for i in range(count) for j in self._near(nodes[i], signs[i], nodes, signs, skip=i)]
+        joined: list[tuple[int, int]] = []
+        for i in range(count):
+            joined += [(i, j) for j in self._near(nodes[i], signs[i], nodes, signs, skip=i)]
         edges = np.unique(np.sort(np.array(joined, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
         return nodes, usual, *self._kept(nodes, edges, usual)
 
@@ -425,8 +432,11 @@ class Roadmap:
         old, usual, old_edges, old_weights = self.graph
         nodes = np.concatenate([np.where(self.matters, q, old[0]), old])
         signs = np.sign(self._determinants(nodes))
-        new = [(i, j) for i in range(k) for j in self._near(nodes[i], signs[i], old, signs[k:], skip=-1) + k]
-        new += [(i, j) for i in range(k) for j in range(i) if signs[i] == signs[j]]
+        new: list[tuple[int, int]] = []
+        for i in range(k):
+            new += [(i, j) for j in self._near(nodes[i], signs[i], old, signs[k:], skip=-1) + k]
+        for i in range(k):
+            new += [(i, j) for j in range(i) if signs[i] == signs[j]]
         edges, weights = self._kept(nodes, np.array(new, dtype=np.int64).reshape(-1, 2), usual)
         edges, weights = np.concatenate([edges, old_edges + k]), np.concatenate([weights, old_weights])
         found: dict[tuple[int, int], Change] = {}

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache, partial, wraps
 from inspect import cleandoc, signature
-from itertools import accumulate
+from itertools import accumulate, chain
 from math import degrees, pi, radians
 from pathlib import Path
 from types import NoneType
@@ -92,7 +92,7 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
         bound = typed.bind(*words, **options)
         bound.apply_defaults()
         records = [one for one in bound.arguments.values() if isinstance(one, Options)]
-        targets = [one for record in records for one in _targets_of(record)]
+        targets = list(chain.from_iterable(map(_targets_of, records)))
         check_targets({option: file for _, option, file, _ in targets},
                       {option: endings for _, option, _, endings in targets})  # fmt: skip
         if "report" in parameters:

@@ -5,7 +5,7 @@ Further questions: is my condition right, which aspect is this, what separates t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees
 from typing import TYPE_CHECKING, Annotated
@@ -35,8 +35,10 @@ from rankdrop.questions import ConditionsOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
+    from rankdrop import verbs
     from rankdrop.cli.terminal import Block
     from rankdrop.families import Verdict
+    from rankdrop.task import Task
 
 
 @dataclass(frozen=True)
@@ -170,23 +172,7 @@ def conditions(
         return brief()
 
     def brief() -> list[Block]:
-        near = near_line(model, made).get("near", "")
-        about = [text.arm_line(model, task, found.generic_rank), *([f"Near: {near}"] if near else [])]
-        if made is not None and not made.changes:
-            about += [f"{made.moved}."]
-        table = text.conditions_table(found)
-        lost = text.lost_section(model, found.generic_rank, found.families)
-        if found.left:
-            left = Section("Not finished", lines=found.left)
-        else:
-            left = None
-        blocks: list[Block] = [answer_lines(found.answer, verdict, subject(model, made)), *answers, about]
-        blocks += [table] if table.rows else []
-        blocks += [one for one in (lost, left) if one is not None]
-        notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
-        blocks.append(list(filter(None, notes)))
-        cut = [one for one in (left, *answers[::-1], table) if one is not None and (one.rows or one.lines)]
-        return fitted(blocks, optional=[] if lost is None else [lost], cut=cut)
+        return _brief(found, task, made, verdict, answers)
 
     def whole() -> Iterator[Block]:
         answer = answer_lines(found.answer, verdict, subject(model, made))
@@ -201,6 +187,35 @@ def conditions(
          "c": lambda: found.code("c"), "json": record},
         holds=verdict.holds, complete=not found.interrupted,
     )  # fmt: skip
+
+
+def _brief(
+    found: results.Conditions, task: Task, made: verbs.Idealised | None, verdict: Verdict,
+    answers: Sequence[Section],
+) -> list[Block]:  # fmt: skip
+    """The answer, one row per family, and what the largest families lose, in at most 40 lines."""
+    model = found.robot
+    about = [text.arm_line(model, task, found.generic_rank)]
+    near = near_line(model, made).get("near", "")
+    if near:
+        about.append(f"Near: {near}")
+    if made is not None and not made.changes:
+        about.append(f"{made.moved}.")
+    blocks: list[Block] = [answer_lines(found.answer, verdict, subject(model, made)), *answers, about]
+    table = text.conditions_table(found)
+    cut = [*answers[::-1], table]
+    if table.rows:
+        blocks.append(table)
+    lost = text.lost_section(model, found.generic_rank, found.families)
+    if lost is not None:
+        blocks.append(lost)
+    if found.left:
+        left = Section("Not finished", lines=found.left)
+        blocks.append(left)
+        cut = [left, *cut]
+    notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
+    blocks.append([note for note in notes if note])
+    return fitted(blocks, optional=[] if lost is None else [lost], cut=[one for one in cut if one.rows or one.lines])
 
 
 def _tested(conditions: results.Conditions, condition: str) -> tuple[Section, results.Record | None, str]:

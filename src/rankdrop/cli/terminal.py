@@ -365,7 +365,7 @@ def _least(section: Section, index: int) -> int:
     cells = [section.columns[index], *(row[index] for row in section.rows)]
     if index not in section.texts:
         return max(map(cell_len, cells))
-    words = max(cell_len(word) for cell in cells for word in (cell.split() or [""]))
+    words = max(max(map(cell_len, cell.split()), default=0) for cell in cells)
     return max(words, min(_LABEL, max(map(cell_len, cells))))
 
 

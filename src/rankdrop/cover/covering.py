@@ -202,7 +202,7 @@ def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "") ->
     for chunk in batches:
         finished[chunk * size : (chunk + 1) * size] = True
     ordered = [batches[chunk] for chunk in sorted(batches)]
-    tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
+    tested, freed = sum(int(one[2]) for one in ordered), sum(int(one[3]) for one in ordered)
     return Covering(plan, _join_trees(shape, finished, ordered), tested, freed, stopped)
 
 
@@ -465,8 +465,10 @@ def enclosed_trees(
     sizes = np.stack([np.bincount(w[k], minlength=len(numbers)) for w, k in zip(where, kept, strict=True)], axis=1)
     ends = [np.cumsum(np.bincount(w[k], minlength=len(numbers))) for w, k in zip(where, kept, strict=True)]
     parts = [one[k] for one, k in zip(masks, kept, strict=True)]
-    ordered = [part[e[row] - sizes[row, p] : e[row]] for row in rows
-               for p, (part, e) in enumerate(zip(parts, ends, strict=True))]  # fmt: skip
+    ordered = []
+    for row in rows:
+        for p, (part, until) in enumerate(zip(parts, ends, strict=True)):
+            ordered.append(part[until[row] - sizes[row, p] : until[row]])
     return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), tested, 0
 
 

@@ -236,10 +236,11 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
 def middle_of(robot: Robot) -> Array:
     """A point amid the axes that does not move with the tool: the mean of the feet of their common perpendiculars."""
     lines = [(joint.axis, joint.foot) for joint in robot.joints if not joint.slides]
-    middles = [
-        np.mean(feet(a, b), axis=0) for place, a in enumerate(lines) for b in lines[:place]
-        if abs(dot(a[0], b[0])) < 0.99
-    ]  # fmt: skip
+    middles = []
+    for place, a in enumerate(lines):
+        for b in lines[:place]:
+            if abs(dot(a[0], b[0])) < 0.99:
+                middles.append(np.mean(feet(a, b), axis=0))
     if middles:
         return np.asarray(np.mean(middles, axis=0))
     return robot.home[:3, 3]

@@ -111,10 +111,7 @@ def families_of(
     own, inner = in_units(robot), task_in_units(task, robot)
     rank = generic_rank(own, inner)
     derived = with_lengths_of(robot, task, nominal)
-    if derived is None:
-        known = None
-    else:
-        known = [one.in_units(robot).as_family(own) for one in derived]
+    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
 
     def once(corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
         """Families of one corank; nominal ones that have no real configuration with these lengths are left out."""
@@ -127,23 +124,24 @@ def families_of(
 
     def settled(corank: int) -> CorankFamilies:
         """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
-        if known is None:
-            here = None
-        else:
+        tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
+        if known is not None:
             here = [one for one in known if one.corank == corank]
-        tested = once(corank, 1, here)
-        for times, given in ([] if here is None else [(MORE[0], here)]) + [(times, None) for times in MORE]:
+            tries = [(1, here), (MORE[0], here)]
+        for times, given in [*tries, *((times, None) for times in MORE)]:
+            tested = once(corank, times, given)
             if holds(tested.summary, tested.families):
                 break
-            tested = once(corank, times, given)
         return tested
 
     coranks: list[CorankFamilies] = []
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
         coranks.append(settled(len(coranks) + 1))
-    rows = tuple(family_out_of_units(family, robot) for one in coranks for family in one.families)
+    rows: list[Family] = []
+    for one in coranks:
+        rows += [family_out_of_units(family, robot) for family in one.families]
     settings = Settings(seed, starts, limits, float(task.scale(robot)), DEFAULT, VERSION)
-    return Analysis(robot, task, rank, settings, tuple(one.summary for one in coranks), rows)
+    return Analysis(robot, task, rank, settings, tuple(one.summary for one in coranks), tuple(rows))
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
@@ -358,7 +356,9 @@ def variants(plan: Record, chunk: int) -> bytes:
     size = plan["size"]
     lines = []
     for number, values in plan["variants"][chunk * size : (chunk + 1) * size]:
-        given = {place: x for group, x in zip(places, values, strict=True) for place in group}
+        given = {}
+        for group, value in zip(places, values, strict=True):
+            given.update(dict.fromkeys(group, value))
         try:
             robot = drawing.robot(given, f"{drawing.nominal.name} {number + 1}")
             record = measured(robot, task, plan["asks"], nominal, limits=plan["limits"], seed=plan["seed"])

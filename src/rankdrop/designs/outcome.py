@@ -167,15 +167,18 @@ class Designs(Result):
             head = "Best"
         else:
             head = f"One of {len(self.pareto)}"
-        known = {name: [x for x in self.values(name) if x is not None] for name in self.measures}
-        ranges = [f"{name} {measure_text(name, min(values))} … {measure_text(name, max(values))}"
-                  for name, values in known.items() if values]  # fmt: skip
-        return (
-            self.sentence,
-            *(f"{head}: {', '.join(map(' '.join, zip(titles, row, strict=True)))}." for row in best),
-            *([f"Range: {', '.join(ranges)}."] if ranges else []),
-            sweep_next(),
-        )
+        lines = [self.sentence]
+        for row in best:
+            cells = [f"{title} {cell}" for title, cell in zip(titles, row, strict=True)]
+            lines.append(f"{head}: {', '.join(cells)}.")
+        ranges = []
+        for name in self.measures:
+            values = [x for x in self.values(name) if x is not None]
+            if values:
+                ranges.append(f"{name} {measure_text(name, min(values))} … {measure_text(name, max(values))}")
+        if ranges:
+            lines.append(f"Range: {', '.join(ranges)}.")
+        return (*lines, sweep_next())
 
     def sections(self, *, every: bool = False) -> Iterator[Section]:
         """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
@@ -315,17 +318,15 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     """How far a share may be off, by its samples; "" for a measure without error."""
     regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
     if measure == "slow_poses":
-        slow = [one["slow"] for one in regions if one.get("slow")]
-        wide = max((one["interval"][1] - one["interval"][0] for one in slow), default=0.0)
-        if slow:
-            return slow_poses_note(slow[0]["slower_than"], wide)
-        return ""
+        return _slow_poses_error(regions)
     if measure == "sigma":
         wide_bounds = sum(not one.get("narrow") for one in regions)
         return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
-    tables = {"near": [one["near"]["any"] for one in records if one.get("near")],
-              "slow": [one["slow"] for one in records if one.get("slow")]}  # fmt: skip
-    shares = tables.get(measure, [])
+    shares = []
+    if measure == "near":
+        shares = [one["near"]["any"] for one in records if one.get("near")]
+    elif measure == "slow":
+        shares = [one["slow"] for one in records if one.get("slow")]
     most = max((float(one["error"]) for one in shares), default=0.0)
     if any(one["bound"] for one in shares):
         larger = " or more"
@@ -334,6 +335,14 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     if most:
         return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
     return ""
+
+
+def _slow_poses_error(regions: Sequence[Mapping[str, Any]]) -> str:
+    slow = [one["slow"] for one in regions if one.get("slow")]
+    if not slow:
+        return ""
+    wide = max(one["interval"][1] - one["interval"][0] for one in slow)
+    return slow_poses_note(slow[0]["slower_than"], wide)
 
 
 def measure_cell(name: str, record: Mapping[str, Any]) -> str:
@@ -560,11 +569,7 @@ class SideBySide(Result):
         yield Section("", lines=(self.sentence,))
         rows = [("joints", *(str(robot.n) for robot in self.robots)),
                 ("reach", *(f"{reach(robot):.4g} m" for robot in self.robots))]  # fmt: skip
-        rows += [
-            (name, *(measure_cell(name, one) + ("  ←" if i in self._ranked_best(name) else "")
-                     for i, one in enumerate(self.records)))
-            for name in self.measures
-        ]  # fmt: skip
+        rows += [(name, *self._cells(name)) for name in self.measures]
         if self.limits:
             where = "inside the joint limits"
         else:
@@ -580,6 +585,15 @@ class SideBySide(Result):
             yield _arm(name, robot.about, one)
         yield Section("", lines=(self.sentence,))
 
+    def _cells(self, measure: str) -> list[str]:
+        """A measure of each arm, the best marked."""
+        best = self._ranked_best(measure)
+        cells = []
+        for number, record in enumerate(self.records):
+            mark = "  ←" if number in best else ""
+            cells.append(measure_cell(measure, record) + mark)
+        return cells
+
     def _ranked_best(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)
         if measure not in UNRANKED and len(best) < len(self.names):
@@ -587,13 +601,20 @@ class SideBySide(Result):
         return ()
 
 
+def _families_of_arm(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...]:
+    """Corank, name, dimension and share of each family of an arm."""
+    shares = {share["id"]: share["share"] for share in one.get("near", {}).get("families", [])}
+    rows = []
+    for family in one.get("families", []):
+        share = "–"
+        if family["id"] in shares:
+            share = measure_text("near", shares[family["id"]])
+        rows.append((str(family["corank"]), family["name"], str(family["dimension"]), share))
+    return tuple(rows)
+
+
 def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
-    shares = {share["id"]: share for share in one.get("near", {}).get("families", [])}
-    rows = tuple(
-        (str(family["corank"]), family["name"], str(family["dimension"]),
-         measure_text("near", shares[family["id"]]["share"]) if family["id"] in shares else "–")
-        for family in one.get("families", [])
-    )  # fmt: skip
+    rows = _families_of_arm(one)
     lines = [one["error"]] if one["error"] else []
     if one.get("aspects"):
         lines.append(aspects_line(AspectSummary(**one["aspects"])))

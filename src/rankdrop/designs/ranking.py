@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import degrees
 from statistics import NormalDist
 from typing import Any, NamedTuple
@@ -155,11 +156,11 @@ def keys_of(record: Mapping[str, Any]) -> tuple[str, ...] | None:
 
 def _union(forms: Sequence[Form]) -> Form:
     corank, dimension, _, coupled = forms[0]
-    pins = tuple(
-        (*column[0][:2], tuple(sorted({x for pin in column for x in pin[2]})), max(pin[3] for pin in column))
-        for column in zip(*(form[2] for form in forms), strict=True)
-    )
-    return corank, dimension, pins, coupled
+    pins = []
+    for column in zip(*(form[2] for form in forms), strict=True):
+        values = set[float]().union(*(pin[2] for pin in column))
+        pins.append((*column[0][:2], tuple(sorted(values)), max(pin[3] for pin in column)))
+    return corank, dimension, tuple(pins), coupled
 
 
 def _joints_of(form: Form) -> set[int]:
@@ -317,28 +318,44 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
         goals: measure -> "less" or "more".
     """
     numbers = [number for number, one in enumerate(records) if goals and _is_complete(one, goals)]
-    ranked = [records[number] for number in numbers]
-    spreads = {name: _stacked([deviations(one, name) for one in ranked]) for name in goals}
-    beyond = threshold(len(ranked), sum(bool(spread.shape[1]) for spread in spreads.values()))
+    compared = _Compared([records[number] for number in numbers], goals)
+    every = np.arange(len(numbers))
+    kept = np.concatenate([every[:0], *(rows[~compared.dominated(rows, every)] for rows in _blocks(every))])
+    return Ranking([numbers[i] for i in kept], compared.differ(kept))
 
-    def better(name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
+
+class _Compared:
+    """Variants with all measures, compared pair by pair.
+
+    Args:
+        records: of the variants.
+        goals: as of `rank`.
+    """
+
+    def __init__(self, records: Sequence[Record], goals: Mapping[str, str]) -> None:
+        self.records, self.goals = records, goals
+        self.spreads = {name: _stacked([deviations(one, name) for one in records]) for name in goals}
+        self.beyond = threshold(len(records), sum(bool(spread.shape[1]) for spread in self.spreads.values()))
+
+    def better(self, name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
         """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
-        lower, upper = np.array([proven_bounds(one, name) for one in ranked]).T
-        if goals[name] == "less":
+        lower, upper = np.array([proven_bounds(one, name) for one in self.records]).T
+        if self.goals[name] == "less":
             low, high = (lower, upper)
         else:
             low, high = (-upper, -lower)
-        return _smaller(low, high, spreads[name], beyond, rows, columns)
+        return _smaller(low, high, self.spreads[name], self.beyond, rows, columns)
 
-    def dominated(rows: Rows) -> NDArray[np.bool_]:
-        """(R,) whether some variant dominates each of `rows`."""
-        worse = np.any([better(name, every, rows).T for name in goals], axis=0)
-        return np.asarray((worse & ~np.any([better(name, rows, every) for name in goals], axis=0)).any(axis=1))
+    def dominated(self, rows: Rows, others: Rows) -> NDArray[np.bool_]:
+        """(R,) whether one of `others` dominates each of `rows`."""
+        worse = np.any([self.better(name, others, rows).T for name in self.goals], axis=0)
+        better = np.any([self.better(name, rows, others) for name in self.goals], axis=0)
+        return np.asarray((worse & ~better).any(axis=1))
 
-    every = np.arange(len(ranked))
-    kept = np.array([i for rows in _blocks(every) for i in rows[~dominated(rows)]], dtype=np.intp)
-    differ = any(better(name, rows, kept).any() for name in goals for rows in _blocks(kept))
-    return Ranking([numbers[i] for i in kept], differ)
+    def differ(self, rows: Rows) -> bool:
+        """Whether one of `rows` is better than another by some measure."""
+        pairs = product(self.goals, _blocks(rows))
+        return any(bool(self.better(name, some, rows).any()) for name, some in pairs)
 
 
 def _is_complete(record: Record, goals: Mapping[str, str]) -> bool:

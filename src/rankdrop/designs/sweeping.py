@@ -25,6 +25,7 @@ from rankdrop.designs.spec import Asks, Spec, question_of, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.robot import Array, Drawing, reach
+from rankdrop.robot.drawing import Place
 from rankdrop.task import Task, resolve_task
 from rankdrop.verbs.conditions import conditions
 
@@ -133,12 +134,15 @@ def refined(spec: Spec, precision: float) -> Spec:
 def job_of(spec: Spec, values: np.ndarray[Any, np.dtype[np.float64]]) -> Job:
     """The sweep as a job: which variants there are in which chunk, and all that decides what is found."""
     order = order_of(spec, values)
+    places = []
+    for parameter in spec.parameters:
+        places.append([[place.part, place.key, place.sign] for place in parameter.places])
     plan = {
         "drawing": asdict(spec.drawing),
         "task": plain(spec.task),
         "limits": spec.limits,
         "seed": spec.seed,
-        "places": [[[place.part, place.key, place.sign] for place in one.places] for one in spec.parameters],
+        "places": places,
         "asks": plain(spec.asks),
         "size": SIZE,
         "variants": [[number, values[number].tolist()] for number in order],
@@ -157,10 +161,9 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
         tell("exact conditions", done, len(sets))
         values = np.array([records[i]["values"] for i in one.variants])
         number = one.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
-        given = {
-            place: x for parameter, x in zip(spec.parameters, records[number]["values"], strict=True)
-            for place in parameter.places
-        }  # fmt: skip
+        given: dict[Place, float] = {}
+        for parameter, value in zip(spec.parameters, records[number]["values"], strict=True):
+            given.update(dict.fromkeys(parameter.places, value))
         try:
             robot = spec.drawing.robot(given)
             derived = conditions(robot, spec.task, method="tree", seconds=_SECONDS, points=0, special=False)

@@ -447,19 +447,31 @@ _TYPES = {
 def _chain(robot: Robot) -> dict[str, Value]:
     """The chain, link by link; of an arm whose rows are proven in tool axes the frame of the last link is the tip's."""
     index = {joint.name: i for i, joint in enumerate(robot.variables)}
-    frames = [[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]]
-    frames += [joint.frame[:3].tolist() for joint in robot.joints] + [robot.home[:3].tolist()]
-    mimics = [joint.mimic for joint in robot.joints]
+    screws: list[float] = []
+    frames = _frame_numbers(np.eye(4))
+    variable: list[int] = []
+    multiplier: list[float] = []
+    offset: list[float] = []
+    for joint in robot.joints:
+        screws += [float(x) for x in joint.screw]
+        frames += _frame_numbers(joint.frame)
+        mimic = joint.mimic
+        variable.append(index[joint.name if mimic is None else mimic.leader])
+        multiplier.append(1.0 if mimic is None else mimic.multiplier)
+        offset.append(0.0 if mimic is None else mimic.offset)
+    frames += _frame_numbers(robot.home)
     return {
         "format": FORMAT, "name": robot.name, "joints": len(robot.joints), "variables": robot.n,
-        "screws": [float(x) for joint in robot.joints for x in joint.screw],
-        "turns": [int(joint.kind is not JointKind.PRISMATIC) for joint in robot.joints],
-        "frames": [x for t in frames for x in (*(x for row in t for x in row[:3]), *(row[3] for row in t))],
-        "variable": [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints],
-        "multiplier": [mimic.multiplier if mimic else 1.0 for mimic in mimics],
-        "offset": [mimic.offset if mimic else 0.0 for mimic in mimics],
+        "screws": screws, "turns": [int(joint.kind is not JointKind.PRISMATIC) for joint in robot.joints],
+        "frames": frames, "variable": variable, "multiplier": multiplier, "offset": offset,
         "variable_names": [joint.name for joint in robot.variables],
     }  # fmt: skip
+
+
+def _frame_numbers(frame: Array) -> list[float]:
+    """The rotation (9 numbers, row by row) and the place (3) of a frame (4, 4)."""
+    rotation, place = frame[:3, :3], frame[:3, 3]
+    return [*rotation.ravel().tolist(), *place.tolist()]
 
 
 def _bounds_of(monitor: Monitor) -> Sequence[Setting]:
@@ -473,6 +485,12 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
     """Task, families, thresholds, and what enclosures are made from."""
     task, joints, families = monitor.task, len(monitor.robot.joints), monitor.watched
     length, table = task.scale(monitor.robot), tables_of(monitor.watched, monitor.robot, task)
+    points: list[float] = []
+    reaches: list[float] = []
+    for one in made:
+        points += one.point
+        reaches += one.arm.tolist()
+    bound_rows = list(made[0].rows) if made else []
     return {
         "rows": task.m, "axes": link_index(task.frame.axes, joints, "axes"),
         "origin": link_index(task.frame.origin, joints, "origin"), "point": list(task.frame.point),
@@ -487,10 +505,9 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
         "scale": table["scale"], "periodic": table["periodic"],
         "generic_rank": monitor.generic_rank, **monitor.settings, "start": monitor.start, "stop": monitor.stop,
         "beyond": int(monitor.beyond), "rates": monitor.rates.tolist(),
-        "bounds": len(made), "bound_rows": len(made[0].rows) if made else 0,
-        "bound_row": list(made[0].rows) if made else [], "bound_link": [one.link for one in made],
-        "bound_point": [x for one in made for x in one.point], "bound_length": [one.length for one in made],
-        "bound_reach": [x for one in made for x in one.arm.tolist()],
+        "bounds": len(made), "bound_rows": len(bound_rows), "bound_row": bound_rows,
+        "bound_link": [one.link for one in made], "bound_point": points, "bound_length": [one.length for one in made],
+        "bound_reach": reaches,
         "bound_repeats": made[0].repeats if made else 1.0,
     }  # fmt: skip
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Flag, StrEnum, auto
 from math import pi
 
-from rankdrop.local.axes import Dependence
+from rankdrop.local.dependence import Dependence
 from rankdrop.sections import words_of
 
 

@@ -28,8 +28,10 @@ from rankdrop.families.name import (
     is_right,
 )
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.axes import Common, Scene, dependence_of, line_meets_all, to_blame
+from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.circuits import to_blame
+from rankdrop.local.dependence import Common, dependence_of, line_meets_all
 from rankdrop.local.directions import lost_directions, lost_over_family
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot

@@ -170,27 +170,24 @@ def nearest_singularity(
             seeds=[into_metres(robot, one) for one in extra],
             tolerances=tolerances,
         )
-        if there is None:
-            return None
-        q, delta = (tuple(out_of_metres(robot, one).tolist()) for one in (there.q, there.delta))
-        return replace(there, q=q, delta=delta)
+        return None if there is None else _out_of_metres(there, robot)
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     corank, starts = asked.corank, asked.starts
     problem = Problem(robot, resolved, corank, tolerances, asked.limits)
-    if starts is None:
+    walks = starts
+    if walks is None:
         walks = STARTS[0 if corank == 1 else 1]
-    else:
-        walks = starts
     whole_number("corank", corank, 1, problem.generic_rank)
     check_joints(problem)
     first = np.array(extra).reshape(-1, robot.n)
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
-    steps = starts is None and walk.smooth
-    if steps:
+    if starts is None and walk.smooth:
         ends, distances, lost = walk.newton(first, asked.seed)
+        begun = len(first) + sum(NEWTON)
     else:
-        ends, distances, lost = (np.empty((0, robot.n)), np.empty(0), 0)
-    nearest, begun = distances.min(initial=np.inf), len(first) + sum(NEWTON) if steps else 0
+        ends, distances, lost = np.empty((0, robot.n)), np.empty(0), 0
+        begun = 0
+    nearest = distances.min(initial=np.inf)
     if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
         walked, far = walk.walked(first, walks, asked.seed)
         ends, distances = np.concatenate([ends, walked]), np.concatenate([distances, far])
@@ -212,6 +209,13 @@ def nearest_singularity(
         agreeing=int((distances <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
+
+
+def _out_of_metres(there: Nearest, robot: Robot) -> Nearest:
+    """The nearest one of the arm in metres, in the arm's own unit of length."""
+    q = tuple(out_of_metres(robot, there.q).tolist())
+    delta = tuple(out_of_metres(robot, there.delta).tolist())
+    return replace(there, q=q, delta=delta)
 
 
 @dataclass(frozen=True, slots=True)

@@ -288,10 +288,11 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         [(1, 5), (3, 7)]
     """
     elsewhere, runs = _elsewhere(robot, task), _screws_at(robot, one_configuration(robot, q)).subsets()
-    return tuple(
-        replace(run, generic=all(other.dimension(run.first, run.last) == run.dimension for other in elsewhere))
-        for run in runs
-    )
+    found = []
+    for run in runs:
+        generic = all(other.dimension(run.first, run.last) == run.dimension for other in elsewhere)
+        found.append(replace(run, generic=generic))
+    return tuple(found)
 
 
 def _screws_at(robot: Robot, q: Array) -> OrderedScrewSet:
@@ -563,7 +564,11 @@ def _verdict(
 
 def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> tuple[str, ...]:
     told = [f"joint {joint.number}: {joint.remark}" for joint in joints if joint.remark]
-    named = {t.subset: [u.actuator for u in trials if u.subset == t.subset and u.restores] for t in trials}
+    named: dict[tuple[int, int], list[int]] = {}
+    for trial in trials:
+        actuators = named.setdefault(trial.subset, [])
+        if trial.restores:
+            actuators.append(trial.actuator)
     if len({tuple(sorted(actuators)) for actuators in named.values()}) > 1:
         parts = [f"{first}–{last}: {_list(sorted(found))}" for (first, last), found in named.items()]
         told.append(f"what the printed procedure names depends on the run it starts from ({'; '.join(parts)})")
@@ -599,14 +604,7 @@ def _remark(
 ) -> str:  # fmt: skip
     """Why the printed procedure and the motion disagree; empty where they agree and nothing misleads."""
     if escapes and not printed:
-        left = [t for t in trials if t.actuator == number]
-        if left and any(t.dimensions != t.carried for t in left):
-            last = left[0].subset[1]
-            return (
-                f"escapes, though the printed update finds runs still singular: newscrews({number}, {last}) leaves "
-                f"the screws behind {last} where they were, and joint {number} carries them too"
-            )
-        return "escapes, though no run with all its products outside names it"
+        return _escapes_unnamed(number, [trial for trial in trials if trial.actuator == number])
     if printed and not escapes:
         return "named by the printed procedure, but a finite motion does not restore the rank"
     if outside and gain == 0:
@@ -618,6 +616,17 @@ def _remark(
         verb = "lies" if len(outside) == 1 else "lie"
         return f"does not escape although {later} {verb} outside the span: Σ λ_i [S_{number}, S_i] {how}"
     return ""
+
+
+def _escapes_unnamed(number: int, trials: Sequence[Trial]) -> str:
+    """Why the printed procedure does not name a joint that escapes: its own trials."""
+    if all(trial.dimensions == trial.carried for trial in trials):
+        return "escapes, though no run with all its products outside names it"
+    last = trials[0].subset[1]
+    return (
+        f"escapes, though the printed update finds runs still singular: newscrews({number}, {last}) leaves "
+        f"the screws behind {last} where they were, and joint {number} carries them too"
+    )
 
 
 def _special(screws: OrderedScrewSet, subsets: Sequence[OrderedSubset], seed: int) -> tuple[OrderedSubset, ...]:

@@ -509,7 +509,7 @@ class _Trace:
         """Points, reason and sentence."""
         where, now, first = self.where, self.where.start, unit
         self.points = [now]
-        outside = np.flatnonzero((now < self.low) | (now > self.high))
+        outside = self._beyond(now)
         if outside.size:
             return self.points, LIMIT, f"{self._name(outside[0])} starts beyond its limit"
         kept, h, travelled = -1, self.step, 0.0
@@ -518,14 +518,16 @@ class _Trace:
             if goal <= 1e-9 * self.length:
                 return self.points, REACHED, f"length {travelled:.3g} rad reached"
             there, turned, sigma = self._ahead(now, unit, goal)
-            if there is not None:
-                beyond = np.flatnonzero((there < self.low) | (there > self.high))
-                if beyond.size and goal <= _AT_LIMIT:
-                    return self.points, LIMIT, f"{self._name(beyond[0])} reaches its limit"
-            if there is None or beyond.size:
+            if there is None:
                 h = goal / 2
-                if there is None and h < _SHORTEST * self.step:
+                if h < _SHORTEST * self.step:
                     return self._stuck(kept)
+                continue
+            beyond = self._beyond(there)
+            if beyond.size:
+                if goal <= _AT_LIMIT:
+                    return self.points, LIMIT, f"{self._name(beyond[0])} reaches its limit"
+                h = goal / 2
                 continue
             if kept < 0:
                 kept = int((sigma > WEAK).sum())
@@ -539,6 +541,10 @@ class _Trace:
                 return self.points, CLOSED, f"closed after {travelled:.3g} rad"
             near = (np.minimum(now - self.low, self.high - now) / where.joints).min() < 2 * h
             h = h if near else min(self.step, 1.5 * h)
+
+    def _beyond(self, q: Array) -> NDArray[np.intp]:
+        """Indices of the joints beyond their limits."""
+        return np.flatnonzero((q < self.low) | (q > self.high))
 
     def _ahead(self, now: Array, unit: Array, h: float) -> tuple[Array | None, Array, Array]:
         """The next point, the unit tangent there and σ; None where the step is too long."""

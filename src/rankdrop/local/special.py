@@ -123,27 +123,24 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
         None if turns else _vector(scene.tip[0].tolist()), scene.length,
     )  # fmt: skip
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
+    tip = _vector(scene.tip[0].tolist())
     elbow = arm.elbow
-    if moves:
-        turn = arm.elbow_turn(_vector(scene.tip[0].tolist()))
-    else:
-        turn = None
     if turns and arm.aligned(elbow - 1, elbow + 1):
         yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrapped(values[elbow]), 0.0, exact=True)
-    elif turn is not None:
-        if abs(turn) <= pi / 2:
-            shape = Shape.STRETCHED
-        else:
-            shape = Shape.FOLDED
+    elif moves and (turn := arm.elbow_turn(tip)) is not None:
+        shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
         yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
-    ends = [(Part.WRIST, len(axes) - 2)] * (turns and len(axes) >= 5)
-    ends += [(Part.SHOULDER, 1)] * (len(axes) >= 7)
+    ends = []
+    if turns and len(axes) >= 5:
+        ends.append((Part.WRIST, len(axes) - 2))
+    if len(axes) >= 7:
+        ends.append((Part.SHOULDER, 1))
     for part, middle in ends:
         turn = arm.turn(middle)
         if turn is not None:
             yield _measured(part, Shape.JOINT, joints[middle], values[middle], turn)
     if moves and 4 <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
-        gap, lever = arm.from_shoulder_plane(_vector(scene.tip[0].tolist()))
+        gap, lever = arm.from_shoulder_plane(tip)
         yield Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, atan2(gap, max(lever, _FLAT * arm.reach)),
                       gap <= EXACT * arm.reach)  # fmt: skip
 

@@ -58,6 +58,7 @@ class Region:
 
 Seen = tuple[list[Matrix], list[Matrix | None]]
 """Screws (6, 1) over a box, and the motions (6, 6) that brought each of them there; None where nothing did."""
+_UNIT = np.eye(6, dtype=np.int64).ravel().tolist()
 
 
 class Arm:
@@ -94,9 +95,12 @@ class Arm:
     def _number(self, value: float) -> Interval:
         return self._f.arb(value)
 
+    def _numbers(self, values: Iterable[float]) -> list[Interval]:
+        return [self._number(float(value)) for value in values]
+
     def _screw(self, one: Link) -> list[Interval]:
         """The unit screw about the point, lengths scaled: axis, foot and pitch made exactly what they are called."""
-        v, w = ([self._number(x) for x in part] for part in (one.screw[:3], one.screw[3:]))
+        v, w = self._numbers(one.screw[:3]), self._numbers(one.screw[3:])
         zero = self._number(0)
         if one.kind == SLIDE:
             size = _norm(v)
@@ -114,7 +118,7 @@ class Arm:
 
     def _exact_axes(self, axes: Array) -> list[list[Interval]]:
         """Three unit vectors exactly at right angles next to the columns of a rotation, by Gram and Schmidt."""
-        x, y = ([self._number(float(entry)) for entry in axes[:, k]] for k in range(2))
+        x, y = self._numbers(axes[:, 0]), self._numbers(axes[:, 1])
         size = _norm(x)
         x = [one / size for one in x]
         along = dot(x, y)
@@ -126,7 +130,8 @@ class Arm:
     @staticmethod
     def _in_axes(screw: list[Interval], axes: list[list[Interval]]) -> list[Interval]:
         """The components of a screw (v; ω) along three axes."""
-        return [dot(axis, part) for part in (screw[:3], screw[3:]) for axis in axes]
+        linear, angular = screw[:3], screw[3:]
+        return [dot(axis, linear) for axis in axes] + [dot(axis, angular) for axis in axes]
 
     def _ad(self, screw: Any) -> Matrix:
         """(6, 6) ad_S, with [S, T] = ad_S T, linear part first."""
@@ -155,7 +160,7 @@ class Arm:
 
     def unit(self) -> Matrix:
         """(6, 6) the motion that moves nothing."""
-        return self._matrix(6, 6, [int(r == c) for r in range(6) for c in range(6)])
+        return self._matrix(6, 6, _UNIT)
 
     def exponential(self, i: int, once: Any, twice: Any) -> Matrix:
         """(6, 6) 1 + once · ad + twice · ad² of a joint's screw: every turn and every shift has this form."""
@@ -220,14 +225,8 @@ class Arm:
         for place, row in enumerate(rows):
             for k in range(rank):
                 left[k, row] = float(u[place, k])
-        weights = [
-            f.arb_mat(1, rank, [f.arb(one.multiplier) * float(x) for x in vt[:rank, one.driver]]) for one in self.links
-        ]
-        if region.along is not None:
-            along = region.along
-        else:
-            along = zeros
-        wide = [h + abs(d) for h, d in zip(region.half, along, strict=True)]
+        weights = [self._weights(one, vt[:rank]) for one in self.links]
+        wide = _half_widths(region)
         seen = self.seen(region.centre, wide)
         over = seen[0]
         total = left * _sum(c * w for c, w in zip(at, weights, strict=True))
@@ -236,13 +235,18 @@ class Arm:
             for moved, size in first:
                 total += left * moved * _ball(f.arb, f.arb(0), size)
             if region.along is not None:
-                total += self._along(side, sign, at, over, weights, along, left)
+                total += self._along(side, sign, at, over, weights, region.along, left)
             else:
                 total += self._second(side, over, weights, region.half, left)
         if tolerance is not None:
-            total += self._shifted(seen, weights, tolerance, left, Region(region.centre, wide), moves=not any(
-                row > 2 for row in rows))
+            moves = max(rows) <= 2
+            total += self._shifted(seen, weights, tolerance, left, Region(region.centre, wide), moves=moves)
         return total, u[:, :rank], vt[:rank].T
+
+    def _weights(self, link: Link, vt: Array) -> Matrix:
+        """(1, r) entries of V for the column of a link, with the share of the variable that it turns by."""
+        row = [self._f.arb(link.multiplier) * float(x) for x in vt[:, link.driver]]
+        return self._f.arb_mat(1, len(row), row)
 
     def sign(self, q: list[Interval], rows: list[int]) -> int:
         """Sign of the determinant of the rows at a configuration, 0 where it is not decided; as many rows as variables.
@@ -371,18 +375,19 @@ class Arm:
         """
         f, rank = self._f, left.nrows()
         shift, angle = f.arb(tolerance.length) / self._length, f.arb(tolerance.angle)
-        points = [[(f.arb(float(x)) - p) / self._length for x, p in zip(row, self._point, strict=True)]
-                  for row in tolerance.points]  # fmt: skip
-        total = [[f.arb(0)] * rank for _ in range(rank)]
+        points = [self._from_link_point(row) for row in tolerance.points]
+        total = [f.arb(0)] * rank**2  # entries, row by row
         for side, sign in self._sides:
             for motions, carried in self._carried(side, sign, points, shift, angle, over, weights, region, int(moves)):
                 for three, size in ((motions[:3], angle), (motions[3:], shift)):
-                    parts = [(left * (self._ad(one) * carried)).tolist() for one in three]
-                    for r in range(rank):
-                        for c in range(rank):
-                            total[r][c] += size * _norm([part[r][c] for part in parts])
-        zero = f.arb(0)
-        return f.arb_mat([[_ball(f.arb, zero, x) for x in row] for row in total])
+                    changes = [(left * (self._ad(one) * carried)).entries() for one in three]
+                    for place, change in enumerate(zip(*changes, strict=True)):
+                        total[place] += size * _norm(list(change))
+        return f.arb_mat(rank, rank, [_ball(f.arb, f.arb(0), x) for x in total])
+
+    def _from_link_point(self, point: Array) -> list[Interval]:
+        """A point [m], seen from the link's point, lengths scaled."""
+        return [(self._f.arb(float(x)) - p) / self._length for x, p in zip(point, self._point, strict=True)]
 
     def _carried(
         self, side: list[int], sign: int, points: list[list[Interval]], shift: Interval, angle: Interval, over: Seen,
@@ -492,6 +497,13 @@ def regular(rows: list[list[Interval]], rank: int) -> bool:
     if not ((vector > 0.0) & np.isfinite(vector)).all():
         return False
     return bool((matrix @ vector > _LEAST * (np.abs(matrix) @ vector)).all())
+
+
+def _half_widths(region: Region) -> list[Interval]:
+    """Half of the width of a region in each variable, with the way along which it is swept."""
+    if region.along is None:
+        return list(region.half)
+    return [half + abs(way) for half, way in zip(region.half, region.along, strict=True)]
 
 
 def _ball(arb: Any, middle: Interval, half: Interval) -> Interval:

@@ -259,13 +259,7 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
     if claim.kind == BALL:
         verify_ball(check)
         sentence = f"no configuration within {claim.entries['radius']!r} rad of q has a rank below {claim.rank}" + near
-        fixed = [str(j + 1) for j in range(claim.variables) if j not in check.arm.moving]
-        if len(fixed) > 1:
-            many = f"s {', '.join(fixed[:-1])} and {fixed[-1]}"
-        else:
-            many = f" {''.join(fixed)}"
-        if fixed:
-            sentence += f"; joint{many} may stand anywhere"
+        sentence += _free_joints(check)
         lines += [f"q = {_values(claim.entries['q'])}", *_state_scale(claim)]
     elif claim.kind == COVERING:
         tree, how = verify_covering(check)
@@ -290,20 +284,44 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         sentence = (f"{claim.name!r} is not cuspidal: no path without a singularity leads from one solution of a pose "
                     f"to another, as each has signs of its own: {verify_signs(claim)}")  # fmt: skip
     else:
-        others = verify_path(check)
-        verify_distance(check)
-        sentence = f"every point of the path has rank {claim.rank}: it meets no singularity{near}"
-        if others:
-            crossings = sum(span["kind"] == CROSSING for span in others)
-            sentence = (f"every point of the path outside {len(others)} spans has rank {claim.rank}; {crossings} of "
-                        f"them hold a singular configuration (two signs of the determinant){near}")  # fmt: skip
-        if "min_distance" in claim.entries:
-            least = claim.entries["min_distance"]
-            sentence += f"; no configuration of this arm nearer to the path than {least!r} rad has a rank below " \
-                        f"{claim.rank}"
-            lines += _state_scale(claim)
-        lines += _state_path(claim, others)
+        sentence, stated = _prove_path(check, near)
+        lines += stated
     return sentence, tuple(lines), tuple(assumed), how
+
+
+def _free_joints(check: Check) -> str:
+    """The joints of a ball that may stand anywhere, in words; "" where there are none."""
+    free = [str(j + 1) for j in range(check.claim.variables) if j not in check.arm.moving]
+    if not free:
+        return ""
+    if len(free) == 1:
+        which = f" {free[0]}"
+    else:
+        which = f"s {', '.join(free[:-1])} and {free[-1]}"
+    return f"; joint{which} may stand anywhere"
+
+
+def _prove_path(check: Check, near: str) -> tuple[str, list[str]]:
+    """The proven claim of a path, in one sentence and entry by entry; `near`: for which arms.
+
+    Raises:
+        Unproven: it does not hold, or could not be confirmed.
+    """
+    claim = check.claim
+    others = verify_path(check)
+    verify_distance(check)
+    lines: list[str] = []
+    sentence = f"every point of the path has rank {claim.rank}: it meets no singularity{near}"
+    if others:
+        crossings = sum(span["kind"] == CROSSING for span in others)
+        sentence = (f"every point of the path outside {len(others)} spans has rank {claim.rank}; {crossings} of "
+                    f"them hold a singular configuration (two signs of the determinant){near}")  # fmt: skip
+    if "min_distance" in claim.entries:
+        least = claim.entries["min_distance"]
+        sentence += f"; no configuration of this arm nearer to the path than {least!r} rad has a rank below " \
+                    f"{claim.rank}"
+        lines += _state_scale(claim)
+    return sentence, [*lines, *_state_path(claim, others)]
 
 
 def _prove_existence(claim: Claim) -> tuple[tuple[str, ...], str]:
@@ -370,10 +388,10 @@ def _state_scale(claim: Claim) -> list[str]:
 
 def _state_ranges(claim: Claim) -> list[str]:
     entries = claim.entries
-    lines = [
-        f"joint {j} from {low!r} to {high!r}{', a whole turn' if turns else ''}"
-        for j, low, high, turns in zip(*(entries[key] for key in ("variables", "lower", "upper", "turns")), strict=True)
-    ]
+    lines = []
+    ranges = zip(entries["variables"], entries["lower"], entries["upper"], entries["turns"], strict=True)
+    for j, low, high, turns in ranges:
+        lines.append(f"joint {j} from {low!r} to {high!r}{', a whole turn' if turns else ''}")
     free = [str(j + 1) for j in range(claim.variables) if j + 1 not in entries["variables"]]
     if free:
         lines += [f"joints that stand anywhere: {', '.join(free)}"]
@@ -434,9 +452,9 @@ def arm_of(claim: Claim) -> Arm:
         pose = claim.poses.get(origin)
         if pose is None or origin == 0 or claim.link != len(claim.links):
             raise Unproven("a translation is that of a point of the last link, seen from that link")
-        point = [
-            sum((f.arb(float(pose[r, c])) * local[c] for c in range(3)), f.arb(float(pose[r, 3]))) for r in range(3)
-        ]
+        point = []
+        for *turn, shift in pose[:3].tolist():
+            point.append(sum((f.arb(x) * y for x, y in zip(turn, local, strict=True)), f.arb(shift)))
     if claim.tolerance is not None:
         if claim.in_tool_axes:
             raise Unproven("rows in tool axes depend on how the tool is mounted: nothing is proven for near arms")
@@ -478,9 +496,11 @@ def _rows_left_out(claim: Claim) -> list[str]:
     point = poses[origin][:3, :3] @ np.array(local) + poses[origin][:3, 3]
     arm = Arm(claim.links, claim.variables, len(claim.links), [f.arb(float(x)) for x in point], f.arb(1))
     turn = poses[axes][:3, :3].T
-    # a translation left out stays the same one in every link's axes where all turns are about it
-    fixed = {3 + k for row in missing if row < 3 for k in range(3) if k != row}
-    zero = sorted(set(missing) | fixed)
+    zeros = set(missing)
+    for row in missing:
+        if row < 3:  # a translation left out stays the same one in every link's axes where all turns are about it
+            zeros |= {3, 4, 5} - {3 + row}
+    zero = sorted(zeros)
     largest, size = 0.0, 0.0
     for q in np.random.default_rng(0).uniform(-np.pi, np.pi, (8, claim.variables)):
         seen = arm.jacobian(arm.seen([f.arb(float(x)) for x in q], [f.arb(0)] * claim.variables)[0])

@@ -37,22 +37,15 @@ def open_covering(claim: Claim) -> tuple[Plan, BitTree]:
         Refused: the file is not there, or cannot be read.
         Unproven: it is another covering, or damaged.
     """
-    name = claim.entries["file"]
-    if "/" in name or "\\" in name or name in ("", ".", ".."):
-        raise Refused("the certificate is malformed", where="claim.file", got=repr(name),
-                      allowed="a name without a folder")  # fmt: skip
-    path = claim.folder / name
-    if not path.is_file():
-        raise Refused("the covering is not in the folder of its certificate", where=str(path), mend="put it there")
+    name, path = claim.entries["file"], _path_of_covering(claim)
     try:
         plan, tree, _, _ = load(path)
     except Refused as error:
         raise Unproven(f"{name}: {error.what}") from error
     if digest(plan, tree) != claim.entries["sha256"]:
         raise Unproven(f"{name} is another covering than the one of the certificate: its hash differs")
-    if plan.fingerprint != claim.record["arm"]["fingerprint"] or tuple(plan.rows) != claim.rows or (
-        plan.kept != claim.rank
-    ):
+    about = plan.fingerprint, tuple(plan.rows), plan.kept
+    if about != (claim.record["arm"]["fingerprint"], claim.rows, claim.rank):
         raise Unproven("the covering is about another arm or task than its certificate")
     if corank_of(claim) != plan.corank:
         raise Unproven("the covering is of another corank than its certificate says")
@@ -62,6 +55,22 @@ def open_covering(claim: Claim) -> tuple[Plan, BitTree]:
         if (tuple(stated) if isinstance(stated, list) else stated) != record[key]:
             raise Unproven(f"the covering has other {key} than its certificate says")
     return plan, tree
+
+
+def _path_of_covering(claim: Claim) -> Path:
+    """The file of a covering, which stands in the folder of its certificate.
+
+    Raises:
+        Refused: it is not there, or the name has a folder.
+    """
+    name = claim.entries["file"]
+    if "/" in name or "\\" in name or name in ("", ".", ".."):
+        raise Refused("the certificate is malformed", where="claim.file", got=repr(name),
+                      allowed="a name without a folder")  # fmt: skip
+    path: Path = claim.folder / name
+    if not path.is_file():
+        raise Refused("the covering is not in the folder of its certificate", where=str(path), mend="put it there")
+    return path
 
 
 def check_ranges(claim: Claim, moving: list[int]) -> None:
@@ -89,16 +98,19 @@ def check_ranges(claim: Claim, moving: list[int]) -> None:
             continue
         if not entries["limits"] and periodic(claim, j):
             raise Unproven(f"the covering is not within limits, and the range of joint {j + 1} is less than a turn")
-        if claim.limits is None:
-            least, most = (-inf, inf)
-        else:
-            least, most = claim.limits[j]
-        if not low <= least <= most <= high:
-            if claim.limits is None:
-                stated = "states no limits"
-            else:
-                stated = f"has limits from {least!r} to {most!r}"
-            raise Unproven(f"the range of joint {j + 1} is less than its limits: the arm of the certificate {stated}")
+        _check_within_limits(claim, j, low, high)
+
+
+def _check_within_limits(claim: Claim, j: int, low: float, high: float) -> None:
+    """The range of a variable holds all that is within its limits."""
+    if claim.limits is None:
+        least, most = (-inf, inf)
+        stated = "states no limits"
+    else:
+        least, most = claim.limits[j]
+        stated = f"has limits from {least!r} to {most!r}"
+    if not low <= least <= most <= high:
+        raise Unproven(f"the range of joint {j + 1} is less than its limits: the arm of the certificate {stated}")
 
 
 def periodic(claim: Claim, j: int) -> bool:
@@ -260,15 +272,15 @@ class _Journal:
             lines = content[len(head) :].split(b"\n")[:-1]  # what stands behind the last line feed was cut off
             known = [int(line) for line in lines if line.isdigit() and len(line) < 16]
             self.known = known[-1] if known else 0
-            mine = content.startswith(head) or head.startswith(content)
-            if not mine or self.known > count:
+            if not content.startswith(head) and not head.startswith(content):
                 self.file.close()
-                raise Refused(
-                    "the journal has more boxes than the covering has free" if mine else
-                    "this is the journal of another certificate, or no journal", where=str(path),
-                    got=self.known if mine else None, allowed=f"at most {count:,}" if mine else None,
-                    mend="name another file, or delete this one",
-                )  # fmt: skip
+                raise Refused("this is the journal of another certificate, or no journal", where=str(path),
+                              mend="name another file, or delete this one")  # fmt: skip
+            if self.known > count:
+                self.file.close()
+                raise Refused("the journal has more boxes than the covering has free", where=str(path),
+                              got=self.known, allowed=f"at most {count:,}",
+                              mend="name another file, or delete this one")  # fmt: skip
             self.file.seek(0)
             self.file.write(head + (b"%d\n" % self.known if self.known else b""))
             self.file.truncate()

@@ -138,29 +138,17 @@ class ToolPath:
         assert path.poses is not None
         self._f, self._claim, self._path, self._poses = flint(), claim, path, path.poses
         self._rows: Array = claim.entries["points"]
-        axes, origin, point = claim.frame
-        tip = (-1, len(claim.links) + 1)
-        moves, turns = [row for row in claim.rows if row < 3], [row - 3 for row in claim.rows if row >= 3]
+        self._refuse_unsuited()
+        axes, _, point = claim.frame
         whole = len(claim.rows) == 6
-        if claim.entries["degree"] != 1:
-            raise Unproven("a joint path that follows tool poses is straight between its rows")
-        if not whole and ((moves and origin not in tip) or axes not in (0, *tip)):
-            raise Unproven("the pose of the tip does not determine what the task wants")
-        if turns and not path.turned:
-            raise Unproven("the file has positions alone, and the task wants orientations")
+        moves, turns = _moves_and_turns(claim)
         self._point = np.array(point if moves and not whole else (0.0, 0.0, 0.0))
         if axes == 0 or not moves:
             self._moves = moves
         else:
             self._moves = [0, 1, 2]
         self._turns = bool(turns)
-        # two turns leave one axis free: that of the base, a row of the rotation, or of the tip, a column of it
-        if len(turns) == 2:
-            left = next(k for k in range(3) if k not in turns)
-        else:
-            left = None
-        self._entries = [(r, c) for r in range(3) for c in range(3)
-                         if left is None or (r if axes == 0 and not whole else c) == left]  # fmt: skip
+        self._entries = _entries_of_rotation(turns, by_rows=axes == 0 and not whole)
         self._axes = [_between(a, b) for a, b in pairwise(self._poses)]
         if self._turns and any(np.linalg.norm(axis) > np.pi - _HALF_TURN for axis in self._axes):
             raise Unproven("two poses of the file are half a turn apart: which way the tool turns is a choice")
@@ -168,6 +156,22 @@ class ToolPath:
         end = claim.home[:3, 3] + claim.home[:3, :3] @ self._point
         self._lengths = np.linalg.norm(np.diff(np.vstack([self._points, end]), axis=0), axis=1)
         self._slack = _ROUNDED * (1.0 + float(self._lengths.sum()))
+
+    def _refuse_unsuited(self) -> None:
+        """Refuse a claim or a file that cannot be compared with the other; see the class."""
+        claim = self._claim
+        axes, origin, _ = claim.frame
+        tip = (-1, len(claim.links) + 1)
+        moves, turns = _moves_and_turns(claim)
+        if claim.entries["degree"] != 1:
+            raise Unproven("a joint path that follows tool poses is straight between its rows")
+        if len(claim.rows) != 6:
+            origin_moves_with_tip = not moves or origin in tip
+            axes_are_known = axes == 0 or axes in tip
+            if not origin_moves_with_tip or not axes_are_known:
+                raise Unproven("the pose of the tip does not determine what the task wants")
+        if turns and not self._path.turned:
+            raise Unproven("the file has positions alone, and the task wants orientations")
 
     def compare(self) -> str:
         """Prove that the tip of the joint path keeps to its lines and turns, within what is asked.
@@ -178,15 +182,14 @@ class ToolPath:
         Raises:
             Unproven: it is not proven somewhere.
         """
-        seen = [self.tip(list(map(self._f.arb, map(float, row)))) for row in self._rows]
-        places = self._places([(np.array(_doubles(turn)), np.array(_doubles(point))[:, 0]) for turn, point in seen])
+        seen = [self.tip([self._f.arb(float(value)) for value in row]) for row in self._rows]
+        places = self._places([(_doubles(turn), _doubles(point)[:, 0]) for turn, point in seen])
         worst_place = worst_turn = 0.0
         for (first, start), (last, end) in pairwise(places):
             found = self._piece((first, last), start, end, seen[first], seen[last])
             worst_place, worst_turn = max(worst_place, found[0]), max(worst_turn, found[1])
         worst_place, worst_turn = worst_place * 1.005, worst_turn * 1.005  # three digits are printed, none too small
-        parts = [f"{worst_place:.3g} m"] * bool(self._moves) + [f"{worst_turn:.3g} rad"] * self._turns
-        return " and ".join(parts)
+        return self._of_both(f"{worst_place:.3g}", f"{worst_turn:.3g}")
 
     def tip(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
         """(3, 3) rotation and (3, 1) place of the tip at a configuration, in the base frame."""
@@ -227,15 +230,16 @@ class ToolPath:
     def _bends(self, rows: tuple[int, int], start: float, end: float) -> tuple[float, float]:
         """Bounds on the second derivatives of the point and of the axes, from one row to another."""
         links = self._claim.links
-        values = np.array([[link.multiplier * row[link.driver] + link.offset for link in links]
-                           for row in self._rows[list(rows)]])  # fmt: skip
+        values = np.array([_link_values(links, row) for row in self._rows[list(rows)]])
         step, most = np.abs(values[1] - values[0]), np.abs(values).max(axis=0)
         slides = np.array([link.kind == SLIDE for link in links])
         along = np.array([_along(link) for link in links])
         turn = np.cumsum(np.where(slides, 0.0, step))
         before = turn - np.where(slides, 0.0, step)
-        tool = (end - start) * float(np.linalg.norm(self._axes[min(int(start), len(self._axes) - 1)])) \
-            if self._turns and self._axes else 0.0  # fmt: skip
+        tool = 0.0
+        if self._turns and self._axes:
+            axis = self._axes[min(int(start), len(self._axes) - 1)]
+            tool = (end - start) * float(np.linalg.norm(axis))
         place = turn**2 @ self._lengths + ((most * before + 2 * step) * before) @ along
         place += float(np.linalg.norm(self._point)) * tool**2
         return float(place) * (1 + 1e-9), float(turn[-1] ** 2 + tool**2) * (1 + 1e-9)
@@ -245,31 +249,44 @@ class ToolPath:
         last: tuple[Matrix, Matrix],
     ) -> tuple[float, float]:  # fmt: skip
         """How far the tip is from the tool path between two rows, at most: its point [m], its axes [rad]."""
+        tip, tilt = self._path.tip, self._path.turn
         bend = self._bends(rows, start, end)
         worst_place = worst_turn = 0.0
         a, b = ([self._f.arb(float(x)) for x in row] for row in self._rows[list(rows)])
         stack = [(0, 1, 1, self._errors(first, start), self._errors(last, end))]  # from low/parts to high/parts
         while stack:
             low, high, parts, near, far = stack.pop()
-            place = max(near[0], far[0]) + bend[0] / (8 * parts**2) + self._slack
-            chord = max(near[1], far[1]) + bend[1] / (8 * parts**2) + _ROUNDED
-            if self._turns:
-                turn = 2 * float(np.arcsin(min(1.0, chord / 2))) * (1 + 1e-12)
-            else:
-                turn = 0.0
-            if (place <= self._path.tip or not self._moves) and turn <= self._path.turn:
+            off, apart = max(near[0], far[0]), max(near[1], far[1])  # at the ends: of the point, of the axes
+            place = off + bend[0] / (8 * parts**2) + self._slack
+            turn = self._angle(apart + bend[1] / (8 * parts**2) + _ROUNDED)
+            if (place <= tip or not self._moves) and turn <= tilt:
                 worst_place, worst_turn = max(worst_place, place), max(worst_turn, turn)
                 continue
-            lost = max(near[0], far[0]) > self._path.tip and self._moves
-            if lost or max(near[1], far[1]) > 2 * self._path.turn or parts >= 1 << _HALVINGS:
-                wanted = [f"{self._path.tip:g} m"] * bool(self._moves) + [f"{self._path.turn:g} rad"] * self._turns
-                raise Unproven(f"the tip is not proven to stay within {' and '.join(wanted)} of the lines and turns "
-                               f"between its poses, between rows {rows[0] + 1} and {rows[1] + 1}")  # fmt: skip
+            off_at_an_end = (off > tip and self._moves) or apart > 2 * tilt
+            if off_at_an_end or parts >= 1 << _HALVINGS:
+                raise Unproven(f"the tip is not proven to stay within {self._of_both(f'{tip:g}', f'{tilt:g}')} of the "
+                               f"lines and turns between its poses, between rows {rows[0] + 1} and "
+                               f"{rows[1] + 1}")  # fmt: skip
             share = self._f.arb(low + high) / (2 * parts)
             seen = self.tip([x + (y - x) * share for x, y in zip(a, b, strict=True)])
             middle = self._errors(seen, start + (end - start) * ((low + high) / (2 * parts)))
             stack += [(low + high, 2 * high, 2 * parts, middle, far), (2 * low, low + high, 2 * parts, near, middle)]
         return worst_place, worst_turn
+
+    def _angle(self, chord: float) -> float:
+        """The angle [rad] between two rotations of which ‖R − S‖ ≤ chord, at most; 0 where turns do not count."""
+        if not self._turns:
+            return 0.0
+        return 2 * float(np.arcsin(min(1.0, chord / 2))) * (1 + 1e-12)
+
+    def _of_both(self, place: str, turn: str) -> str:
+        """A length and an angle in words, each where it counts."""
+        parts = []
+        if self._moves:
+            parts.append(f"{place} m")
+        if self._turns:
+            parts.append(f"{turn} rad")
+        return " and ".join(parts)
 
     def _places(self, seen: list[tuple[Array, Array]]) -> list[tuple[int, float]]:
         """(row, place on the tool path, counted in poses from 0), neither ever going back; every pose is one of them.
@@ -319,6 +336,27 @@ class ToolPath:
         return made / whole if whole > 0.0 else 0.0
 
 
+def _moves_and_turns(claim: Claim) -> tuple[list[int], list[int]]:
+    """Coordinates 0, 1, 2 of the translations, and of the turns, that the task of a claim asks for."""
+    moves = [row for row in claim.rows if row < 3]
+    turns = [row - 3 for row in claim.rows if row >= 3]
+    return moves, turns
+
+
+def _entries_of_rotation(turns: list[int], *, by_rows: bool) -> list[tuple[int, int]]:
+    """Entries (row, column) of the rotation of the tip that a task with these turns fixes.
+
+    Two turns leave one axis free: that of the base, a row of the rotation, or of the tip, a column of it.
+    """
+    entries = [(row, column) for row in range(3) for column in range(3)]
+    if len(turns) != 2:
+        return entries
+    left = next(k for k in range(3) if k not in turns)
+    if by_rows:
+        return [entry for entry in entries if entry[0] == left]
+    return [entry for entry in entries if entry[1] == left]
+
+
 def _size(numbers: list[Interval]) -> float:
     """Length of a vector of intervals, at most; inf where it is not known."""
     largest = [float(x.abs_upper()) for x in numbers]
@@ -356,6 +394,11 @@ def _points_on_axes(links: list[Link]) -> Array:
     return np.array(found)
 
 
+def _link_values(links: list[Link], row: Array) -> list[float]:
+    """Values of all joints, mimic joints too, at the joint values of a row."""
+    return [link.multiplier * row[link.driver] + link.offset for link in links]
+
+
 def _along(link: Link) -> float:
     """How far a unit of the joint's value carries along its axis."""
     v, w = np.array(link.screw[:3]), np.array(link.screw[3:])
@@ -366,5 +409,6 @@ def _along(link: Link) -> float:
     return 0.0
 
 
-def _doubles(matrix: Matrix) -> list[list[float]]:
-    return [[float(x.mid()) for x in row] for row in matrix.tolist()]
+def _doubles(matrix: Matrix) -> Array:
+    """The midpoints of a matrix of intervals."""
+    return np.array([float(x.mid()) for x in matrix.entries()]).reshape(matrix.nrows(), matrix.ncols())

@@ -239,19 +239,21 @@ def _bernstein(degree: int, most: Interval) -> Matrix:
     others −`most`.
     """
     f, last = flint(), 2 * degree
-    shares = [
-        [most**p * f.arb(f.fmpq(sum(comb(i, k) * comb(last - i, p - k) * (-1) ** (p - k) for k in range(p + 1)),
-                                comb(last, p)))
-         for p in range(last + 1)]
-        for i in range(last + 1)
-    ]  # fmt: skip
+    shares = f.arb_mat(last + 1, last + 1)
+    for i in range(last + 1):
+        for p in range(last + 1):
+            total = sum(comb(i, k) * comb(last - i, p - k) * (-1) ** (p - k) for k in range(p + 1))
+            shares[i, p] = most**p * f.arb(f.fmpq(total, comb(last, p)))
     one, cosine, sine = f.fmpz_poly([1, 0, 1]), f.fmpz_poly([1, 0, -1]), f.fmpz_poly([0, 2])
     waves, c, s = [one**degree], f.fmpz_poly([1]), f.fmpz_poly([0])
     for k in range(1, degree + 1):
         c, s = c * cosine - s * sine, s * cosine + c * sine
         waves += [c * one ** (degree - k), s * one ** (degree - k)]
-    powers = f.arb_mat([[f.arb(int(wave[p])) for wave in waves] for p in range(last + 1)])
-    return f.arb_mat(shares) * powers
+    powers = f.arb_mat(last + 1, len(waves))
+    for p in range(last + 1):
+        for column, wave in enumerate(waves):
+            powers[p, column] = f.arb(int(wave[p]))
+    return shares * powers
 
 
 def _numbers(cells: NDArray[np.int64], levels: list[int]) -> NDArray[np.int64]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.proof.arm import Arm, Interval, Matrix, Region, flint
-from rankdrop.proof.record import Claim, Unproven
+from rankdrop.proof.record import Claim, Link, Unproven
 
 _ROUNDS = 8  # of Newton's iteration
 _LEAST = 1e-7  # share of the largest singular value of F' that the smallest must have
@@ -75,10 +75,12 @@ class _Zero:
         zero, arm = [self._f.arb(0)] * self._arm.variables, self._arm
         columns = arm.seen(zero, zero)[0]
         ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
-        return sorted({
-            one.driver for i, one in enumerate(arm.links)
-            if i not in ends or not all(columns[i].entries()[row].is_zero() for row in self._rows)
-        })  # fmt: skip
+        drivers = set()
+        for i, one in enumerate(arm.links):
+            entries = columns[i].entries()
+            if i not in ends or not all(entries[row].is_zero() for row in self._rows):
+                drivers.add(one.driver)
+        return sorted(drivers)
 
     def proven(self) -> tuple[float, float]:
         """How far the zero is from q, and how well it is known: both in the largest of the joints.
@@ -125,32 +127,28 @@ class _Zero:
         u = x[self._d :]
         value = [f.arb(0)] * self._equals
         slope = [[f.arb(0)] * len(x) for _ in range(self._equals)]
-        moved = [(i, self._free.index(by), part.entries()) for i, by, part in arm.brackets(columns)]
-        for i, one in enumerate(arm.links):
-            entries = columns[i].entries()
-            if not self._motion and one.driver not in self._equation:
-                continue
-            for place, row in enumerate(self._rows):
-                if self._motion:
-                    equation, unknown = (place, one.driver)
-                else:
-                    equation, unknown = (self._equation[one.driver], place)
+        for one, column in zip(arm.links, columns, strict=True):
+            entries = column.entries()
+            for row, equation, unknown in self._places_of(one):
                 value[equation] += one.multiplier * u[unknown] * entries[row]
                 slope[equation][self._d + unknown] += one.multiplier * entries[row]
-        for i, by, part in moved:
-            one = arm.links[i]
-            if not self._motion and one.driver not in self._equation:
-                continue
-            for place, row in enumerate(self._rows):
-                if self._motion:
-                    equation, unknown = (place, one.driver)
-                else:
-                    equation, unknown = (self._equation[one.driver], place)
-                slope[equation][by] += one.multiplier * u[unknown] * part[row]
+        for i, by, bracket in arm.brackets(columns):
+            one, entries, variable = arm.links[i], bracket.entries(), self._free.index(by)
+            for row, equation, unknown in self._places_of(one):
+                slope[equation][variable] += one.multiplier * u[unknown] * entries[row]
         value[-1] = sum((one * one for one in u), f.arb(-1)) / 2
         for place, one in enumerate(u):
             slope[-1][self._d + place] = one
         return f.arb_mat([[one] for one in value]), f.arb_mat(slope)
+
+    def _places_of(self, link: Link) -> list[tuple[int, int, int]]:
+        """(row of the task, equation, entry of u) of each entry of the column of a link that plays a part."""
+        if self._motion:
+            return [(row, place, link.driver) for place, row in enumerate(self._rows)]
+        if link.driver not in self._equation:
+            return []
+        equation = self._equation[link.driver]
+        return [(row, equation, place) for place, row in enumerate(self._rows)]
 
     def _planes(self, slope: Matrix) -> Matrix:
         """Unit normals of the planes that are added, so that the system is square."""
@@ -182,7 +180,7 @@ class _Zero:
         except ZeroDivisionError:
             return False
         size = len(x)
-        unit = f.arb_mat(size, size, [int(r == c) for r in range(size) for c in range(size)])
+        unit = f.arb_mat(np.eye(size, dtype=np.int64).tolist())
         off = f.arb_mat(size, 1, [f.arb(0, width)] * size)
         moved = (unit - inverse * system) * off - inverse * right
         return all(abs(one) < width for one in moved.entries())

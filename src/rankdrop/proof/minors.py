@@ -13,6 +13,7 @@ number is rounded, and neither rows, dimensions, nor the shape of the Jacobian p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations, product
 from math import comb, pi
 from typing import Any
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.proof.arm import Arm, Interval, cross, dot, flint
-from rankdrop.proof.record import SCREW, SLIDE, Claim, Link, Unproven
+from rankdrop.proof.record import SCREW, SLIDE, Array, Claim, Link, Unproven
 
 _SNAP = 1e-9  # joints so near to a multiple of a right angle are put there [rad]
 _STEPS = (60, 50, 40, 34, 30)  # a change of sign is looked for between −2^−k and 2^−k
@@ -41,8 +42,8 @@ def verify_in_minors(claim: Claim) -> None:
     """
     q, radius = claim.entries["q"], claim.entries["radius"]
     arm = _Exact(claim)
-    if arm.task_rows([arm.rational(k, value, snap=False) for k, value in enumerate(_ANYWHERE[: claim.variables])]).rank(
-    ) < claim.rank:  # fmt: skip
+    anywhere = [arm.rational(k, value, snap=False) for k, value in enumerate(_ANYWHERE[: claim.variables])]
+    if arm.task_rows(anywhere).rank() < claim.rank:
         raise Unproven(f"the rank is below {claim.rank} at a configuration taken at random: that it is so near q is no "
                        "finding")  # fmt: skip
     given = [arm.rational(k, value, snap=True) for k, value in enumerate(q)]
@@ -65,26 +66,21 @@ class _Exact(Arm):
 
     def __init__(self, claim: Claim) -> None:
         self._claim = claim
-        for place, one in enumerate(claim.links):
-            if (one.driver, one.multiplier, one.offset) != (place, 1.0, 0.0) or one.kind == SCREW:
-                raise Unproven("in rational numbers joints turn or slide, each for itself")
         self._partial = claim.blocks != list(claim.rows)
+        _refuse_unsuited(claim, partial=self._partial)
         axes, origin, local = claim.frame
-        if self._partial:
-            decides = [axes, origin]
-        elif claim.blocks == [0, 1, 2]:
-            decides = [origin]
-        else:
-            decides = []
-        if any(one not in claim.poses for one in decides):
-            raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
-        pose = [[self._number(x) for x in row] for row in claim.poses.get(origin, np.eye(4))[:3].tolist()]
-        point = [dot(row[:3], [self._number(x) for x in local]) + row[3] for row in pose]
+        pose = claim.poses.get(origin, np.eye(4))
+        point = self._moved(pose, local)
         link = 0 if origin == 0 else len(claim.links)
         super().__init__(claim.links, claim.variables, link, point, self._number(1))
         turn = claim.poses.get(axes, np.eye(4))[:3, :3].T
-        self._axes = self._matrix([[self._number(x) for x in row] for row in turn.tolist()])
-        self._turned = 0 if (axes == 0) == (link == 0) else 1 if axes == 0 else -1  # from the link's axes to the task's
+        self._axes = self._matrix([self._numbers(row) for row in turn])
+        if (axes == 0) == (link == 0):  # how the axes of the task are turned from the link's
+            self._turned = 0
+        elif axes == 0:
+            self._turned = 1
+        else:
+            self._turned = -1
         self._count = comb(len(claim.rows), claim.rank) * comb(claim.variables, claim.rank)
 
     def matrices(self) -> Any:
@@ -94,8 +90,17 @@ class _Exact(Arm):
     def _number(self, value: float) -> Rational:
         return flint().fmpq(*float(value).as_integer_ratio())
 
+    def _moved(self, pose: Array, local: Sequence[float]) -> list[Rational]:
+        """A point in the axes of a pose, in those in which the pose is given."""
+        point = self._numbers(local)
+        moved = []
+        for row in pose[:3]:
+            *turn, shift = self._numbers(row)
+            moved.append(dot(turn, point) + shift)
+        return moved
+
     def _screw(self, one: Link) -> list[Rational]:
-        v, w = ([self._number(x) for x in part] for part in (one.screw[:3], one.screw[3:]))
+        v, w = self._numbers(one.screw[:3]), self._numbers(one.screw[3:])
         if one.kind == SLIDE:
             return v + [self._number(0)] * 3
         foot = [x / dot(w, w) - y for x, y in zip(cross(w, v), self._point, strict=True)]
@@ -136,15 +141,18 @@ class _Exact(Arm):
     def task_rows(self, given: list[Value], *, turned: bool = True) -> Any:
         """(m, n) the rows of the task, columns as long as their axes are; in the axes of the task if `turned`."""
         seen = self.carried(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
-        columns = [one.entries() for one in seen[0]]
-        blocks = [self._matrix([[one[row] for one in columns] for row in rows]) for rows in (range(3), range(3, 6))]
+        columns = self._matrix([one.entries() for one in seen[0]])
+        six = columns.transpose().tolist()
+        linear, angular = self._matrix(six[:3]), self._matrix(six[3:])
         if turned and self._turned:
             total = self.unit()
             for i, (once, twice, _) in enumerate(given):
                 total = total * self.exponential(i, once, twice)
             turn = self._matrix([row[:3] for row in total.tolist()[:3]])
-            blocks = [(turn if self._turned > 0 else turn.transpose()) * block for block in blocks]
-        rows = [row for block in blocks for row in (self._axes * block).tolist()]
+            if self._turned < 0:
+                turn = turn.transpose()
+            linear, angular = turn * linear, turn * angular
+        rows = (self._axes * linear).tolist() + (self._axes * angular).tolist()
         return self._matrix([rows[row] for row in self._claim.rows])
 
     def _after(self, one: Value, k: int, x: Rational) -> Value:
@@ -166,22 +174,31 @@ class _Exact(Arm):
         if len(points) * self._count > _MOST:
             raise Unproven(f"in rational numbers there are {self._count:,} minors: too many")
         scale = [f.fmpq(1) if slides else (1 + x * x * square) ** (twice * rank) for x in points]
-        tables = [
-            self.task_rows([*given[:moved], self._after(given[moved], moved, x), *given[moved + 1 :]],
-                          turned=self._partial).tolist()
-            for x in points
-        ]  # fmt: skip
-        inverse = f.fmpq_mat([[x**k for k in range(degree + 1)] for x in points]).inv()
+        tables = []
+        for x in points:
+            there = [*given[:moved], self._after(given[moved], moved, x), *given[moved + 1 :]]
+            tables.append(self.task_rows(there, turned=self._partial).tolist())
+        inverse = f.fmpq_mat([_powers(x, degree) for x in points]).inv()
         divisor = f.fmpz_poly([0])
-        for rows, columns in product(*(combinations(range(n), rank) for n in (len(self._claim.rows), len(given)))):
-            values = [f.fmpq_mat([[table[r][c] for c in columns] for r in rows]).det() * size
-                      for table, size in zip(tables, scale, strict=True)]  # fmt: skip
-            divisor = divisor.gcd(f.fmpq_poly((inverse * f.fmpq_mat([[one] for one in values])).entries()).numer())
+        choices = product(combinations(range(len(self._claim.rows)), rank), combinations(range(len(given)), rank))
+        for rows, columns in choices:
+            values = f.fmpq_mat(len(points), 1)  # of the minor, at each point
+            for place, (table, size) in enumerate(zip(tables, scale, strict=True)):
+                values[place, 0] = self._minor(table, rows, columns) * size
+            minor = f.fmpq_poly((inverse * values).entries())
+            divisor = divisor.gcd(minor.numer())
             if divisor.degree() == 0:
                 return None
         if divisor(f.fmpq(0)) == 0:
             return 0.0
         return self._root(divisor, float(square.p) / float(square.q), radius)
+
+    def _minor(self, table: Sequence[Sequence[Rational]], rows: Sequence[int], columns: Sequence[int]) -> Rational:
+        """A determinant of some rows and columns."""
+        part = []
+        for row in rows:
+            part.append([table[row][column] for column in columns])
+        return self._matrix(part).det()
 
     def _root(self, divisor: Any, square: float, radius: float) -> float | None:
         simple = divisor // divisor.gcd(divisor.derivative())
@@ -193,3 +210,24 @@ class _Exact(Arm):
             if simple(x) * simple(-x) <= 0:
                 return far
         return None
+
+
+def _refuse_unsuited(claim: Claim, *, partial: bool) -> None:
+    """Refuse joints and frames for which rational numbers do not do; see `_Exact`."""
+    for place, one in enumerate(claim.links):
+        if (one.driver, one.multiplier, one.offset) != (place, 1.0, 0.0) or one.kind == SCREW:
+            raise Unproven("in rational numbers joints turn or slide, each for itself")
+    axes, origin, _ = claim.frame
+    if partial:
+        decides = [axes, origin]
+    elif claim.blocks == [0, 1, 2]:
+        decides = [origin]
+    else:
+        decides = []
+    if any(one not in claim.poses for one in decides):
+        raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
+
+
+def _powers(x: Rational, degree: int) -> list[Rational]:
+    """1, x, …, x to the degree."""
+    return [x**k for k in range(degree + 1)]

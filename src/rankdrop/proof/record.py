@@ -257,9 +257,14 @@ def numbers(value: Any, where: str) -> Array:
     good = width and len(value) * width <= _MOST_NUMBERS
     if not good or any(not isinstance(row, list) or len(row) != width for row in value):
         raise ValueError(f"{where}: rows of as many numbers")
-    if any(type(one) not in (int, float) or not abs(one) <= _BIGGEST for row in value for one in row):
-        raise ValueError(f"{where}: numbers up to {_BIGGEST:g}")
+    for row in value:
+        if not all(map(_is_number, row)):
+            raise ValueError(f"{where}: numbers up to {_BIGGEST:g}")
     return np.array(value, dtype=np.float64)
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= _BIGGEST
 
 
 def _pose(value: Any, where: str) -> Array:
@@ -438,16 +443,22 @@ def _variables(joints: list[Record], links: list[Link]) -> int:
 
 
 def _limits(joints: list[Record]) -> list[tuple[float, float]] | None:
-    variables = [joint for joint in joints if joint["follows"] is None]
-    stated = {key in joint for joint in joints for key in ("lower", "upper")}
+    stated: set[bool] = set()
+    for joint in joints:
+        stated |= {key in joint for key in ("lower", "upper")}
     if len(stated) > 1:
         raise ValueError("all joints have an entry for both limits, or none has")
     if stated != {True}:
         return None
-    found = [(-np.inf if one["lower"] is None else one["lower"], np.inf if one["upper"] is None else one["upper"])
-             for one in variables]  # fmt: skip
-    if not all(low <= high for low, high in found):
-        raise ValueError("lower limit above upper limit")
+    found = []
+    for joint in joints:
+        if joint["follows"] is not None:
+            continue
+        low = -np.inf if joint["lower"] is None else joint["lower"]
+        high = np.inf if joint["upper"] is None else joint["upper"]
+        if not low <= high:
+            raise ValueError("lower limit above upper limit")
+        found.append((low, high))
     return found
 
 

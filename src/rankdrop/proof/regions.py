@@ -380,8 +380,8 @@ class CurvePath:
         stack = [self._stretch(stretch)]
         while stack:
             piece = stack.pop()
-            ends = np.array([[[float(x.lower()), float(x.upper())] for x in row] for row in piece])
-            least, most = ends[..., 0].min(axis=0), ends[..., 1].max(axis=0)
+            least = np.array([[float(x.lower()) for x in row] for row in piece]).min(axis=0)
+            most = np.array([[float(x.upper()) for x in row] for row in piece]).max(axis=0)
             centre = (least + most) / 2
             wide = ((most - least) / 2 + 1e-15 * np.abs(centre)) * (1 + _OUTWARDS)  # of the piece
             last = bool((wide / scale)[moving].max(initial=0.0) <= _SHORT * distance)

@@ -98,10 +98,10 @@ def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
     dot = figure.dpi / 72
     taken: list[Array] = []
     placed = []
-    tries = [np.zeros(2)] + [
-        ring * _APART_BY * dot * np.array([np.cos(turn), np.sin(turn)])
-        for ring in _RINGS[1:] for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False)
-    ]  # fmt: skip
+    tries = [np.zeros(2)]
+    for ring in _RINGS[1:]:
+        for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False):
+            tries.append(ring * _APART_BY * dot * np.array([np.cos(turn), np.sin(turn)]))
     half = 0.5 * _APART_BY * dot
     for number in sorted(numbers, key=lambda one: one.get_color() != MARKED):
         flat = proj3d.proj_transform(*number.get_position_3d(), axes.get_proj())[:2]

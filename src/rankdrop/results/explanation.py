@@ -24,18 +24,8 @@ from rankdrop.errors import OptionError
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.record import Family, Incidence, families_at
 from rankdrop.families.searching import Outcome, refine
-from rankdrop.local.axes import (
-    LARGEST_CHAIN,
-    Circuit,
-    Relation,
-    ScrewSystem,
-    always_singular_reason,
-    circuits_at,
-    make_all,
-    relations_at,
-    systems_at,
-)
 from rankdrop.local.block import decompose
+from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, circuits_at, make_all
 from rankdrop.local.directions import (
     FramedDirections,
     Screw,
@@ -54,6 +44,8 @@ from rankdrop.local.ordered import Hunt, OrderedSubset, hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
+from rankdrop.local.relations import Relation, relations_at
+from rankdrop.local.screw_systems import ScrewSystem, always_singular_reason, systems_at
 from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
@@ -554,29 +546,44 @@ class Explanation(Result):
             about = self.met[0].family
         else:
             about = None
-        base = self.lost.seen.get("base")
         family, distance, near, there = slow or (about, self.distance, None, self.focus)
-        following = self.next.family
-        turned = self.q if about is None else self.focus
-        known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         place = () if family is None else specials_at(here.robot, here.task, there, family.corank)
         next_place = self.next.place(here)
-        told = {(one.part, one.joint) for one in place}
-        added = tuple(one for one in next_place if (one.part, one.joint) not in told)
+        stated = {(one.part, one.joint) for one in place}
+        added = tuple(one for one in next_place if (one.part, one.joint) not in stated)
+        known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
-            verdict=self.verdict, cause=self.cause, family=family.name if family else "",
-            family_id=family.id if family else "", distance=distance, ideal=near is not None,
-            length=near.length if near else 0.0, angle=near.angle if near else 0.0,
-            pinned=tuple((pin.number, float(turned[pin.number - 1])) for pin in about.pinned) if about else (),
-            lost=tuple(tuple(row.tolist()) for row in base.directions) if base else (),
-            slowest=next((one for one in self.straight if slow is None or one.speed < one.limit), None),
+            verdict=self.verdict, cause=self.cause, distance=distance,
+            family=family.name if family else "", family_id=family.id if family else "",
+            ideal=near is not None, length=near.length if near else 0.0, angle=near.angle if near else 0.0,
+            pinned=self._pinned(about), lost=self._lost_in_base(), slowest=self._slowest(),
             way_out=self.jog.moves, regular_after=self.jog.regular, sigma_after=self.jog.sigma_after,
-            next_family=following.name if following else "",
+            next_family=self.next.family.name if self.next.family else "",
             next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
             place=place, next_place=added or next_place,
         )  # fmt: skip
+
+    def _pinned(self, family: Family | None) -> tuple[tuple[int, float], ...]:
+        """Joints that a family holds at a value, and their values at the focus."""
+        if family is None:
+            return ()
+        return tuple((pin.number, float(self.focus[pin.number - 1])) for pin in family.pinned)
+
+    def _lost_in_base(self) -> tuple[tuple[float, ...], ...]:
+        """Lost directions in base axes."""
+        base = self.lost.seen.get("base")
+        if base is None:
+            return ()
+        return tuple(tuple(row.tolist()) for row in base.directions)
+
+    def _slowest(self) -> StraightMotion | None:
+        """The straight motion that is reported as slow: the slowest; at a near miss one that is slower than asked."""
+        for motion in self.straight:
+            if self.slow_family is None or motion.speed < motion.limit:
+                return motion
+        return None
 
     @cached_property
     def jog(self) -> Jog:

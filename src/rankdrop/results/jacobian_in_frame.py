@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -98,7 +98,7 @@ class LinkJacobian(Result):
 
     def texts(self) -> tuple[tuple[str, ...], ...]:
         """The entries as text, row by row: s2 is sin θ2, c23 is cos(θ2 + θ3)."""
-        return tuple(tuple(text_of(self.chain.ring, x) for x in row) for row in self.rows)
+        return _each_entry(self.rows, lambda entry: text_of(self.chain.ring, entry))
 
     def inverse_texts(self, most: int | None = None) -> tuple[tuple[str, ...], ...]:
         """The entries of the inverse as text, one row per joint.
@@ -108,16 +108,17 @@ class LinkJacobian(Result):
         """
         if self.closed is None:
             return ()
-        return tuple(tuple(x.text(most) for x in row) for row in self.closed.entries)
+        return _each_entry(self.closed.entries, lambda entry: entry.text(most))
 
     def latex(self) -> str:
         """The matrix, its determinant and its inverse in LaTeX, as displayed formulas."""
         name, notation, ring = f"{{}}^{{{self.frame}}}J", Latex(), self.chain.ring
-        entries = [[notation.value(form_of(ring, x)) if x != 0 else "0" for x in row] for row in self.rows]
+        entries = _each_entry(self.rows, lambda entry: notation.value(form_of(ring, entry)) if entry != 0 else "0")
         found = [f"{name} = {_matrix(entries)}"]
         if self.closed is not None:
             found.append(rf"\det {name} = {self.closed.determinant.latex()}")
-            found.append(f"{name}^{{-1}} = {_matrix([[x.latex() for x in row] for row in self.closed.entries])}")
+            inverse = _each_entry(self.closed.entries, lambda entry: entry.latex())
+            found.append(f"{name}^{{-1}} = {_matrix(inverse)}")
         lengths = [rf"{latex_name(one)} = {value:.12g}\,\mathrm{{m}}" for one, value in self.letters.items()]
         if lengths:
             said = [rf"${', '.join(lengths)}$"]
@@ -170,6 +171,11 @@ class LinkJacobian(Result):
             yield f"of all reference points: link {k} about {_point(at)}, {terms} terms"
 
 
+def _each_entry(rows: Iterable[Iterable[Any]], text: Callable[[Any], str]) -> tuple[tuple[str, ...], ...]:
+    """The entries of a matrix as text, row by row."""
+    return tuple(tuple(map(text, row)) for row in rows)
+
+
 def regular(matrix: Array) -> bool:
     """Whether a square matrix has an inverse: its smallest singular value over the largest tells."""
     sigma = np.linalg.svd(matrix, compute_uv=False)
@@ -195,12 +201,11 @@ def _table(title: str, left: Sequence[str], above: Sequence[str], entries: Seque
     widths = [max(len(head), *(len(row[i]) for row in entries)) for i, head in enumerate(above)]
     if sum(widths) + 2 * len(widths) + max(map(len, left)) <= _WIDTH:
         return _as_table(title, left, above, entries, texts=tuple(range(len(above) + 1)))
-    lines = tuple(
-        f"{name}, {head}: {entry}"
-        for name, row in zip(left, entries, strict=True)
-        for head, entry in zip(above, row, strict=True)
-        if entry != "0"
-    )
+    lines = []
+    for name, row in zip(left, entries, strict=True):
+        for head, entry in zip(above, row, strict=True):
+            if entry != "0":
+                lines.append(f"{name}, {head}: {entry}")
     return Section(title, "", (*lines, "all other entries are 0"))
 
 

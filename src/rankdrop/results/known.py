@@ -334,8 +334,11 @@ def from_stored(
 
 
 def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Conditions] | None) -> Conditions:
-    used = {name for family in record["families"] for f in family["polynomials"] for powers, _ in f
-            for name in powers[::2]}  # fmt: skip
+    used: set[str] = set()
+    for family in record["families"]:
+        for polynomial in family["polynomials"]:
+            for powers, _ in polynomial:
+                used.update(powers[::2])
     roots = with_inner(used)
     ring = cache(lambda: ring_of(robot, (*record["letters"], *roots)))  # made for the first polynomial
     return Conditions(
@@ -406,7 +409,10 @@ def _terms(f: Polynomial) -> list[list[Any]]:
     names = f.context().names()
     found = []
     for exponents, value in f.terms():
-        powers = [part for name, power in zip(names, exponents, strict=True) if power for part in (name, int(power))]
+        powers: list[Any] = []
+        for name, power in zip(names, exponents, strict=True):
+            if power:
+                powers += [name, int(power)]
         number = Fraction(int(value.p), int(value.q))
         found.append([powers, str(number)])
     return found

@@ -6,7 +6,7 @@ from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restored
 from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter
-from rankdrop.local.axes import Dependence
+from rankdrop.local.dependence import Dependence
 from rankdrop.results.old_files import name_of_words
 
 _KINDS: dict[str, Any] = {

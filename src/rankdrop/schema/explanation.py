@@ -10,13 +10,15 @@ from msgspec import UNSET
 from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
 from rankdrop.distance.tolerant import Place
-from rankdrop.local.axes import Circuit, Relation, ScrewSystem
+from rankdrop.local.circuits import Circuit
 from rankdrop.local.directions import Screw
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
 from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Ellipsoid, Ellipsoids, Index, PartSet, Rates, StraightMotion
 from rankdrop.local.redundant import RankNullity, Redundancy
+from rankdrop.local.relations import Relation
+from rankdrop.local.screw_systems import ScrewSystem
 from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation import Summary

@@ -22,7 +22,7 @@ from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow,
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
 from rankdrop.formula.notation import C, Python, Step
-from rankdrop.local.axes import Dependence
+from rankdrop.local.dependence import Dependence
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file

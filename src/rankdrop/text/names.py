@@ -19,7 +19,8 @@ from rankdrop.families.name import (
     Variable,
     is_right,
 )
-from rankdrop.local.axes import Common, Dependence, SlideWay, numbers
+from rankdrop.local.axes import numbers
+from rankdrop.local.dependence import Common, Dependence, SlideWay
 from rankdrop.text.words import listing, plural
 
 UNNAMED = "unnamed family"

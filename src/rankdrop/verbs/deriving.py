@@ -58,6 +58,8 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
 Made = TypeVar("Made")
+_Derived = tuple[Chain, Tree, Work, tuple[str, ...]]
+"""The chain that was derived, its rank tree, the work that is left, and remarks."""
 _TREE = 0.85  # of the work left that the tree may take
 _SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
 _LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
@@ -89,7 +91,7 @@ def derived(
         lowest = max(min(given.task.m, given.n) - asked.coranks, 0)
     left: list[str] = []
     nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
-    underived: tuple[Chain, Tree, Work, tuple[str, ...]] = given, nothing, work, ()
+    underived: _Derived = given, nothing, work, ()
     chain, tree, work, remarks = _guarded(
         "the rank tree", lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
@@ -183,10 +185,8 @@ def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
     )
 
 
-def _with_equal_lengths(
-    chain: Chain, lowest: int, work: Work
-) -> tuple[Chain, Tree, Work, tuple[str, ...]] | None:
-    """`_tree` with one letter for lengths that are equal; None where that takes too long, or does not hold either."""
+def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | None:
+    """The rank tree with one letter for lengths that are equal; None where that takes too long, or does not hold."""
     special = with_equal_lengths(chain)
     if special is None:
         return None
@@ -195,17 +195,22 @@ def _with_equal_lengths(
         tree = rank_tree(special, again, lowest=lowest)
     if not tree.finished or _broken(special, again) or splits(special, tree):
         return None
-    equal = [
-        (name, chain.letters[name] == chain.letters[other], other)
-        for name in chain.letters
-        if name not in special.letters
-        for other in special.letters
-        if abs(chain.letters[other]) == abs(chain.letters[name])
-    ]
-    return special, tree, again, (equal_lengths_text(equal),)
+    return special, tree, again, (equal_lengths_text(_equal_lengths(chain, special)),)
 
 
-def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
+def _equal_lengths(chain: Chain, special: Chain) -> list[tuple[str, bool, str]]:
+    """(letter that was replaced, whether its length has the same sign, letter that stands for it now)."""
+    equal = []
+    for name, length in chain.letters.items():
+        if name in special.letters:
+            continue
+        for other in special.letters:
+            if abs(chain.letters[other]) == abs(length):
+                equal.append((name, length == chain.letters[other], other))
+    return equal
+
+
+def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
     """The rank tree; with numbers where letters that nobody asked for take too long or leave systems over that matter
     for this arm, or where letters rule out its lengths.
     """
@@ -213,11 +218,9 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
     with work.share(_LETTERS if optional else _TREE):
         tree = rank_tree(chain, work, lowest=lowest)
     broken = _broken(chain, work)
-    over = len(tree.unresolved)
-    open_ = not tree.complete and optional
     if splits(chain, tree):
         broken += ("a condition has several factors for these lengths",)
-    if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
+    if work.interrupted or not chain.letters or not (broken or _leaves_over(tree, optional=optional)):
         return chain, tree, work, ()
     if broken:
         equal = _with_equal_lengths(chain, lowest, work)
@@ -230,14 +233,28 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
         return plain, other, again, tuple(f"{text}: derived with numbers" for text in broken)
     if decided_by_numbers(chain, tree, other):
         return chain, replace(tree, unresolved=[]), work, ()  # what letters leave over is not there
-    if open_:
-        if not other.complete and not again.interrupted:
-            return chain, tree, work, ()
-        return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
-    if not optional or not other.finished:
+    remark = _why_numbers(tree, other, again, optional=optional)
+    if remark is None:
         return chain, tree, work, ()
-    words = f"lengths are numbers: with letters {count(over, *_SYSTEM)} could not be taken apart"
-    return plain, other, again, (words,)
+    return plain, other, again, (remark,)
+
+
+def _leaves_over(tree: Tree, *, optional: bool) -> bool:
+    """Whether numbers may decide more than a tree with letters did: one cut short, or one with unresolved systems."""
+    if tree.complete:
+        return bool(tree.unresolved)
+    return optional
+
+
+def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> str | None:
+    """Why the tree with numbers, `other`, replaces the one with letters; None where it does not."""
+    if not tree.complete and optional:
+        if not other.complete and not again.interrupted:
+            return None
+        return "lengths are numbers: with letters the derivation takes longer than it may"
+    if not optional or not other.finished:
+        return None
+    return f"lengths are numbers: with letters {count(len(tree.unresolved), *_SYSTEM)} could not be taken apart"
 
 
 def _families(

@@ -51,7 +51,7 @@ from rankdrop.path.check.record import (
 )
 from rankdrop.path.check.survey import Survey, crossings
 from rankdrop.path.check.tool_line import half_turns, poses_at
-from rankdrop.path.curve import Curve, curve
+from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
 from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
 from rankdrop.poses.inverse import Aim, apart, distinct, near_and_within
@@ -205,14 +205,13 @@ def check_curve(
     spent, kept, remarks = proof.evaluations, None, survey.remarks
     if options.min_distance > 0.0:
         nearest = min((one.closest.distance for one in stretches), default=np.inf)
-        if nearest < options.min_distance:
-            kept = "violated"
-        else:
-            kept = "not proven"
+        kept = "violated" if nearest < options.min_distance else "not proven"
         if kept == "not proven" and proof.complete and not proof.slivers:
             row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
-            spent, kept = spent + more, "kept" if row < 0 else kept
-            if row >= 0:
+            spent += more
+            if row < 0:
+                kept = "kept"
+            else:
                 remarks += (("distance open", row + 1),)
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
     if arm is not robot:
@@ -237,12 +236,17 @@ def _verdict(
     parts: tuple[Stretch, ...], violations: tuple[Violation, ...], kept: str | None, complete: bool
 ) -> Verdict:
     """The worst of all that is known; what is not proven either way is undecided."""
-    kinds = {one.verdict for one in parts} | {
-        (TOO_FAST if one.what == "rate" else OUTSIDE) if one.proven else UNDECIDED for one in violations
-    }
-    if kept in ("violated", "not proven"):
-        kinds.add(TOO_NEAR if kept == "violated" else UNDECIDED)
-    if not complete:
+    kinds = {one.verdict for one in parts}
+    for violation in violations:
+        if not violation.proven:
+            kinds.add(UNDECIDED)
+        elif violation.what == "rate":
+            kinds.add(TOO_FAST)
+        else:
+            kinds.add(OUTSIDE)
+    if kept == "violated":
+        kinds.add(TOO_NEAR)
+    if kept == "not proven" or not complete:
         kinds.add(UNDECIDED)
     return next((one for one in Verdict if one in kinds), FREE)
 
@@ -255,9 +259,12 @@ def _shares(path: Curve, scale: Array, parts: tuple[Stretch, ...]) -> tuple[floa
     until = np.concatenate([[0.0], np.cumsum(lengths)])
 
     def sum_of(values: Array, *verdicts: Verdict) -> float:
-        ends = ([path.spot(one.start), path.spot(one.end)] for one in parts if one.verdict in verdicts)
-        at = (tuple(values[k] + share * (values[k + 1] - values[k]) for k, share in pair) for pair in ends)
-        return float(sum(high - low for low, high in at))
+        def value_at(place: Place) -> float:
+            k, share = path.spot(place)
+            return float(values[k] + share * (values[k + 1] - values[k]))
+
+        chosen = [one for one in parts if one.verdict in verdicts]
+        return float(sum(value_at(one.end) - value_at(one.start) for one in chosen))
 
     length, total = sum_of(until, UNDECIDED), float(until[-1])
     singular = sum_of(until, CROSSING, TOUCHING)
@@ -583,9 +590,7 @@ def check_file(
         if not deg:
             refuse_degrees(read, robot, file)
         hint = unit_hint(read.q, robot, deg=deg)
-        if hint is None or deg:
-            hint = hint
-        else:
+        if hint is not None and not deg:
             hint = degrees_advice(hint)
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):

@@ -12,7 +12,7 @@ stay within it of its curve while the joints go straight from row to row (`Aim.d
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -197,6 +197,59 @@ def follow(
 
 
 @dataclass(eq=False)
+class _Progress:
+    """How far a branch was followed, and how its next step is taken.
+
+    Attributes:
+        now: (n,) the last configuration.
+        side: sign of the determinant that the next step keeps; 0: there is none, or `now` is singular and may be left.
+        place: of `now`, counted in poses from 0.
+        length: of the next step, in poses.
+        rows, places: configurations kept so far, and where, one array for each step.
+        size: how many were kept.
+        joint: index of the joint beyond its limit after the last try; −1: none.
+        spent: the steps or the rows that one path may have were used up.
+        folds: the branch folds back at the singularity at which it ends.
+        turn: the internal turn that it needs to go on.
+    """
+
+    now: Array
+    side: float
+    place: float = 0.0
+    length: float = 1.0
+    rows: list[Array] = field(default_factory=list)
+    places: list[Array] = field(default_factory=list)
+    size: int = 1
+    joint: int = -1
+    spent: bool = False
+    folds: bool = False
+    turn: Turn | None = None
+
+    def __post_init__(self) -> None:
+        self.rows.append(self.now[None])
+        self.places.append(np.zeros(1))
+
+    def ahead(self, last: float) -> float:
+        """Where the next step ends: at a pose where it can, so that no share of a way is left over."""
+        ahead = min(self.place + self.length, last)
+        if ahead >= int(self.place) + 1:
+            return float(int(ahead + 1e-9))
+        return ahead
+
+    def keep(self, at: Array, q: Array, *, between: bool) -> None:
+        """Go on to the end of a step; its rows between poses are kept where they are wanted. The next is longer."""
+        if between:
+            kept = np.ones(len(at), dtype=np.bool_)
+        else:
+            kept = at == np.floor(at)
+        self.rows.append(q[kept])
+        self.places.append(at[kept])
+        self.size += len(self.rows[-1])
+        self.length = min(max(2.0 * (at[-1] - self.place), _SHORTEST), float(_MOST))
+        self.place, self.now = float(at[-1]), q[-1]
+
+
+@dataclass(eq=False)
 class _Walk:
     aim: Aim
     poses: Array
@@ -209,76 +262,72 @@ class _Walk:
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
         found, arrived = self.aim.solve(self.poses[:1], start[None])
-        joint = self._beyond(found) if arrived[0] else -1
-        if not arrived[0] or joint >= 0:
-            reason = "limit" if arrived[0] else "start"
-            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, reason, joint + 1)
+        if not arrived[0]:
+            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "start", 0)
+        joint = self._beyond(found)
+        if joint >= 0:
+            return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "limit", joint + 1)
         now, last = found[0], len(self.poses) - 1.0
         if self.through and last > 0.0 and self._singular(now):
             now = self._snapped(now)
-        rows, places = [now[None]], [np.zeros(1)]
-        place, h, side, size = 0.0, 1.0, self._side(now), 1
+        made = _Progress(now, self._side(now))
         tries = _TRIES[0] + _TRIES[1] * len(self.poses)
-        spent, joint, fold, turn = False, -1, False, None
-        while place < last:
-            spent = tries < 0 or size > _ROWS
-            if spent:
+        while made.place < last:
+            made.spent = tries < 0 or made.size > _ROWS
+            if made.spent or not self._advanced(made, last):
                 break
             tries -= 1
-            at_one = side == 0.0 and self._singular(now)
-            if not at_one:
-                ahead = min(place + h, last)
-                if ahead >= int(place) + 1:  # a pose where it can be one, so that no share of a way is left over
-                    ahead = float(int(ahead + 1e-9))
-                step = self._try(now, place, ahead, side)
-                if step is None:
-                    joint = -1
-                else:
-                    joint = self._beyond(step[1])
-                if (step is None or joint >= 0) and h >= _SHORTEST:
-                    h = (ahead - place) / 2
-                    continue
-            if at_one or step is None:
-                step, fold, turn = self._onward(now, place)
-                if step is None:
-                    joint = -1
-                else:
-                    joint = self._beyond(step[1])
-            if step is None or joint >= 0:
-                break
-            if self.passed and self.passed[-1].place == place + 1.0 and not self.passed[-1].rest:
-                rows, places, step = self._spanned(rows, places, step)
-            at, q = step
-            if self.tolerance is not None:
-                kept = slice(None)
-            else:
-                kept = at == np.floor(at)
-            rows.append(q[kept])
-            places.append(at[kept])
-            size += len(rows[-1])
-            h = min(max(2.0 * (at[-1] - place), _SHORTEST), float(_MOST))
-            place, now = float(at[-1]), q[-1]
-            if self.through:
-                side = self._side(now)
-        ended, sigma = "", np.inf
-        if place < last:
-            sigma = float(singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1])
-            singular = fold or sigma <= (_SINGULAR if self.decides else _SMALL)
-            if singular:
-                cause = "singular"
-            elif spent:
-                cause = "budget"
-            else:
-                cause = "stuck"
-            if turn is not None:
-                ended = "turn"
-            elif joint >= 0:
-                ended = "limit"
-            else:
-                ended = cause
-        q, at = np.concatenate(rows), np.concatenate(places) + 1.0
-        found_here = Followed(q, at, not ended, place + 1.0, now, ended, joint + 1, sigma)
-        return self._confirmed(replace(found_here, passed=tuple(self.passed), folds=fold, turn=turn))
+        return self._confirmed(self._as_followed(made, last))
+
+    def _advanced(self, made: _Progress, last: float) -> bool:
+        """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
+        step = None
+        if made.side != 0.0 or not self._singular(made.now):
+            ahead = made.ahead(last)
+            step = self._try(made.now, made.place, ahead, made.side)
+            made.joint = self._stopping_joint(step)
+            if (step is None or made.joint >= 0) and made.length >= _SHORTEST:
+                made.length = (ahead - made.place) / 2
+                return True
+        if step is None:
+            step, made.folds, made.turn = self._onward(made.now, made.place)
+            made.joint = self._stopping_joint(step)
+        if step is None or made.joint >= 0:
+            return False
+        if self.passed and self.passed[-1].place == made.place + 1.0 and not self.passed[-1].rest:
+            made.rows, made.places, step = self._spanned(made.rows, made.places, step)
+        made.keep(*step, between=self.tolerance is not None)
+        if self.through:
+            made.side = self._side(made.now)
+        return True
+
+    def _stopping_joint(self, step: tuple[Array, Array] | None) -> int:
+        """First joint beyond its limit in a step; −1 for none, or without a step."""
+        if step is None:
+            return -1
+        return self._beyond(step[1])
+
+    def _as_followed(self, made: _Progress, last: float) -> Followed:
+        """What was followed, and why it ended."""
+        q, place = np.concatenate(made.rows), np.concatenate(made.places) + 1.0
+        reason, sigma = "", np.inf
+        if made.place < last:
+            sigma = float(singular_values(self.aim.robot, made.now, self.aim.task)[self.aim.rank - 1])
+            reason = self._reason(made, sigma)
+        return Followed(q, place, not reason, made.place + 1.0, made.now, reason, made.joint + 1, sigma,
+                        passed=tuple(self.passed), folds=made.folds, turn=made.turn)  # fmt: skip
+
+    def _reason(self, made: _Progress, sigma: float) -> str:
+        """Why a branch ended before the last pose."""
+        if made.turn is not None:
+            return "turn"
+        if made.joint >= 0:
+            return "limit"
+        if made.folds or sigma <= (_SINGULAR if self.decides else _SMALL):
+            return "singular"
+        if made.spent:
+            return "budget"
+        return "stuck"
 
     @property
     def decides(self) -> bool:
@@ -323,7 +372,9 @@ class _Walk:
         if found or folds or sigma > _SINGULAR:
             return None, folds, None
         end = internal_turn(self.aim, self.poses, place, now, limits=self.limits)
-        return None, False, None if end is None else Turn(place + 1.0, now, end)
+        if end is None:
+            return None, False, None
+        return None, False, Turn(place + 1.0, now, end)
 
     def _spanned(
         self, rows: list[Array], places: list[Array], step: tuple[Array, Array]

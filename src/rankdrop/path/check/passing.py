@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 
@@ -176,30 +177,42 @@ def _from_rest(move: _Move, q: Array, kernel: Array, room: float) -> tuple[list[
     if count > 1:
         ways += [one / np.linalg.norm(one) for one in np.random.default_rng(0).normal(size=(_DIRECTIONS, count))]
     found: list[tuple[float, Departure]] = []
-    behind, lost = 0, 0
-    for way in (sign * one for one in ways for sign in (1.0, -1.0)):
-        done = False
-        for step in _STEPS:
-            ends = [_along(move, q, kernel, part * step * way) for part in (0.5, 1.0)]
-            if any(end is None for end in ends):
-                continue
-            w = [end[1] for end in ends if end is not None]
-            last = ends[-1]
-            assert last is not None
-            if max(map(abs, w)) <= _STILL:
-                done = True
-                break
-            if w[1] < 0.0 and w[0] < 0.0:
-                behind += 1
-                done = True
-                break
-            if 0.0 < w[0] < w[1] <= room:
-                found.append((-w[1], Departure(_place(move, w[1], room), last[0], True)))
-                done = True
-                break
-        lost += not done
-    order = sorted(range(len(found)), key=lambda i: round(found[i][0], 9))
-    return [found[i][1] for i in order], not found and not lost and behind > 0
+    leads = []
+    for one in ways:
+        for way in (one, -one):
+            lead, w, end = _lead(move, q, kernel, way, room)
+            leads.append(lead)
+            if end is not None:
+                found.append((w, Departure(_place(move, w, room), end, True)))
+    found.sort(key=lambda one: round(-one[0], 9))
+    folds = not found and _Lead.UNKNOWN not in leads and _Lead.BACK in leads
+    return [departure for _, departure in found], folds
+
+
+class _Lead(Enum):
+    """Where a motion along the kernel leads on the path."""
+
+    NOWHERE = auto()
+    BACK = auto()
+    AHEAD = auto()
+    UNKNOWN = auto()
+
+
+def _lead(move: _Move, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
+    """Where a way along the kernel leads; ahead: w at the end of a step, and the configuration there."""
+    for step in _STEPS:
+        half = _along(move, q, kernel, 0.5 * step * way)
+        whole = _along(move, q, kernel, 1.0 * step * way)
+        if half is None or whole is None:
+            continue
+        at_half, (end, at_end) = half[1], whole
+        if max(abs(at_half), abs(at_end)) <= _STILL:
+            return _Lead.NOWHERE, at_end, None
+        if at_end < 0.0 and at_half < 0.0:
+            return _Lead.BACK, at_end, None
+        if 0.0 < at_half < at_end <= room:
+            return _Lead.AHEAD, at_end, end
+    return _Lead.UNKNOWN, 0.0, None
 
 
 def _along(move: _Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
@@ -262,21 +275,32 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
             step = (new - now) / aim.joints
             length += float(np.linalg.norm(step))
             heading = step / np.linalg.norm(step)
-            other, _, _ = _local(aim, new)
-            other = other if other @ u >= 0.0 else -other
+            other = _same_way(_local(aim, new)[0], u)
             after = float(other @ move.seen_from(new))
             if lost * after <= 0.0 and abs(lost - after) > 1e-9:
                 candidates.append((length, _zero(move, now, new, u, lost, after)))
                 break
             now, u, lost = new, other, after
-            back = np.abs(np.remainder(now - q + np.pi, 2 * np.pi) - np.pi)
-            if length > 4 * _ALONG and np.linalg.norm(back / aim.joints) < 0.6 * _ALONG:
+            if length > 4 * _ALONG and _apart(aim, now, q) < 0.6 * _ALONG:
                 break
     for _, end in sorted(candidates, key=lambda one: one[0]):
         found, _ = departures(aim, poses, place, end)
         if any(not one.rest for one in found):
             return end
     return None
+
+
+def _same_way(direction: Array, other: Array) -> Array:
+    """A direction, or its negative, at an angle of at most 90° to another one."""
+    if direction @ other >= 0.0:
+        return direction
+    return -direction
+
+
+def _apart(aim: Aim, q: Array, other: Array) -> float:
+    """How far two configurations are apart, whole turns aside."""
+    apart = np.abs(np.remainder(q - other + np.pi, 2 * np.pi) - np.pi)
+    return float(np.linalg.norm(apart / aim.joints))
 
 
 def _next(move: _Move, now: Array, heading: Array, step: float) -> Array | None:
@@ -302,8 +326,7 @@ def _zero(move: _Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -
         guess = a + share * (b - a)
         new = move.solved(0.0, guess)
         best = guess if new is None else new
-        other, _, _ = _local(move.aim, best)
-        value = float((other if other @ u >= 0.0 else -other) @ move.seen_from(best))
+        value = float(_same_way(_local(move.aim, best)[0], u) @ move.seen_from(best))
         if abs(value) <= 1e-13 or high - low < 1e-14:
             break
         if value * at_a > 0.0:

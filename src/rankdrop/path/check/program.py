@@ -8,7 +8,7 @@ the next target. Every part is one curve, checked as any other path (`path.check
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
@@ -45,6 +45,7 @@ from rankdrop.path.check.record import (
     UNDECIDED,
     VERDICTS,
     PathCheck,
+    Profile,
     Stretch,
     Verdict,
     Violation,
@@ -157,54 +158,67 @@ class Part:
         """Every move, checked; those that follow the end are left out."""
         if self.check is None:
             return
-        check, profile = self.check, self.check.profile
-        names = {one.family: one.name for one in check.stretches}
-        rows = np.concatenate([check.curve.control[:, 0], check.curve.control[-1:, -1]])
-        turning = np.array([joint.unit == "rad" for joint in check.robot.variables])
-        met: dict[int, list[Stretch]] = {}
+        check, times = self.check, self.check.curve.times
+        stretches: dict[int, list[Stretch]] = {}
         for stretch in check.stretches:
-            met.setdefault(self.move_at(stretch.closest.place), []).append(stretch)
-        broken: dict[int, list[Violation]] = {}
+            stretches.setdefault(self.move_at(stretch.closest.place), []).append(stretch)
+        violations: dict[int, list[Violation]] = {}
         for violation in check.violations:
-            broken.setdefault(self.move_at(violation.place), []).append(violation)
+            violations.setdefault(self.move_at(violation.place), []).append(violation)
+        names = {one.family: one.name for one in check.stretches}
         begins = np.searchsorted(self.owner, np.arange(len(self.moves) + 1)).tolist()
         for index, move in enumerate(self.moves):
             first, last = begins[index : index + 2]
-            if first == last:
-                if index == 0 or self.ended is None:
-                    yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None)
-                continue
-            low = int(np.searchsorted(profile.position, first + 1, "left"))
-            high = int(np.searchsorted(profile.position, last + 1, "right"))
-            at = low + np.flatnonzero(np.isfinite(profile.distance[low:high]))
-            if len(at):
-                near = int(at[profile.distance[at].argmin()])
-            else:
-                near = -1
-            if near >= 0 and profile.family[near] >= 0:
-                family = profile.ids[profile.family[near]]
-            else:
-                family = ""
-            if near >= 0:
-                distance = float(profile.distance[near])
-            else:
-                distance = np.inf
-            for stretch in met.get(index, ()):
-                if stretch.closest.distance < distance:
-                    distance, family = stretch.closest.distance, stretch.family
-            kinds = [FREE, *(one.verdict for one in met.get(index, ())), *map(_broken, broken.get(index, ()))]
-            if index in self.passed:
-                kinds += [TOUCHING]
-            if self.ended is not None and self.ended.move is move:
-                kinds += [NOT_FOLLOWED]
-            turns = np.where(turning, np.ptp(rows[first : last + 1], axis=0), 0.0)
-            joint = int(turns.argmax())
-            when = check.curve.times
-            yield MoveCheck(
-                move.line, move.text, move.kind, min(kinds, key=VERDICTS.index), distance, family,
-                names.get(family, ""), joint + 1 if turns[joint] > _STILL else 0, float(turns[joint]),
-                None if when is None else float(when[last] - when[first]),
-            )  # fmt: skip
+            if first < last:
+                verdict = self._verdict(index, stretches.get(index, []), violations.get(index, []))
+                distance, family = _nearest(check.profile, first, last, stretches.get(index, []))
+                joint, turn = _largest_turn(check, first, last)
+                seconds = None if times is None else float(times[last] - times[first])
+                yield MoveCheck(move.line, move.text, move.kind, verdict, distance, family, names.get(family, ""),
+                                joint, turn, seconds)  # fmt: skip
+            elif index == 0 or self.ended is None:
+                yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None)
+
+    def _verdict(self, index: int, stretches: Sequence[Stretch], violations: Sequence[Violation]) -> Verdict:
+        """The worst of a move."""
+        kinds = [FREE, *(one.verdict for one in stretches), *map(_broken, violations)]
+        if index in self.passed:
+            kinds.append(TOUCHING)
+        if self.ended is not None and self.ended.move is self.moves[index]:
+            kinds.append(NOT_FOLLOWED)
+        return min(kinds, key=VERDICTS.index)
+
+
+def _nearest(profile: Profile, first: int, last: int, stretches: Sequence[Stretch]) -> tuple[float, str]:
+    """(distance, family) of a move from one row to another where it is nearest to a singularity.
+
+    The distance is inf where no singularity is known; the family is "" where it is not known.
+    """
+    distance, family = np.inf, ""
+    low = int(np.searchsorted(profile.position, first + 1, "left"))
+    high = int(np.searchsorted(profile.position, last + 1, "right"))
+    known = low + np.flatnonzero(np.isfinite(profile.distance[low:high]))
+    if len(known):
+        nearest = int(known[profile.distance[known].argmin()])
+        distance = float(profile.distance[nearest])
+        if profile.family[nearest] >= 0:
+            family = profile.ids[profile.family[nearest]]
+    for stretch in stretches:
+        if stretch.closest.distance < distance:
+            distance, family = stretch.closest.distance, stretch.family
+    return distance, family
+
+
+def _largest_turn(check: PathCheck, first: int, last: int) -> tuple[int, float]:
+    """(number of the joint that turns most between two rows, 0 where none turns; by how much [rad])."""
+    turning = np.array([joint.unit == "rad" for joint in check.robot.variables])
+    control = check.curve.control[first:last]
+    rows = np.concatenate([control[:, 0], control[-1:, -1]])
+    turns = np.where(turning, np.ptp(rows, axis=0), 0.0)
+    joint = int(turns.argmax())
+    if turns[joint] > _STILL:
+        return joint + 1, float(turns[joint])
+    return 0, float(turns[joint])
 
 
 def _broken(one: Violation) -> Verdict:
@@ -388,8 +402,6 @@ def check_program(
         parts.append(part)
         if walked.rows:
             before = walked.rows[-1]
-        else:
-            before = before
         if part.ended is not None and (rest := moves[moves.index(part.ended.move) + 1 :]):
             left.append(rest)
         if part.check is not None and not part.check.complete:
@@ -483,27 +495,30 @@ class _Walker:
             return
         goal = self._pose(move)
         posture = move.target.posture
-        if before is None or posture != Posture():
-            found = self._solutions(goal)
-            chosen = self._in_posture(found, found[0] if before is None and len(found) else before, posture)
-            if chosen is None:
-                walked.ended = Ended(move, Cause.POSTURE if len(found) else Cause.UNREACHED)
+        if before is not None and posture == Posture():
+            try:
+                first, _, _ = configuration_at(self.robot, goal, self.task, before)
+            except ConfigurationError:
+                walked.ended = Ended(move, Cause.UNREACHED)
                 return
-            walked.rows.append(chosen)
-            if before is None:
-                walked.begins = "posture"
-            elif given:
-                walked.begins = "start"
+        else:
+            solutions = self._solutions(goal)
+            if before is None and len(solutions):
+                near = solutions[0]
             else:
-                walked.begins = "before"
-            return
-        try:
-            first, _, _ = configuration_at(self.robot, goal, self.task, before)
-        except ConfigurationError:
-            walked.ended = Ended(move, Cause.UNREACHED)
-            return
+                near = before
+            chosen = self._in_posture(solutions, near, posture)
+            if chosen is None:
+                walked.ended = Ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
+                return
+            first = chosen
         walked.rows.append(first)
-        walked.begins = "start" if given else "before"
+        if before is None:
+            walked.begins = "posture"
+        elif given:
+            walked.begins = "start"
+        else:
+            walked.begins = "before"
 
     def _joint_move(self, walked: _Walked, index: int, move: Move) -> None:
         """Straight in joint space, to joint values or to a solution of a pose."""
@@ -622,14 +637,20 @@ class _Walker:
         if self.program.degrees:
             values *= [np.pi / 180.0 if joint.unit == "rad" else 1e-3 for joint in self.robot.variables]
         if self.program.level and n >= 3:
-            axes = [joint.axis for joint in self.robot.joints[1:3]]
-            if len(self.robot.joints) != n or float(np.dot(*axes)) > -1.0 + _ON_AXIS:
+            if not self._axes_2_and_3_opposed():
                 raise TrajectoryError(
                     "J3 is counted from the horizontal, and axes 2 and 3 of this arm do not point against each other",
                     where=where, mend="give the targets as poses",
                 )  # fmt: skip
             values[2] += values[1]
         return values
+
+    def _axes_2_and_3_opposed(self) -> bool:
+        """Axes 2 and 3 point against each other, and no joint is a mimic."""
+        robot = self.robot
+        if len(robot.joints) != robot.n:
+            return False
+        return float(np.dot(robot.joints[1].axis, robot.joints[2].axis)) <= -1.0 + _ON_AXIS
 
     def _pose(self, move: Move) -> Array:
         """(4, 4) of a target in the base frame of the arm."""
@@ -697,5 +718,3 @@ def _fits(q: Array, posture: Posture) -> bool:
             if quarter not in (floor(turns - _AT_ZERO), floor(turns + _AT_ZERO)):
                 return False
     return True
-
-

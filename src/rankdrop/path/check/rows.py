@@ -84,7 +84,8 @@ def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
         sigma = np.zeros(count)
     verdict, factor = _of_stretches(check, count)
     joints = {f"q_{joint.name}_{joint.unit}": q[:, j] for j, joint in enumerate(robot.variables)}
-    ids, names = zip(*((near[k].id, near[k].name) if k >= 0 else (None, None) for k in which.tolist()), strict=True)
+    ids = [near[k].id if k >= 0 else None for k in which.tolist()]
+    names = [near[k].name if k >= 0 else None for k in which.tolist()]
     columns = {
         "row": np.arange(1, count + 1), "time_s": times,
         "pose": None if check.tool is None else check.tool.place[:count], **joints,

@@ -176,11 +176,12 @@ class _Judge:
             width = places[-1] - places[0]
             wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
         samples = self._at(wide)
-        parts = self._distinct([
-            self._part(CROSSING, low, high, (low + high) / 2, "condition" if condition else "determinant", condition)
-            for condition, function in self.functions.items()
-            for low, high in self._brackets(wide, function(samples), function)
-        ])  # fmt: skip
+        brackets = []
+        for condition, function in self.functions.items():
+            for low, high in self._brackets(wide, function(samples), function):
+                brackets.append(self._part(CROSSING, low, high, (low + high) / 2,
+                                           "condition" if condition else "determinant", condition))  # fmt: skip
+        parts = self._distinct(brackets)
         if not finished:
             return self._between(parts, places)
         if parts:
@@ -393,9 +394,12 @@ class Survey:
         if len(crossings) > _LOST:
             self.remarks = (*self.remarks, ("lost", (_LOST, len(crossings))))
         first, last = self.path.place((0, 0.0)), self.path.place((len(self.path.control) - 1, 1.0))
-        ends = [first, *(end for one in crossings for end in (one.start, one.end)), last]
-        gaps = zip(ends[::2], ends[1::2], strict=True)
-        free = [part for start, end in gaps if end.position > start.position for part in self._split_up(start, end)]
+        starts = [first, *(one.end for one in crossings)]
+        ends = [*(one.start for one in crossings), last]
+        free: list[tuple[Place, Place, int, int]] = []
+        for start, end in zip(starts, ends, strict=True):
+            if end.position > start.position:
+                free += self._split_up(start, end)
         if not crossings and not free:  # the arm stands still in one place
             free = [(first, last, int(self.profile.family[0]), 0)]
         return tuple(sorted([*parts, *self._free(free)], key=_badness))

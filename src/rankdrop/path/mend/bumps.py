@@ -16,7 +16,7 @@ two sides crosses it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -288,17 +288,19 @@ class Bumper:
         if any((at != 0).all() and at[0] != at[1] for _, at in sides):
             return NoBump(core, Obstacle.SIDE)
         found: list[tuple[float, bool, Bump]] = []
-        needed = np.inf
+        too_high: list[float] = []
         for way, null in self._ways(core, home):
             height = self._height(q, way, sides, clearance, null=null)
-            if height is None or height > self.bound:
-                needed = min(needed, np.inf if height is None else height)
+            if height is None:
+                continue
+            if height > self.bound:
+                too_high.append(height)
                 continue
             off = self._off(q, self._lifted(q, height * way, null=null))
             alone = np.count_nonzero(way) == 1
             found.append((self._size(off), not alone, Bump(core, way, height, null, off=off)))
         if not found:
-            return NoBump(core, Obstacle.HEIGHT, needed if np.isfinite(needed) else np.nan)
+            return NoBump(core, Obstacle.HEIGHT, min(too_high, default=np.nan))
         least = min(size for size, _, _ in found)
         near = [one for one in found if one[0] <= _SIMPLER * least]
         return self._ramped(min(near, key=lambda one: (one[1], one[0]))[2])
@@ -353,17 +355,11 @@ class Bumper:
             right = all((side(moved) == at[0]).all() for side, at in sides if (at != 0).all())
             return bool(right and (self.tool.room(moved) >= clearance).all())
 
-        heights = np.geomspace(clearance / 4, _WIDENED * self.bound, _HEIGHTS)
-        for k, height in enumerate(heights.tolist()):
+        too_low = 0.0
+        for height in np.geomspace(clearance / 4, _WIDENED * self.bound, _HEIGHTS).tolist():
             if clear(height):
-                too_low, enough = (0.0 if k == 0 else float(heights[k - 1])), float(height)
-                for _ in range(_BISECTIONS):
-                    middle = (too_low + enough) / 2
-                    if clear(middle):
-                        too_low, enough = (too_low, middle)
-                    else:
-                        too_low, enough = (middle, enough)
-                return enough
+                return _bisected(clear, too_low, height)
+            too_low = height
         return None
 
     def _off(self, q: Array, moved: Array) -> tuple[float, float]:
@@ -546,3 +542,14 @@ def _merged(cores: list[Core]) -> list[Core]:
         else:
             out.append(core)
     return out
+
+
+def _bisected(clear: Callable[[float], bool], too_low: float, enough: float) -> float:
+    """A height that is enough, next to one that is too low."""
+    for _ in range(_BISECTIONS):
+        middle = (too_low + enough) / 2
+        if clear(middle):
+            enough = middle
+        else:
+            too_low = middle
+    return enough

@@ -220,37 +220,62 @@ class PoseDetourer:
         if not len(run.q):
             return Blocked(float(at[0]), Hindrance.REST)
         places = self._places(at, run)
-        met, room = float(places[end]), self.tool.room(run.q[: end + 1])
-        clear = np.flatnonzero(room >= self.clearance)
+        place = float(places[end])  # of the singularity
+        clear = np.flatnonzero(self.tool.room(run.q[: end + 1]) >= self.clearance)
         if not len(clear):
-            return Blocked(met, Hindrance.END)
-        rows, own = places[: end + 1], run.q
-        windows = [one for longer in _LONGER if (one := self._span(rows, float(places[clear[-1]]), met, longer))]
-        if not windows:
-            return Blocked(met, Hindrance.END)
-        lost = np.linalg.svd(self.aim.jacobian(own[end][None])[0])[0][:, self.tool.rank - 1]
+            return Blocked(place, Hindrance.END)
+        last_clear = float(places[clear[-1]])
+        spans = self._spans(places[: end + 1], last_clear, place)
+        if not spans:
+            return Blocked(place, Hindrance.END)
+        lost = self._lost_direction(run.q[end])
         sizes = self._sizes()
-        usual = self._looks(windows, own, lost, sizes)
-        if not usual:
-            beyond = [one for one in self._looks(windows, own, lost, sizes, limits=False) if one.size <= self.bound]
-            if not beyond:
-                return Blocked(met, Hindrance.TOOL)
-            least_beyond = min(beyond, key=lambda one: float((one.excess / self.aim.joints).max()))
-            joint = int((least_beyond.excess / self.aim.joints).argmax())
-            return Blocked(met, Hindrance.LIMIT, np.nan, joint + 1, float(least_beyond.excess[joint]))
-        least = usual[0].size
-        if least > self.bound * (1 + 1e-9):
-            return Blocked(met, Hindrance.TOOL, least)
+        looks = self._looks(spans, run.q, lost, sizes)
+        if not looks:
+            return self._limited(place, spans, run.q, lost, sizes)
+        least = looks[0].size
+        if least > self._largest:
+            return Blocked(place, Hindrance.TOOL, least)
         before = max((size for size in sizes if size < least), default=least / _GROWING)
-        finer = self._looks([usual[0].span], own, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
-        for look in [*finer, *usual][:_CONFIRMED]:
-            made = self._confirmed(look, own)
-            if look.size <= self.bound * (1 + 1e-9) and made is not None:
+        finer = self._looks([looks[0].span], run.q, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
+        for look in [*finer, *looks][:_CONFIRMED]:
+            confirmed = self._confirmed(look, run.q)
+            if look.size <= self._largest and confirmed is not None:
+                window, window_places, q = confirmed
                 kept = look.span.kept
-                self.rows.append((rows[: kept + 1], own[: kept + 1]))
-                self.rows.append((made[1][1:-1], made[2][1:-1]))
-                return made[0], look.span.high, made[2][-1]
-        return Blocked(met, Hindrance.TOOL)
+                self.rows.append((places[: kept + 1], run.q[: kept + 1]))
+                self.rows.append((window_places[1:-1], q[1:-1]))
+                return window, look.span.high, q[-1]
+        return Blocked(place, Hindrance.TOOL)
+
+    @property
+    def _largest(self) -> float:
+        """Size up to which rounding leaves a window within the bound."""
+        return self.bound * (1 + 1e-9)
+
+    def _spans(self, places: Array, core: float, met: float) -> list[Span]:
+        """Windows of some lengths around a singularity, those for which there is room."""
+        spans = []
+        for longer in _LONGER:
+            span = self._span(places, core, met, longer)
+            if span is not None:
+                spans.append(span)
+        return spans
+
+    def _lost_direction(self, q: Array) -> Array:
+        """(m,) the direction û that is lost at a configuration: the left singular vector of σ_r."""
+        left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
+        return np.asarray(left[:, self.tool.rank - 1])
+
+    def _limited(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
+        """Why no window does: the joint that would have to go least beyond its limit, where one would do without."""
+        unlimited = self._looks(spans, q, lost, sizes, limits=False)
+        within = [look for look in unlimited if look.size <= self.bound]
+        if not within:
+            return Blocked(place, Hindrance.TOOL)
+        least = min(within, key=lambda look: float((look.excess / self.aim.joints).max()))
+        joint = int((least.excess / self.aim.joints).argmax())
+        return Blocked(place, Hindrance.LIMIT, np.nan, joint + 1, float(least.excess[joint]))
 
     def _sizes(self) -> Array:
         """Sizes that are tried, the least first, the bound among them."""
@@ -285,43 +310,61 @@ class PoseDetourer:
         """Sizes, windows and ways that the joints can follow with room, the least first: all of them followed side by
         side, at places that are close together near the singularity.
         """
-        u = np.linspace(-1.0, 1.0, 2 * _LOOKED + 1)
-        x = np.sign(u) * u * u
-        looks, poses, starts, steps = [], [], [], []
-        still = np.zeros(self.robot.n)
+        looks: list[Look] = []
+        poses, times = [], []
         for span in windows:
-            begin, *_, end = span.ends
-            time = span.middle + np.where(x < 0.0, span.middle - begin, end - span.middle) * x
+            time = self._look_times(span)
             place = self._place(time).clip(span.low, span.high)
             for size in sizes.tolist():
                 for way in (lost, -lost):
-                    looks.append(Look(size, span, way, still))
+                    looks.append(Look(size, span, way, np.zeros(self.robot.n)))
                     poses.append(self._moved(span, place, size * way)[1])
-                    starts.append(q[span.kept])
-                    steps.append(np.diff(time))
-        target, lasts = np.stack(poses, axis=1), np.stack(steps, axis=1)
-        found = np.full((*target.shape[:2], self.robot.n), np.nan)
-        found[0] = starts
-        alive = np.ones(len(looks), dtype=np.bool_)
-        for k in range(1, len(target)):
-            here = found[k - 1, alive]
+                    times.append(time)
+        starts = np.array([q[look.span.kept] for look in looks])
+        followed, alive = self._side_by_side(np.stack(poses, axis=1), np.stack(times, axis=1), starts, limits=limits)
+        kept = np.flatnonzero(alive)
+        if not len(kept):
+            return []
+        room = self.tool.room(followed[:, kept].reshape(-1, self.robot.n)).reshape(len(followed), len(kept))
+        excess = np.maximum(followed - self.robot.upper, self.robot.lower - followed).max(axis=0)
+        clear = kept[room.min(axis=0) >= _NEARER * self.clearance]
+        found = [replace(looks[index], excess=excess[index]) for index in clear]
+        return sorted(found, key=lambda look: (look.size, look.span.high - look.span.low))
+
+    def _look_times(self, span: Span) -> Array:
+        """(N,) times of a first look along a window, close together near the singularity, in the middle."""
+        begin, *_, end = span.ends
+        u = np.linspace(-1.0, 1.0, 2 * _LOOKED + 1)
+        x = np.sign(u) * u * u
+        half = np.where(x < 0.0, span.middle - begin, end - span.middle)
+        return np.asarray(span.middle + half * x)
+
+    def _side_by_side(self, poses: Array, times: Array, starts: Array, *, limits: bool) -> tuple[Array, Mask]:
+        """(N, L, n) configurations along L rows of poses (N, L, 4, 4), and (L,) which rows were followed to the end.
+
+        Each guess goes on from the last two configurations at their rate. A configuration that was not reached is nan.
+        """
+        lasts = np.diff(times, axis=0)
+        followed = np.full((*poses.shape[:2], self.robot.n), np.nan)
+        followed[0] = starts
+        alive = np.ones(poses.shape[1], dtype=np.bool_)
+        for k in range(1, len(poses)):
+            here = followed[k - 1, alive]
             guess = here
             if k > 1:
-                guess = here + (here - found[k - 2, alive]) * (lasts[k - 1, alive] / lasts[k - 2, alive])[:, None]
-            solved, arrived = self.aim.solve(target[k, alive], guess)
-            good = arrived & (np.abs((solved - here) / self.aim.joints).max(axis=1) < _JUMP)
+                ratio = lasts[k - 1, alive] / lasts[k - 2, alive]
+                guess = here + (here - followed[k - 2, alive]) * ratio[:, None]
+            solved, arrived = self.aim.solve(poses[k, alive], guess)
+            jump = np.abs((solved - here) / self.aim.joints).max(axis=1)
+            good = arrived & (jump < _JUMP)
             if limits:
                 good &= self._inside(solved)
             rows = np.flatnonzero(alive)
-            found[k, rows[good]] = solved[good]
+            followed[k, rows[good]] = solved[good]
             alive[rows[~good]] = False
             if not alive.any():
-                return []
-        kept = np.flatnonzero(alive)
-        room = self.tool.room(found[:, kept].reshape(-1, self.robot.n)).reshape(len(target), len(kept)).min(axis=0)
-        excess = np.maximum(found - self.robot.upper, self.robot.lower - found).max(axis=0)
-        clear = [replace(looks[i], excess=excess[i]) for i in kept[room >= _NEARER * self.clearance]]
-        return sorted(clear, key=lambda one: (one.size, one.span.high - one.span.low))
+                break
+        return followed, alive
 
     def _inside(self, q: Array) -> Mask:
         return np.asarray(((q >= self.robot.lower) & (q <= self.robot.upper)).all(axis=1))

@@ -376,6 +376,10 @@ class _Mender:
         yield from self._local(tool, most)
         if most.blend > 0.0 and BLEND in self.kinds:
             yield self._blend(most.blend)
+        yield from self._ranked(tool, most)
+
+    def _ranked(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """Every kind that ranks whole paths of the joints."""
         kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
             NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
         }  # fmt: skip
@@ -389,7 +393,7 @@ class _Mender:
         except TaskError as error:
             if kinds:
                 yield "path", error.what
-            kinds = {}
+            return
         for kind, rank in kinds.items():
             found, ended = rank(partial(self._report, kind))
             yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.path.curve import Curve, Spot, numbered
+from rankdrop.path.curve import Curve, Index, Spot, numbered
 from rankdrop.path.mend.retime import usage
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.problem import Mask
@@ -26,7 +26,7 @@ _BRAKING = 0.4  # L: old time within which a path is slowed down at least [s]
 _LONGER, _ROUNDS = 1.6, 8  # where accelerations are limited: L grows, and so many times
 _ROWS = 24  # of that time at least
 _SPARE = 1.0 + 1e-6  # of rates: times are rounded
-_MOST = 200_000_000  # pairs of stretches that are compared
+_MOST, _AT_ONCE = 200_000_000, 2_000_000  # pairs of spans and fast stretches that are compared, in all and at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,45 +77,122 @@ def slowed_down(path: Curve, rates: Array, accelerations: Array) -> tuple[Trajec
     return None
 
 
+@dataclass(frozen=True, eq=False)
+class _Fast:
+    """The stretches that are too fast, in order.
+
+    Attributes:
+        first, last: (F,) when they begin and end [s].
+        least: (F,) c = 1/m², which y = g² is to be there.
+        braking: L [s].
+    """
+
+    first: Array
+    last: Array
+    least: Array
+    braking: float
+
+    def squared_speed(self, start: Array, until: Array) -> Array:
+        """(N,) y, the least that any of the stretches asks for, of spans of time in order, at most 1."""
+        low = int(np.searchsorted(self.last, start[0] - self.braking))
+        high = int(np.searchsorted(self.first, until[-1] + self.braking))
+        first, last, least = self.first[low:high], self.last[low:high], self.least[low:high]
+        ahead, behind = first - until[:, None], start[:, None] - last  # d of the stretches after, and before, a span
+        distance = np.maximum(0.0, np.maximum(ahead, behind))
+        x = np.minimum(distance / self.braking, 1.0)
+        s = 1.0 - (1.0 - x) ** 3
+        return np.asarray((least + (1.0 - least) * s).min(axis=1, initial=1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Spans:
+    """Spans of time into which the stretches of a path are divided.
+
+    Attributes:
+        stretch: (N,) that a span is part of.
+        part: (N,) its number in the stretch, from 0.
+        share: (N,) of the stretch that lies before it.
+        start: (N,) when it begins [s].
+    """
+
+    stretch: Index
+    part: Index
+    share: Array
+    start: Array
+
+    def until(self, end: float) -> Array:
+        """(N,) when the spans end, the last of them at `end` [s]."""
+        return np.append(self.start[1:], end)
+
+    def only(self, kept: Mask) -> _Spans:
+        """Some of the spans; one that is left out belongs to the one before it."""
+        return _Spans(self.stretch[kept], self.part[kept], self.share[kept], self.start[kept])
+
+
 def _slowed(path: Curve, most: Array, braking: float) -> tuple[Trajectory, tuple[Slower, ...]] | None:
     """With a time L of braking, stretches of which are `most` times too fast."""
     assert path.times is not None
-    times, lasts = path.times, np.diff(path.times)
-    fast = np.asarray(most > 1.0)
-    if not fast.any():
+    times, end = path.times, path.times[-1]
+    too_fast = np.asarray(most > 1.0)
+    if not too_fast.any():
         return None
-    first, last = times[:-1][fast], times[1:][fast]
-    near = _near(times[:-1], times[1:], first, last, braking)
-    parts = np.where(near & ~fast, np.ceil(lasts / (braking / _ROWS)), 1.0).astype(np.int64).clip(1)
+    fast = _Fast(times[:-1][too_fast], times[1:][too_fast], 1.0 / (most[too_fast] * _SPARE) ** 2, braking)
+    near = _near(times[:-1], times[1:], fast.first, fast.last, braking)
+    spans = _divided(times, near & ~too_fast, braking / _ROWS)
+    y = _squared_speeds(spans, near, fast, end)
+    if y is None:
+        return None
+    slow = y < 1.0
+    behind_slow = np.append(False, slow[:-1])
+    kept = (spans.part == 0) | slow | behind_slow
+    spans, y, slow = spans.only(kept), y[kept], slow[kept]
+    longer = np.where(slow, (spans.until(end) - spans.start) * (1.0 / np.sqrt(y) - 1.0), 0.0)
+    at = np.append(spans.start, end) + np.concatenate([[0.0], np.cumsum(longer)])
+    return Trajectory("", at, _rows(path, spans), True, ()), _slower_parts(spans, slow, longer, len(times) - 1)
+
+
+def _divided(times: Array, finely: Mask, longest: float) -> _Spans:
+    """Stretches divided into equal spans no longer than `longest` [s] where they are to be, else as they are."""
+    lasts = np.diff(times)
+    parts = np.where(finely, np.ceil(lasts / longest), 1.0).astype(np.int64).clip(1)
     stretch, part = numbered(parts)
     share = part / parts[stretch]
-    start = times[stretch] + share * lasts[stretch]
-    until = np.append(start[1:], times[-1])
-    y = np.ones(len(stretch))
-    inside = np.flatnonzero(near[stretch])
-    if len(inside) * int(fast.sum()) > _MOST:
+    return _Spans(stretch, part, share, times[stretch] + share * lasts[stretch])
+
+
+def _squared_speeds(spans: _Spans, near: Mask, fast: _Fast, end: float) -> Array | None:
+    """(N,) y of each span; None where too many pairs would have to be compared."""
+    y = np.ones(len(spans.stretch))
+    until = spans.until(end)
+    inside = np.flatnonzero(near[spans.stretch])
+    pairs = len(inside) * len(fast.first)
+    if pairs > _MOST:
         return None
-    least = 1.0 / (most[fast] * _SPARE) ** 2
-    for i in np.array_split(inside, max(1, len(inside) * int(fast.sum()) // 2_000_000)):
-        low, high = (np.searchsorted(last, start[i[0]] - braking), np.searchsorted(first, until[i[-1]] + braking))
-        here = slice(int(low), int(high))
-        away = np.maximum(0.0, np.maximum(first[here] - until[i, None], start[i, None] - last[here]))
-        x = np.minimum(away / braking, 1.0)
-        y[i] = (least[here] + (1.0 - least[here]) * (1.0 - (1.0 - x) ** 3)).min(axis=1, initial=1.0)
-    kept = (part == 0) | (y < 1.0) | (np.append(1.0, y[:-1]) < 1.0)
-    stretch, part, share, start, y = (values[kept] for values in (stretch, part, share, start, y))
-    until = np.append(start[1:], times[-1])
-    long = np.where(y < 1.0, (until - start) * (1.0 / np.sqrt(y) - 1.0), 0.0)
-    at = np.append(start, times[-1]) + np.concatenate([[0.0], np.cumsum(long)])
+    for some in np.array_split(inside, max(1, pairs // _AT_ONCE)):
+        y[some] = fast.squared_speed(spans.start[some], until[some])
+    return y
+
+
+def _rows(path: Curve, spans: _Spans) -> Array:
+    """(N + 1, n) configurations where spans begin, and the last of the path; rows of the path to the last bit."""
     rows = np.concatenate([path.control[:, 0], path.control[-1:, -1]])
-    q = np.concatenate([np.where(part[:, None] == 0, rows[stretch], path.at(stretch, share)), rows[-1:]])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], y < 1.0, [False]])))
-    slower = []
+    begins_stretch = spans.part[:, None] == 0
+    begins = np.where(begins_stretch, rows[spans.stretch], path.at(spans.stretch, spans.share))
+    return np.concatenate([begins, rows[-1:]])
+
+
+def _slower_parts(spans: _Spans, slow: Mask, longer: Array, stretches: int) -> tuple[Slower, ...]:
+    """The parts of a path in which neighbouring spans are all slow, with how much longer each of them takes."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]])))
+    parts = []
     for low, high in edges.reshape(-1, 2).tolist():
-        begin = (int(stretch[low]), float(share[low]))
-        end = (int(stretch[high]), float(share[high])) if high < len(stretch) else (len(lasts) - 1, 1.0)
-        slower.append(Slower(begin, end, float(long[low:high].sum())))
-    return Trajectory("", at, q, True, ()), tuple(slower)
+        begin = int(spans.stretch[low]), float(spans.share[low])
+        if high < len(spans.stretch):
+            end = int(spans.stretch[high]), float(spans.share[high])
+        else:
+            end = stretches - 1, 1.0
+        parts.append(Slower(begin, end, float(longer[low:high].sum())))
+    return tuple(parts)
 
 
 def _near(begin: Array, end: Array, first: Array, last: Array, within: float) -> Mask:

@@ -368,8 +368,12 @@ def _on_quadric(q: Array, b: Array, g: float) -> list[Array]:
     left = float(centre @ q @ centre + 2.0 * b @ centre + g)
     if abs(left) <= _NOTHING:
         return [centre]
-    fitting = [i for i in np.flatnonzero(there) if values[i] * left < 0.0]
-    return [centre + sign * np.sqrt(-left / values[i]) * vectors[:, i] for i in fitting for sign in (1.0, -1.0)]
+    found = []
+    for i in np.flatnonzero(there):
+        if values[i] * left < 0.0:
+            away = np.sqrt(-left / values[i]) * vectors[:, i]
+            found += [centre + away, centre - away]
+    return found
 
 
 def _order(sigma: Array, s: Array, size: float) -> int | None:

@@ -195,9 +195,10 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
         TrajectoryError: none, or several, can be meant.
     """
     found: dict[str, list[Any]] = {}
+    types: dict[str, set[str]] = {}
     for one in sorted(connections, key=attrgetter("topic")):
         found.setdefault(one.topic, []).append(one)
-    types = {key: {one.msgtype for one in some} for key, some in found.items()}
+        types.setdefault(one.topic, set()).add(one.msgtype)
     listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in found.items()]
     every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
     if topic is not None:
@@ -293,20 +294,26 @@ class _Rows:
         q, qd, qdd, header, recorded, after, places = zip(*self.rows, strict=True)
         starts = header if all(header) else recorded
         when = [start + later for start, later in zip(starts, after, strict=True)]
-        kept = self._in_force(starts, when)
-        again = {k for i, k in pairwise(kept) if when[i] == when[k] and (q[i] == q[k]).all()}
-        notes = [
-            ("others", self.passed, count) if self.passed else (), () if all(header) else ("recording",),
-            ("plans", len(self.starts), len(when) - len(kept)) if len(self.starts) > 1 else (),
-            ("repeated", len(again)) if again else (),
-        ]  # fmt: skip
-        kept = [k for k in kept if k not in again]
+        in_force = self._in_force(starts, when)
+        again = {k for i, k in pairwise(in_force) if when[i] == when[k] and (q[i] == q[k]).all()}
+        notes: list[tuple[Any, ...]] = []
+        if self.passed:
+            notes.append(("others", self.passed, count))
+        if not all(header):
+            notes.append(("recording",))
+        if len(self.starts) > 1:
+            notes.append(("plans", len(self.starts), len(when) - len(in_force)))
+        if again:
+            notes.append(("repeated", len(again)))
+        kept = [k for k in in_force if k not in again]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
         checked_times(times, lambda row: places[kept[row]])
-        columns = {"q": q, "qd": qd, "qdd": qdd}
-        parts = {key: np.array([values[k] for k in kept]) for key, values in columns.items()
-                 if all(values[k] is not None for k in kept)}  # fmt: skip
-        about = {"where": self.where, "notes": list(filter(None, notes)), "unused": sorted(self.others)}
+        parts = {}
+        for key, column in {"q": q, "qd": qd, "qdd": qdd}.items():
+            values = [column[k] for k in kept]
+            if all(value is not None for value in values):
+                parts[key] = np.array(values)
+        about = {"where": self.where, "notes": notes, "unused": sorted(self.others)}
         buffer = io.BytesIO()
         np.savez(buffer, about=np.array(json.dumps(about)), t=times, **parts)  # type: ignore[arg-type]  # allow_pickle
         return buffer.getvalue()

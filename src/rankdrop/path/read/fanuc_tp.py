@@ -7,6 +7,7 @@ The world frame is at the height of axis 2, and J3 is counted from the horizonta
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 from math import radians
 from typing import Literal
 
@@ -38,6 +39,8 @@ _UNITS = {"mm/sec": MILLIMETRE, "cm/min": 1e-2 / 60.0, "inch/min": 0.0254 / 60.0
 _SHIFTED = ("OFFSET", "TOOL_OFFSET", "INC", "VOFFSET", "TA_REF", "SKIP")
 _FLOW = {**dict.fromkeys(("IF", "ELSE", "ENDIF", "SELECT", "JMP", "LBL"), Reason.BRANCH),
          **dict.fromkeys(("FOR", "ENDFOR"), Reason.LOOP)}  # fmt: skip
+_SKIPPED = {**_FLOW, **dict.fromkeys(("CALL", "RUN"), Reason.CALL), **dict.fromkeys(("C", "A"), Reason.CIRCLE),
+            "S": Reason.SPLINE, **dict.fromkeys(("J", "L"), Reason.EXPRESSION)}  # fmt: skip
 _WORD = re.compile(r"[A-Za-z_]+")
 _PLACE, _JOINTS = ("X", "Y", "Z", "W", "P", "R"), tuple(f"J{k}" for k in range(1, 10))
 _REMARKS = ("!", "//", "--")
@@ -68,8 +71,7 @@ def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Targe
     """Positions of group 1 by number, and those with a tool; poses in user frames are not read."""
     positions: dict[str, Target | Reason] = {}
     tools: set[str] = set()
-    based = True
-    number_of, group, values = "", "1", dict[str, float | None]()
+    open_position: _Position | None = None
     section = ""
     for count, line in lines:
         if line.startswith("/"):
@@ -78,20 +80,50 @@ def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Targe
             continue
         begin = _POSITION.match(line)
         if begin:
-            number_of, group, values, based = begin[1], "1", {}, True
+            open_position = _Position(begin[1])
             line = line[begin.end() :]
-        if "GP" in line:
-            group = line.partition("GP")[2][:1]
-        if group == "1" and number_of:
-            values.update({key: number(value) for key, value, _ in _VALUE.findall(line)})
-            frames = _FRAME.findall(line)
-            based = based and all(value == "0" for key, value in frames if key == "F")
-            if any(key == "T" and value != "0" for key, value in frames):
-                tools.add(number_of)
-        if "}" in line and number_of:
-            positions[number_of] = in_base(_target(values, f"{name}, line {count}"), np.eye(4) if based else None)
-            number_of = ""
+        if open_position is None:
+            continue
+        open_position.take(line)
+        if open_position.tool:
+            tools.add(open_position.name)
+        if "}" in line:
+            base = np.eye(4) if open_position.based else None
+            positions[open_position.name] = in_base(_target(open_position.values, f"{name}, line {count}"), base)
+            open_position = None
     return positions, tools
+
+
+@dataclass
+class _Position:
+    """A position while its lines are read.
+
+    Attributes:
+        name: its number.
+        group: of the joints that the lines are about.
+        values: numbers of group 1 by name; None where a value is no number.
+        based: it is in the base frame, not in a user frame.
+        tool: it is that of a tool.
+    """
+
+    name: str
+    group: str = "1"
+    values: dict[str, float | None] = field(default_factory=dict)
+    based: bool = True
+    tool: bool = False
+
+    def take(self, line: str) -> None:
+        """Read one line of the position."""
+        if "GP" in line:
+            self.group = line.partition("GP")[2][:1]
+        if self.group != "1":
+            return
+        self.values.update({key: number(value) for key, value, _ in _VALUE.findall(line)})
+        for key, value in _FRAME.findall(line):
+            if key == "F" and value != "0":
+                self.based = False
+            if key == "T" and value != "0":
+                self.tool = True
 
 
 def _target(values: dict[str, float | None], where: str) -> Target | Reason:
@@ -114,25 +146,9 @@ def _instruction(
     """One instruction of the program."""
     found = _MOVE.match(text)
     if found is None:
-        word = _WORD.match(text)
-        first = word[0].upper() if word else ""
-        if first in _FLOW:
-            listing.skip(count, text, _FLOW[first])
-        elif first in ("CALL", "RUN"):
-            listing.skip(count, text, Reason.CALL)
-        elif first in ("UTOOL", "UTOOL_NUM"):
-            if text.partition("=")[2].strip() != "0":
-                listing.skip(count, text, Reason.TOOL)
-        elif first in ("UFRAME", "UFRAME_NUM"):
-            return
-        elif first in ("C", "A"):
-            listing.skip(count, text, Reason.CIRCLE)
-        elif first == "S":
-            listing.skip(count, text, Reason.SPLINE)
-        elif first in ("J", "L"):
-            listing.skip(count, text, Reason.EXPRESSION)
-        else:
-            listing.skip(count, text, Reason.OTHER)
+        reason = _why_skipped(text)
+        if reason is not None:
+            listing.skip(count, text, reason)
         return
     letter, _, register, key, rest = found.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
@@ -146,6 +162,19 @@ def _instruction(
     if isinstance(target, Target) and target.pose is not None and key in tools:
         listing.skip(count, text, Reason.TOOL)
     listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
+
+
+def _why_skipped(text: str) -> Reason | None:
+    """Why an instruction that is no move is not read; None where it means nothing for the moves."""
+    word = _WORD.match(text)
+    first = word[0].upper() if word else ""
+    if first in ("UTOOL", "UTOOL_NUM"):
+        if text.partition("=")[2].strip() == "0":
+            return None
+        return Reason.TOOL
+    if first in ("UFRAME", "UFRAME_NUM"):
+        return None
+    return _SKIPPED.get(first, Reason.OTHER)
 
 
 def _speed(rest: str) -> Speed:

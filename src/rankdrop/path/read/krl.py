@@ -50,11 +50,14 @@ _FLOW = {
 _QUIET = {"END", "ENDFCT", "DECL", "GLOBAL", "EXT", "EXTFCT", "SIGNAL", "ENUM", "STRUC", "ENDDAT", "DEFDAT", "CONST",
           "INT", "REAL", "BOOL", "CHAR", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}  # fmt: skip
 _TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}
+_SETTINGS = {"$ACC", "$VEL_AXIS", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "LDAT_ACT",
+             "FDAT_ACT", "BAS"}  # fmt: skip
 _WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
 _NAME = re.compile(r"[A-Za-z_$][\w$]*")
 _DEGREE = radians(1.0)
 _BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
-_AXES, _PLACE, _TURN = tuple(f"A{k}" for k in range(1, 7)), ("X", "Y", "Z"), ("C", "B", "A")
+_AXES, _MORE_AXES = tuple(f"A{k}" for k in range(1, 7)), tuple(f"A{k}" for k in range(7, 10))
+_PLACE, _TURN = ("X", "Y", "Z"), ("C", "B", "A")
 
 
 def read(text: str, name: str, declarations: str = "") -> Program:
@@ -74,40 +77,75 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     lines = [(count, without_comment(line, ";")) for count, line in lines_of(text, name)]
     for count, line in lines:
         _declare(names, line, f"{name}, line {count}")
-    state, routines = _State(), 0
+    reader = _Reader(name, names, listing)
     for count, line in lines:
+        if not line.lstrip().startswith("&"):
+            reader.take(count, line)
+    return Program(name, Language.KRL, tuple(listing.items))
+
+
+class _Reader:
+    """Takes lines in the order of the program, and lists the moves and what was not read."""
+
+    def __init__(self, name: str, names: Names, listing: Listing) -> None:
+        self.name, self.names, self.listing = name, names, listing
+        self.state, self.routines = _State(), 0
+
+    def take(self, count: int, line: str) -> None:
+        """Read one line, which has a number."""
         first = _WORD.match(line)
-        if first is None or line.lstrip().startswith("&"):
-            continue
+        if first is None:
+            return
         word, rest = first[1].upper(), line[first.end() :].strip()
-        if word in ("DEF", "DEFFCT") or (word == "GLOBAL" and rest.upper().startswith("DEF")):
-            routines += 1
-            if routines > 1:
-                listing.skip(count, line, Reason.ROUTINE)
+        where = f"{self.name}, line {count}"
+        if _begins_routine(word, rest):
+            self.routines += 1
+            if self.routines > 1:
+                self.listing.skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
             kind = _MOVES[word]
-            target, after = _target(rest, names, f"{name}, line {count}")
-            speed = state.of(kind, after, names)
+            target, after = _target(rest, self.names, where)
+            speed = self.state.of(kind, after, self.names)
             blend = any(one in after.upper() for one in _BLENDS)
-            listing.move(count, line, kind, in_base(target, state.base), speed, blend=blend)
-        elif word in _OTHER_MOVES:
-            listing.skip(count, line, _OTHER_MOVES[word])
-        elif word in _FLOW:
-            listing.skip(count, line, _FLOW[word])
-        elif word in _QUIET or state.takes(word, rest, names):
-            continue
-        elif rest.startswith(":") and not rest.startswith(":="):
-            listing.skip(count, line, Reason.BRANCH)
-        elif word == "$BASE":
-            state.base = _frame(rest, names, f"{name}, line {count}")
-        elif word in ("BAS", "$TOOL"):
-            if word == "BAS" or "".join(rest.upper().split()) != "=$NULLFRAME":
-                listing.skip(count, line, Reason.TOOL)
-        elif rest.startswith("("):
-            listing.skip(count, line, Reason.CALL)
+            self.listing.move(count, line, kind, in_base(target, self.state.base), speed, blend=blend)
+        elif word == "$BASE" and not _is_label(rest):
+            self.state.base = _frame(rest, self.names, where)
         else:
-            listing.skip(count, line, Reason.OTHER)
-    return Program(name, Language.KRL, tuple(listing.items))
+            reason = self._why_skipped(word, rest)
+            if reason is not None:
+                self.listing.skip(count, line, reason)
+
+    def _why_skipped(self, word: str, rest: str) -> Reason | None:
+        """Why a line that is no move is not read; None where it is, or means nothing for the moves."""
+        if word in _OTHER_MOVES:
+            return _OTHER_MOVES[word]
+        if word in _FLOW:
+            return _FLOW[word]
+        if word in _QUIET or self.state.takes(word, rest, self.names):
+            return None
+        if _is_label(rest):
+            return Reason.BRANCH
+        if word == "$TOOL" and _without_spaces(rest) == "=$NULLFRAME":
+            return None
+        if word in ("BAS", "$TOOL"):
+            return Reason.TOOL
+        if rest.startswith("("):
+            return Reason.CALL
+        return Reason.OTHER
+
+
+def _begins_routine(word: str, rest: str) -> bool:
+    """DEF or DEFFCT, GLOBAL or not."""
+    return word in ("DEF", "DEFFCT") or (word == "GLOBAL" and rest.upper().startswith("DEF"))
+
+
+def _is_label(rest: str) -> bool:
+    """Whether the first word of a line is the label of a jump: what follows it."""
+    return rest.startswith(":") and not rest.startswith(":=")
+
+
+def _without_spaces(text: str) -> str:
+    return "".join(text.upper().split())
 
 
 class _State:
@@ -119,26 +157,31 @@ class _State:
 
     def takes(self, word: str, rest: str, names: Names) -> bool:
         """Whether a line sets a speed or a base: $VEL.CP = 0.1, BAS(#VEL_CP, 0.1), BAS(#BASE, 0), BAS(#INITMOV, 0)."""
-        plain = "".join(rest.upper().split())
-        if word == "$VEL" and plain.startswith(".CP="):
-            self.line = replace(self.line, linear=positive(names.number(plain[4:])))
-        elif word == "$VEL" and plain.startswith((".ORI1=", ".ORI2=")):
-            angular = positive(names.number(plain[6:]), _DEGREE)
-            self.line = replace(self.line, angular=angular if plain[4] == "1" else self.line.angular)
-        elif word == "BAS" and plain.startswith("(#"):
+        plain = _without_spaces(rest)
+        if word == "$VEL":
+            self._set_velocity(plain, names)
+            return True
+        if word == "BAS" and plain.startswith("(#"):
             what, _, value = plain[2:].rstrip(")").partition(",")
-            if what in ("VEL_CP", "CP_PARAMS"):
-                self.line = replace(self.line, linear=positive(names.number(value)))
-            elif what in ("VEL_PTP", "PTP_PARAMS"):
-                self.joint = Speed(share=positive(names.number(value), 0.01))
-            elif what in ("BASE", "FRAMES"):
-                self.base = np.eye(4) if value == "0" else None
-            elif what == "TOOL":
-                return value == "0"
-        else:
-            return word in ("$VEL", "$ACC", "$VEL_AXIS", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI",
-                            "PDAT_ACT", "LDAT_ACT", "FDAT_ACT", "BAS")  # fmt: skip
-        return True
+            return self._initialize(what, value, names)
+        return word in _SETTINGS
+
+    def _set_velocity(self, plain: str, names: Names) -> None:
+        """$VEL.CP, of the tip, and $VEL.ORI1, of the swivel: what follows $VEL, without spaces."""
+        if plain.startswith(".CP="):
+            self.line = replace(self.line, linear=positive(names.number(plain[4:])))
+        elif plain.startswith(".ORI1="):
+            self.line = replace(self.line, angular=positive(names.number(plain[6:]), _DEGREE))
+
+    def _initialize(self, what: str, value: str, names: Names) -> bool:
+        """BAS(#what, value); False where a tool is set that is not known."""
+        if what in ("VEL_CP", "CP_PARAMS"):
+            self.line = replace(self.line, linear=positive(names.number(value)))
+        elif what in ("VEL_PTP", "PTP_PARAMS"):
+            self.joint = Speed(share=positive(names.number(value), 0.01))
+        elif what in ("BASE", "FRAMES"):
+            self.base = np.eye(4) if value == "0" else None
+        return what != "TOOL" or value == "0"
 
     def of(self, kind: str, after: str, names: Names) -> Speed:
         """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2."""
@@ -181,7 +224,8 @@ def _declare(names: Names, line: str, where: str) -> None:
         names.changed.add(base)
         return
     right = right.strip()
-    names.put(name, right, number(right) if not right.startswith("{") else _literal(right, where))
+    value = _literal(right, where) if right.startswith("{") else number(right)
+    names.put(name, right, value)
 
 
 def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
@@ -205,28 +249,37 @@ def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
 
 def _literal(text: str, where: str) -> Target | Reason:
     """{A1 …} or {X …, Y …, Z …, A …, B …, C …}; also with the name of the type in front of the colon."""
-    found = inside(text, "{")
-    if found is None:
+    values = _components(text)
+    if values is None:
         return Reason.EXPRESSION
-    values: dict[str, float] = {}
-    head, colon, rest = found[0].partition(":")
-    for part in parts_of(rest if colon and _NAME.fullmatch(head.strip()) else found[0]):
-        key, _, word = part.strip().partition(" ")
-        value = number(word)
-        if value is None:
-            return Reason.EXPRESSION
-        values[key.upper()] = value
-    axes = [values[key] for key in _AXES if key in values]
-    if axes:
-        extra = [values[f"A{k}"] for k in range(7, 10) if f"A{k}" in values]
-        if len(axes) == len(_AXES):
-            return joint_target(axes + extra, where)
-        return Reason.INCOMPLETE
+    if any(key in values for key in _AXES):
+        if not all(key in values for key in _AXES):
+            return Reason.INCOMPLETE
+        return joint_target([values[key] for key in _AXES + _MORE_AXES if key in values], where)
     if not all(key in values for key in _PLACE + _TURN):
         return Reason.INCOMPLETE
-    turn = values.get("T")
-    if turn is not None and 0 <= turn < 64:
-        posture = Posture(signs=int(turn))
+    signs = values.get("T")
+    if signs is not None and 0 <= signs < 64:
+        posture = Posture(signs=int(signs))
     else:
         posture = Posture()
     return angle_target([values[key] for key in _PLACE + _TURN], where, posture)
+
+
+def _components(text: str) -> dict[str, float] | None:
+    """The components of a literal {…} by their names; None where it is none, or a value is no number."""
+    found = inside(text, "{")
+    if found is None:
+        return None
+    within = found[0]
+    head, colon, rest = within.partition(":")
+    if colon and _NAME.fullmatch(head.strip()):
+        within = rest
+    values: dict[str, float] = {}
+    for part in parts_of(within):
+        key, _, word = part.strip().partition(" ")
+        value = number(word)
+        if value is None:
+            return None
+        values[key.upper()] = value
+    return values

@@ -185,17 +185,12 @@ def arranged(
     Raises:
         TrajectoryError: with file and row.
     """
-    width = robot.n if names is None else len(names)
     q, times = columns["q"], columns.get("t")
-    if q is None or q.ndim != 2 or not len(q) or q.shape[1] != width:
-        raise TrajectoryError("the positions have another shape than the arm", where=where,
-                              got="none" if q is None else f"shape {q.shape}",
-                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
-    if len(q) > MOST_ROWS:
-        raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
     if names is None:
+        q = _positions(where, robot, q, robot.n)
         order = list(range(robot.n))
     else:
+        q = _positions(where, robot, q, len(names))
         order = _order_of_joints(where, robot, names)
     factors = np.where(turning(robot), np.pi / 180 if deg else 1.0, 1.0)
     parts: dict[str, Array] = {}
@@ -213,10 +208,24 @@ def arranged(
                                   allowed=f"shape ({len(q)},)")  # fmt: skip
         checked_times(times, lambda row: f"{where}, row {row + 1}")
     wanted = {joint.name for joint in robot.variables}
-    return Trajectory(
-        Path(where).name, regular_times(len(q)) if times is None else times, parts["q"], times is not None,
-        tuple(name for name in names or () if name not in wanted), parts.get("qd"), parts.get("qdd"),
-    )  # fmt: skip
+    others = tuple(name for name in names or () if name not in wanted)
+    return Trajectory(Path(where).name, regular_times(len(q)) if times is None else times, parts["q"],
+                      times is not None, others, parts.get("qd"), parts.get("qdd"))  # fmt: skip
+
+
+def _positions(where: str, robot: Robot, q: Array | None, width: int) -> Array:
+    """The positions, a row for each sample and as many columns as they are to have.
+
+    Raises:
+        TrajectoryError: none, of another shape, or too many.
+    """
+    if q is None or q.ndim != 2 or not len(q) or q.shape[1] != width:
+        raise TrajectoryError("the positions have another shape than the arm", where=where,
+                              got="none" if q is None else f"shape {q.shape}",
+                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
+    if len(q) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
+    return q
 
 
 def _order_of_joints(where: str, robot: Robot, names: list[str]) -> list[int]:

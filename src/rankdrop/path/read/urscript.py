@@ -40,6 +40,7 @@ _OTHER = ("servoj", "servoc", "speedj", "speedl", "force_mode", "freedrive_mode"
 _FLOW = {**dict.fromkeys(("if", "elif", "else", "return"), Reason.BRANCH),
          **dict.fromkeys(("while", "for", "break", "continue"), Reason.LOOP)}  # fmt: skip
 _QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
+_SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW, "set_tcp": Reason.TOOL}
 _WORD = re.compile(r"\s*([A-Za-z_]\w*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -66,23 +67,26 @@ def read(text: str, name: str) -> Program:
                 listing.skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
             _move(listing, names, count, line, word, rest)
-        elif word == "movec":
-            listing.skip(count, line, Reason.CIRCLE)
-        elif word in _OTHER:
-            listing.skip(count, line, Reason.OTHER_MOVE)
-        elif word in _FLOW:
-            listing.skip(count, line, _FLOW[word])
-        elif word == "set_tcp":
-            listing.skip(count, line, Reason.TOOL)
-        elif word in _QUIET:
-            continue
-        elif rest.startswith("("):
-            listing.skip(count, line, Reason.CALL)
-        elif "=" not in rest or word in ("global", "local") or (word in names.literals and word not in names.changed):
-            continue
         else:
-            listing.skip(count, line, Reason.OTHER)
+            reason = _why_skipped(word, rest, names)
+            if reason is not None:
+                listing.skip(count, line, reason)
     return Program(name, Language.URSCRIPT, tuple(listing.items), degrees=False)
+
+
+def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:
+    """Why a line that is no move is not read; None where it means nothing for the moves."""
+    if word in _SKIPPED:
+        return _SKIPPED[word]
+    if word in _QUIET:
+        return None
+    if rest.startswith("("):
+        return Reason.CALL
+    if "=" not in rest or word in ("global", "local"):
+        return None
+    if word in names.literals and word not in names.changed:
+        return None
+    return Reason.OTHER
 
 
 def _declare(names: Names, line: str, where: str) -> None:

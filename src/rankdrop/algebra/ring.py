@@ -51,7 +51,7 @@ MANY = 20_000
 KEPT = 400_000
 """Terms of polynomials that a ring remembers: twenty megabytes or so. Most derivations have 50,000."""
 _SHORT, _LASTING = 1_000, 15_000  # terms up to which factoring takes milliseconds, and seconds
-_FAMILIAR = 400  # terms up to which the factors of a polynomial are remembered: minors return on many sets
+_FAMILIAR = 4_000  # terms up to which the factors of a polynomial are remembered: minors return on many sets
 
 _LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
 

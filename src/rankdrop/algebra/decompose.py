@@ -65,7 +65,7 @@ def decompose(
         OutOfTime: the deadline has passed.
     """
     work.check()
-    tick(100)
+    tick(500)
     choices = [atoms(form, work) for form in conditions if form.f != 0]
     if not all(choices):
         return []

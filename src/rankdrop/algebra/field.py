@@ -153,8 +153,8 @@ def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
             value = value * tables[place][power] % prime
         total += value
     if bottom == 1:
-        return total % prime
-    return total * pow(bottom, -1, prime) % prime
+        return int(total % prime)
+    return int(total * pow(bottom, -1, prime) % prime)
 
 
 def _read(f: Polynomial) -> tuple[int, list[tuple[int, list[tuple[int, int]]]]]:

@@ -91,11 +91,11 @@ std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, cons
                                       const MonitorSettings& settings) {
     fit(chain, view, families, settings);
     const bool walks = std::find(families.lengthy.begin(), families.lengthy.end(), 1) != families.lengthy.end();
-    return watching(walks).watch(chain, view, families, settings);
+    return watch(walks, chain, view, families, settings);
 }
 
 // One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step, q.
-nb::object watch(Watcher& watcher, const In1& q, const std::optional<In1>& velocity) {
+nb::object step(Watcher& watcher, const In1& q, const std::optional<In1>& velocity) {
     const std::size_t m = static_cast<std::size_t>(watcher.rows()), n = static_cast<std::size_t>(watcher.variables()),
                       s = std::min(m, n);
     if (q.shape(0) != n || (velocity && velocity->shape(0) != n)) throw nb::value_error("q or velocity has the wrong shape");
@@ -215,7 +215,7 @@ void bind_families(nb::module_& module) {
     module.def("feet", &feet, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<Watcher>(module, "Watcher")
         .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))
-        .def("step", &watch, nb::arg("q"), nb::arg("velocity").none())
+        .def("step", &step, nb::arg("q"), nb::arg("velocity").none())
         .def("apart", &apart);
 }
 

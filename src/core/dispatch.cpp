@@ -1,15 +1,18 @@
 // Run-time choice among the instruction sets the core was built for.
+#include <algorithm>
 #include <atomic>
 
 #include "kernels.hpp"
 
 namespace rankdrop {
 
+using Watch = std::unique_ptr<Watcher>(const Chain&, const View&, const Families&, const MonitorSettings&);
+
 namespace single { extern const Kernels table; }
-namespace baseline { extern const Kernels table; }
+namespace baseline { extern const Kernels table; Watch watch; }
 #if defined(RANKDROP_HAVE_X86_SETS)
-namespace avx2 { extern const Kernels table; }
-namespace avx512 { extern const Kernels table; }
+namespace avx2 { extern const Kernels table; Watch watch; }
+namespace avx512 { extern const Kernels table; Watch watch; }
 #endif
 
 namespace {
@@ -34,12 +37,16 @@ std::atomic<const Kernels*>& chosen() {
 
 const Kernels& kernels() { return *chosen().load(std::memory_order_relaxed); }
 
-const Kernels& watching(bool walks) {
-    const int lanes = walks ? 8 : 4;  // 8 walks of one configuration (onto_set.hpp); else what wider registers cost counts
-    const Kernels* best = &baseline::table;
-    for (const Kernels* one : runnable())
-        if (one->width <= lanes && one->width <= kernels().width) best = one;
-    return *best;
+std::unique_ptr<Watcher> watch(bool walks, const Chain& chain, const View& view, const Families& families,
+                               const MonitorSettings& settings) {
+    // 8 walks of one configuration (onto_set.hpp); without walks the cost of wider registers counts
+    const int lanes = std::min(walks ? 8 : 4, kernels().width);
+    Watch* best = baseline::watch;
+#if defined(RANKDROP_HAVE_X86_SETS)
+    if (avx2::table.width <= lanes) best = avx2::watch;  // what is asked for runs here, and so does what is narrower
+    if (avx512::table.width <= lanes) best = avx512::watch;
+#endif
+    return best(chain, view, families, settings);
 }
 
 const Kernels& narrowest() { return single::table; }

@@ -334,13 +334,10 @@ void shape(const Split& split, int level, const std::int32_t* place, double* out
 
 }  // namespace
 
-std::unique_ptr<Watcher> watch(const Chain&, const View&, const Families&, const MonitorSettings&);  // watcher.cpp
-
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, enclose_cut, nearest, set_feet, links, monitor, spread, equations, zeros, feet, cover, judge, shape,
-                    watch};
+                    svd_range, newton, descend, enclose, enclose_cut, nearest, set_feet, links, monitor, spread, equations, zeros, feet, cover, judge, shape};
 
 }  // namespace rankdrop::RANKDROP_ISA

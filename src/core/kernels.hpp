@@ -75,17 +75,15 @@ struct Kernels {
                   std::int8_t* out);
     // Bernstein coefficients (15, 16) of one box of a level
     void (*shape)(const Split&, int level, const std::int32_t* place, double* out);
-    // A monitor of single configurations.
-    std::unique_ptr<Watcher> (*watch)(const Chain&, const View&, const Families&, const MonitorSettings&);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
 // The table with one lane, for single rows.
 const Kernels& narrowest();
-// The table for one configuration after the other: where it is walked from by the kinematics as many lanes as there are
-// walks, if that many were asked for.
-const Kernels& watching(bool walks);
+// A monitor of single configurations. Where families are walked to by the kinematics (`walks`) it takes as many lanes as
+// there are walks, if that many were asked for.
+std::unique_ptr<Watcher> watch(bool walks, const Chain&, const View&, const Families&, const MonitorSettings&);
 // The quickest table for so many rows: all give the same bits.
 const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.

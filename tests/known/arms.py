@@ -7,7 +7,6 @@ costs more takes one arm of each structure: many makers build the same structure
 from __future__ import annotations
 
 import csv
-from functools import cache
 from pathlib import Path
 
 from rankdrop.results.analysis import Analysis
@@ -28,12 +27,22 @@ FEW = ("planar3r", "scara", "stanford", "puma560", "ur5e", "iiwa14", "canadarm2"
 """For what costs seconds each: planar, a slide outside and inside a spherical wrist, offset wrist, 7R, 8 joints."""
 
 
-@cache
-def structures() -> tuple[str, ...]:
-    """One arm of each structure of the catalogue: for what is made anew.
+STRUCTURES = (
+    "almarkhi4", "anthropomorphic", "baxter", "canadarm2", "cobotta", "crx10ia", "e0509", "fetch", "fetch8", "fr3",
+    "gen3", "gen3_6dof", "gen3_lite", "gp7", "hc10", "iiwa14", "iiwa7", "irb120", "irb140", "irb6640", "j2n6s300",
+    "j2s7s300", "m1013", "m430ia2f", "mycobot_pro600", "open_manipulator", "planar2r", "planar3r", "puma560", "rcrrrr",
+    "reachy2",
+    "rizon10", "rs030n", "sawyer", "scara", "sia5d", "so101", "stanford", "tiago", "tx2_90l", "ur5e", "xarm5", "xarm6",
+    "xarm7", "yam", "yumi", "z1",
+)  # fmt: skip
+"""One arm of each structure of the catalogue (`structures`): for what is made anew."""
 
-    Told from the shipped analyses: as many joints of the same kinds, the same task, and rows that pin the same joints
-    and have the same coranks and dimensions. Such arms differ in their lengths.
+
+def structures() -> tuple[str, ...]:
+    """One arm of each structure, told from the shipped analyses.
+
+    As many joints of the same kinds, the same task, and rows that pin the same joints and have the same coranks and
+    dimensions: such arms differ in their lengths.
     """
     found: dict[tuple[object, ...], str] = {}
     for name in sorted(robot_names(), key=lambda name: (name not in FEW, name not in KINDS, name)):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from reference.kinematics import jacobian
 
-from known.arms import structures
+from known.arms import STRUCTURES
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.record import Family, families_at
 from rankdrop.families.searching import Search, search
@@ -30,7 +30,7 @@ POINTS = "yumi"
 others: 2,400 configurations meet most of them."""
 UNFINISHED = ("rizon10",)
 """Its analysis says so: not every singular configuration is on one of its families."""
-ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.by_hand) for name in structures() if name not in QUICK)]
+ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.by_hand) for name in STRUCTURES if name not in QUICK)]
 
 
 @cache

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from known.arms import structures
+from known.arms import STRUCTURES
 from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
@@ -33,7 +33,7 @@ from rankdrop.version import VERSION
 SHIPPED = shelf.conditions_names()
 QUICK = ("planar3r", "puma560", "scara")
 ANEW = [
-    pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in structures() if name in SHIPPED
+    pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in STRUCTURES if name in SHIPPED
 ]
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import os
 import tracemalloc
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, ZipFile
@@ -50,24 +52,33 @@ def long_header() -> bytes:
     return stream.getvalue()[:8] + (LARGE).to_bytes(4, "little") + b" " * LARGE
 
 
-REFUSED = {
-    "bytes": (array_of("|i1", (10**9, 1)), "the array is too large; got 1000000000 numbers"),
-    "many rows": (array_of("|i1", (20_000_000, 1)), "there are too many rows; got 20000000"),
-    "truth": (array_of("|b1", (5_000_000, 4)), "these are no numbers; got an array of bool"),
-    "text": (array_of("<U2000000", (2, 1)), "these are no numbers; got an array of <U2000000"),
-    "no text": (array_of("<U0", (2, 4)), "these are no numbers"),
-    "nothing": (array_of("|V0", (2, 4)), "these are no numbers; got an array of |V0"),
-    "raw": (array_of("|V16", (2, 4)), "these are no numbers; got an array of |V16"),
-    "complex": (array_of("<c16", (2, 4)), "these are no numbers; got an array of complex128"),
-    "dates": (array_of("<M8[s]", (2, 4)), r"these are no numbers; got an array of datetime64\[s\]"),
-    "spans": (array_of("<m8[s]", (2, 4)), r"these are no numbers; got an array of timedelta64\[s\]"),
-    "objects": (array_of("|O", (2, 4)), "these are no numbers; got an array of object"),
-    "record": (array_of([("a", "<f8")], (2, 4)), "these are no numbers; got an array of"),
-    "huge": (array_of("<f8", (2**62, 2**62)), "the array is too large"),
-    "negative": (array_of("<f8", (-1, 4)), "the array has a negative size"),
-    "short": (array_of("<f8", (1000, 4), size=0), "this is not a file of NumPy's"),
-    "long header": (long_header(), "this is not a file of NumPy's"),
-    "plain text": (b"hello" + bytes(LARGE), "this is not a file of NumPy's"),
+def made(descr: Any, shape: Any, size: int = LARGE) -> Callable[[], bytes]:
+    """`array_of`, 20 MB each, when a test asks for it."""
+    return partial(array_of, descr, shape, size)
+
+
+def held(value: Any) -> Callable[[], bytes]:
+    return partial(whole, value)
+
+
+REFUSED: dict[str, tuple[Callable[[], bytes], str]] = {
+    "bytes": (made("|i1", (10**9, 1)), "the array is too large; got 1000000000 numbers"),
+    "many rows": (made("|i1", (20_000_000, 1)), "there are too many rows; got 20000000"),
+    "truth": (made("|b1", (5_000_000, 4)), "these are no numbers; got an array of bool"),
+    "text": (made("<U2000000", (2, 1)), "these are no numbers; got an array of <U2000000"),
+    "no text": (made("<U0", (2, 4)), "these are no numbers"),
+    "nothing": (made("|V0", (2, 4)), "these are no numbers; got an array of |V0"),
+    "raw": (made("|V16", (2, 4)), "these are no numbers; got an array of |V16"),
+    "complex": (made("<c16", (2, 4)), "these are no numbers; got an array of complex128"),
+    "dates": (made("<M8[s]", (2, 4)), r"these are no numbers; got an array of datetime64\[s\]"),
+    "spans": (made("<m8[s]", (2, 4)), r"these are no numbers; got an array of timedelta64\[s\]"),
+    "objects": (made("|O", (2, 4)), "these are no numbers; got an array of object"),
+    "record": (made([("a", "<f8")], (2, 4)), "these are no numbers; got an array of"),
+    "huge": (made("<f8", (2**62, 2**62)), "the array is too large"),
+    "negative": (made("<f8", (-1, 4)), "the array has a negative size"),
+    "short": (made("<f8", (1000, 4), size=0), "this is not a file of NumPy's"),
+    "long header": (long_header, "this is not a file of NumPy's"),
+    "plain text": (lambda: b"hello" + bytes(LARGE), "this is not a file of NumPy's"),
 }
 
 
@@ -75,7 +86,8 @@ REFUSED = {
 @pytest.mark.parametrize("kind", REFUSED)
 @pytest.mark.parametrize("ending", ["npy", "npz"])
 def test_what_is_refused_is_not_unpacked(kind: str, ending: str, tmp_path: Path) -> None:
-    content, said = REFUSED[kind]
+    make, said = REFUSED[kind]
+    content = make()
     path = tmp_path / f"a.{ending}"
     if ending == "npz":
         packed(path, {"q": content})
@@ -94,22 +106,22 @@ def test_what_is_refused_is_not_unpacked(kind: str, ending: str, tmp_path: Path)
     assert peak < LARGE / 4, f"{peak:,} bytes"
 
 
-MEMBERS = {
-    "times of bytes": ({"q": whole(Q), "t": array_of("|i1", (10**8,))}, "t: the array is too large"),
-    "rows of times": ({"q": whole(Q), "t": array_of("|i1", (2 * 10**6,))}, "t: there are too many rows"),
-    "names of numbers": ({"q": whole(Q), "joint_names": whole([1.0] * 4)}, "joint_names: these are no names"),
-    "long names": ({"q": whole(Q), "joint_names": array_of("<U100000", (4,))}, "too many or too long"),
-    "many names": ({"q": whole(Q), "joint_names": array_of("<U2", (10**6,))}, "too many or too long"),
-    "empty names": ({"q": whole(Q), "joint_names": array_of("<U0", (4,))}, "too many or too long"),
-    "names of objects": ({"q": whole(Q), "joint_names": array_of("|O", (4,))}, "these are no names"),
-    "no positions": ({"x": whole(Q)}, "the archive has no positions; got x"),
+MEMBERS: dict[str, tuple[dict[str, Callable[[], bytes]], str]] = {
+    "times of bytes": ({"q": held(Q), "t": made("|i1", (10**8,))}, "t: the array is too large"),
+    "rows of times": ({"q": held(Q), "t": made("|i1", (2 * 10**6,))}, "t: there are too many rows"),
+    "names of numbers": ({"q": held(Q), "joint_names": held([1.0] * 4)}, "joint_names: these are no names"),
+    "long names": ({"q": held(Q), "joint_names": made("<U100000", (4,))}, "too many or too long"),
+    "many names": ({"q": held(Q), "joint_names": made("<U2", (10**6,))}, "too many or too long"),
+    "empty names": ({"q": held(Q), "joint_names": made("<U0", (4,))}, "too many or too long"),
+    "names of objects": ({"q": held(Q), "joint_names": made("|O", (4,))}, "these are no names"),
+    "no positions": ({"x": held(Q)}, "the archive has no positions; got x"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_every_array_of_an_archive_is_judged(kind: str, tmp_path: Path) -> None:
     members, said = MEMBERS[kind]
-    path = packed(tmp_path / "a.npz", members)
+    path = packed(tmp_path / "a.npz", {name: make() for name, make in members.items()})
     tracemalloc.start()
     try:
         with pytest.raises(TrajectoryError, match=said):

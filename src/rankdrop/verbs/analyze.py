@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rankdrop.aspects.arm import count_of_arm, summary_of
-from rankdrop.distance.share import check_within, near_shares
+from rankdrop.distance.share import check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
@@ -229,6 +229,10 @@ def analyze(
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
                            progress=partial(report, "shares"))  # fmt: skip
     speeds, unmade = _speeds(region, rows, report, complete=unfinished is None)
+    if speeds is None:
+        slow = None
+    else:
+        slow = slower_than(Problem(robot, resolved), speeds.tool_speed, seed=how.seed)
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
@@ -242,6 +246,7 @@ def analyze(
         exact=None if unfinished is not None else derivation,
         near=near,
         speeds=speeds,
+        slow=slow,
         aspects=_aspects(robot, resolved, asked=how.aspects),
     )
 

@@ -327,14 +327,18 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
         shares = [one["near"]["any"] for one in records if one.get("near")]
     elif measure == "slow":
         shares = [one["slow"] for one in records if one.get("slow")]
+    if measure == "slow" and any("slow" in one and one["slow"] is None for one in records):
+        missing = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
+    else:
+        missing = ""
     most = max((float(one["error"]) for one in shares), default=0.0)
     if any(one["bound"] for one in shares):
         larger = " or more"
     else:
         larger = ""
     if most:
-        return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
-    return ""
+        return f", by samples: ± {APART * 100 * most:.2g} %{larger}{missing}"
+    return missing
 
 
 def _slow_poses_error(regions: Sequence[Mapping[str, Any]]) -> str:

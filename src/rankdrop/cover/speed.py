@@ -84,8 +84,9 @@ class SpeedRegion:
         limited = int(np.isfinite(self.limits).sum())
         if limited <= robot.n - task.m:  # the other joints alone can make any motion
             raise OptionError(
-                "too few joints have rate limits" if limited else "the arm has no rate limits", where="speed",
-                got=f"{limited} of {robot.n} joints of {robot.name}", allowed=f"at least {robot.n - task.m + 1}",
+                "the arm has no rate limits that bound the tool's speed", where="speed",
+                got=f"{robot.name}: limits for {limited} of {robot.n} joints",
+                allowed=f"rate limits of at least {robot.n - task.m + 1} joints",
                 mend="state `velocity` of the joints in its file, in rad/s (slides: m/s)",
             )  # fmt: skip
         if around is None:

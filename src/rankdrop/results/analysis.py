@@ -185,9 +185,9 @@ class Analysis(Result):
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
             exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
-            near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
-            speeds=at("$.speeds", lambda: restored(SpeedDistances, record["speeds"])) if "speeds" in record else None,
-            slow=at("$.slow", lambda: restored(SlowShare, record["slow"])) if "slow" in record else None,
+            near=_part(record, "near", Near),
+            speeds=_part(record, "speeds", SpeedDistances),
+            slow=_part(record, "slow", SlowShare),
             aspects=at("$.aspects", lambda: _aspects(record)),
         )
 
@@ -298,6 +298,13 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
+
+
+def _part(record: Record, entry: str, kind: type[Any]) -> Any:
+    """An entry that is absent where it was not computed."""
+    if entry not in record:
+        return None
+    return at(f"$.{entry}", lambda: restored(kind, record[entry]))
 
 
 def _aspects(record: Record) -> AspectSummary | None:

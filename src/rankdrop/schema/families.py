@@ -282,7 +282,7 @@ ANALYSIS_FILE = file(
     speeds=(optional(SPEED_DISTANCES), "how far from each family the tool keeps a speed; absent where it was not asked "
         "for", lambda one: one.speeds or UNSET),
     slow=(optional(ANALYSIS_SLOW), "share of the joint space inside the limits in which the tool is slower than the "
-        "speed asked about; absent where it was not asked for", lambda one: one.slow or UNSET),
+        "speed of `speeds`; absent without it", lambda one: one.slow or UNSET),
     aspects=(optional(ASPECTS_SUMMARY), "how many aspects the arm has, joint limits ignored; absent for arms outside "
         "the catalogue where it was not asked for", lambda one: one.aspects or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",

@@ -77,5 +77,6 @@ from .words import motion as motion
 from .words import numbers as numbers
 from .words import procedure_text as procedure_text
 from .words import short as short
+from .words import tolerant_lines as tolerant_lines
 from .words import tolerant_sections as tolerant_sections
 from .words import tolerant_sentence as tolerant_sentence

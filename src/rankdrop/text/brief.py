@@ -226,6 +226,9 @@ def sigma_note(variants: int, wide: int, uncovered: int) -> str:
     return note
 
 
+NO_RATE_LIMITS = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
+
+
 def slow_poses_note(speed: float, width: float) -> str:
     """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
     return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"

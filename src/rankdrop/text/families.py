@@ -669,7 +669,7 @@ def slow_line(slow: SlowShare) -> str:
 
 
 def slow_configurations(slow: NearShare | None, speed: float, turn_speed: float) -> str:
-    """The share of slow configurations on a page, at speeds in m/s and rad/s; what is missing where there is none."""
+    """The share of slow configurations on a page, at speeds in m/s and rad/s; without it, what the file lacks."""
     if slow is None:
         return "unknown: too few joints have a rate limit (state `velocity` of the joints in the arm's file)"
     return (

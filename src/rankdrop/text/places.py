@@ -13,6 +13,7 @@ _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 
 
 def when(place: Any) -> str:
+    """A place of a path by its time, else by its row: "at 1.2 s", "between rows 3 and 4"."""
     if place.time is not None:
         return f"at {place.time:.4g} s"
     near = min(place.share, 1.0 - place.share) < _AT_ROW
@@ -22,6 +23,7 @@ def when(place: Any) -> str:
 
 
 def row_words(place: Any) -> str:
+    """A row, with two digits of the share of the way to the next."""
     return f"{round(place.position, 2):.12g}"
 
 

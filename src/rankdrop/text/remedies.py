@@ -377,4 +377,5 @@ def poses_written(target: str, remedy: Any, made: Any, robot: Robot, *, arm: str
     if not given_start and not made.moved:
         return words
     values = ",".join(f"{x:.9g}" for x in made.start.tolist())
-    return f'{words}; its branch: rankdrop path {arm} {target} --start="{values}"'
+    start = advised("start", f'"{values}"', python=f"start=[{values}]")
+    return f"{words}; its branch: rankdrop path {arm} {target} {start}"

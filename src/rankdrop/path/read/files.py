@@ -733,6 +733,7 @@ def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str)
 
 
 def unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+    """Metres or radians in the unit of length or angle that an object of poses states, or in its default."""
     unit = about.get(key, default)
     if unit not in allowed:
         raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))

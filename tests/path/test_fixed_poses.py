@@ -1,4 +1,4 @@
-"""A mended file of poses is a file of poses: its other rows stay byte for byte, and it is proven free when read back."""
+"""A mended file of poses is a file of poses: other rows stay byte for byte, and it is proven free when read back."""
 
 from __future__ import annotations
 

@@ -44,6 +44,7 @@ _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its r
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
+_CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
 
@@ -363,6 +364,9 @@ class _Walk:
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, False, None
+        if len(self.passed) >= _CREEPS and place + 1.0 - self.passed[-_CREEPS].place < _CREPT:
+            del self.passed[-_CREEPS:]
+            return None, True, None
         found, folds = departures(self.aim, self.poses, place, now)
         for one in found:
             step = self._leap(now, place, one)

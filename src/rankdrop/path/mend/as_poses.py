@@ -1,10 +1,10 @@
 """A mended path of a file of poses, as poses again: rows that the remedy leaves alone are those of the file.
 
-A remedy is a joint path. Its rows that reach poses of the file, in the order of the file, are rows of the file; between two of them the rows on the straight move at the time that the move would have anyway are left
-out; all others are new poses. Changed parts are then followed as any file of poses is, and proven: the tip goes
-straight between the new poses, at its own joint rates. A move that is too fast gets as much more time as its rate
-asks for. Where the branch that is followed is not the remedy's at the end of a changed part, or it is not proven free,
-the remedy has no poses.
+A remedy is a joint path. Its rows that reach poses of the file, in the order of the file, are rows of the file. Between
+two of them the rows on the straight move, at the time that the move would have anyway, are left out. All others are new
+poses. Changed parts are then followed as any file of poses is, and proven: the tip goes straight between the new poses,
+at its own joint rates. A move that is too fast gets as much more time as its rate asks for. Where the branch that is
+followed is not the remedy's at the end of a changed part, or it is not proven free, the remedy has no poses.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Files of poses written again with some poses moved, put in or at other times: all other rows stay as they are.
 
-Lines of a CSV file that stay are copied byte for byte, comments above them too; one that is only at another time has another number in the
-column of the time. New rows have the columns, units, delimiter and decimal sign of the file, and what other columns
-hold is copied from the row of the file before them. Of JSON (and YAML, which is written as JSON) entries stay as they
-are, and new ones have the form of the entry before them.
+Lines of a CSV file that stay are copied byte for byte, comments above them too; a line that is only at another time has
+another number in the column of the time. New rows have the columns, units, delimiter and decimal sign of the file, and
+their other columns are copied from the row of the file before them. Of JSON (and YAML, which is written as JSON)
+entries stay as they are, and new ones have the form of the entry before them.
 """
 
 from __future__ import annotations

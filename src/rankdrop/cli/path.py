@@ -244,7 +244,11 @@ def path(
         progress = partial(report, f"{named[0].name}: stretches decided")
         result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, paths.ProgramCheck):
-            return _of_program(result, output)
+            lines: tuple[paths.LineRemedy, ...] = ()
+            if result.complete and not result.holds:
+                lines = paths.program_remedies(result, analysis=families, options=RemedyOptions(bump=mend.bump,
+                                                                                                detour=mend.detour))
+            return _of_program(result, lines, output)
         if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
             remedies = _mended(result, families, mend, report)
     written = Written(name, named[0], families, source.deg)
@@ -331,13 +335,14 @@ def _check_program(output: PathOutput, mend: Remedies) -> None:
     given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
     for name in (["--remedies"] if mend.wanted else []) + given:
         raise OptionError("this option is not for robot programs", where=name,
-                          mend="--json writes the joint path of every part; check that as a file of joint values",
+                          mend="programs are not written: the plain command names the remedy for each line, and "
+                          "--json writes the joint path of every part, which can be checked and mended as a file",
                           )  # fmt: skip
 
 
-def _of_program(result: paths.ProgramCheck, output: PathOutput) -> Done:
+def _of_program(result: paths.ProgramCheck, lines: tuple[paths.LineRemedy, ...], output: PathOutput) -> Done:
     return Done(
-        lambda: list(result.sections(full=output.full)), {"json": result.to_dict}, holds=result.holds,
+        lambda: list(result.sections(full=output.full, remedies=lines)), {"json": result.to_dict}, holds=result.holds,
         complete=result.complete,
         last=None if result.complete else partial(say, "interrupted: what was proven so far holds"),
     )  # fmt: skip

@@ -28,6 +28,8 @@ from .curve import Place as Place
 from .mend.as_poses import MendedPoses as MendedPoses
 from .mend.as_poses import NoPoses as NoPoses
 from .mend.as_poses import mended_poses as mended_poses
+from .mend.programs import LineRemedy as LineRemedy
+from .mend.programs import program_remedies as program_remedies
 from .mend.remedies import KINDS as KINDS
 from .mend.remedies import LOCAL as LOCAL
 from .mend.remedies import Mending as Mending

@@ -115,8 +115,14 @@ def _ahead(tool: Any) -> str:
     return f"{ahead} is out of reach: no configuration within the joint limits was found for it"
 
 
-def turn_words(turn: Any, robot: Robot) -> str:
-    """An internal turn: its joint that turns most, the others, and how far the path can be followed after it."""
+def turn_words(turn: Any, robot: Robot, *, place: bool = True) -> str:
+    """An internal turn: its joint that turns most, the others, and how far the path can be followed after it.
+
+    Args:
+        turn: the turn.
+        robot: the arm.
+        place: name the pose at which it is made, and how far the path can be followed after it.
+    """
     moved = turn.to - turn.q
     turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
     order = sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
@@ -138,11 +144,14 @@ def turn_words(turn: Any, robot: Robot) -> str:
         with_it = f", with {', '.join(change(i) for i in sorted(others))}"
     else:
         with_it = ""
+    words = f"turn {change(first)} with the tool held still{with_it}"
+    if not place:
+        return words
     after = (
         "; after it the path can be followed to its end" if turn.rest_complete else
         f"; after it the path can be followed to pose {turn.rest_reached:.5g}" if turn.rest_complete is not None else ""
     )  # fmt: skip
-    return f"turn {change(first)} with the tool held still{with_it}, at pose {turn.place:.5g}{after}"
+    return f"{words}, at pose {turn.place:.5g}{after}"
 
 
 def sentence(check: Any) -> str:
@@ -463,7 +472,7 @@ def path_sections(
 def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
     """A stretch that is not free: what it reaches, where, and what is lost."""
     yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
-    yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
+    yield f"    at {joints_words(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
     if not full:
         return
@@ -505,7 +514,7 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
     rows = tuple(tuple(cell(one) for cell in columns.values()) for one in sorted(free, key=attrgetter("start")))
     where = tuple(
         f"{_far(one.closest.distance)} at row {row_words(one.closest.place)}{_way(one, check.robot)}: "
-        f"{_joints(check.robot, one.closest.q, deg=deg)}"
+        f"{joints_words(check.robot, one.closest.q, deg=deg)}"
         for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
     )
     return Section("Proven free", columns=tuple(columns), rows=rows, after=where, notes=tuple(notes))
@@ -566,7 +575,8 @@ def _percent(share: float) -> str:
     return f"{short(100 * share, 3)} %"
 
 
-def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
+def joints_words(robot: Robot, q: Array, *, deg: bool) -> str:
+    """Joint values by name, with units."""
     parts = []
     for joint, value in zip(robot.variables, q, strict=True):
         turns = joint.unit == "rad"

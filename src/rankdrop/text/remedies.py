@@ -244,17 +244,18 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
 
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
-    when, off = between(change.start, change.end), _off(change.off, robot)
+    when, off = between(change.start, change.end), tool_off_words(change.off, robot)
     if not (change.longer > 0.0 or change.way.any()):
         return f"the tool moves by {off} {when}"
     if change.longer > 0.0:
         return f"slower {when}, which takes {short(change.longer, 2)} s longer"
     if not change.at_end.any():
-        return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
-    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.at_end, robot)}"
+        return f"{joint_moves(change.way, robot)} {when}; the tool moves by {off}"
+    after = joint_moves(change.at_end, robot)
+    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {after}"
 
 
-def _moves(way: Array, robot: Robot) -> str:
+def joint_moves(way: Array, robot: Robot) -> str:
     """Joint motions, the largest first: "joint 5 by 1.5°, joint 3 by −1.1°"; what is below 1 % of it left out."""
     turns = np.array([joint.unit == "rad" for joint in robot.variables])
     size = np.abs(way) / np.where(turns, 1.0, counted_length(robot))
@@ -270,7 +271,7 @@ def _amount(value: float, unit: str) -> str:
     return f"{short(number, 2 if abs(number) < _LARGE else 3)}{'°' if unit == 'rad' else ' mm'}"
 
 
-def _off(off: tuple[float, float], robot: Robot) -> str:
+def tool_off_words(off: tuple[float, float], robot: Robot) -> str:
     """A deviation of the tool."""
     return f"{_small(1000 * off[0] / counted_length(robot))} mm and {_small(degrees(off[1]))}°"
 
@@ -302,7 +303,7 @@ def best_words(mending: Any) -> str:
     elif change.at_end.any() or not change.way.any():
         what = f"the tool led around it {between(change.start, change.end)}"
     else:
-        what = f"{_moves(change.way, robot)} {between(change.start, change.end)}"
+        what = f"{joint_moves(change.way, robot)} {between(change.start, change.end)}"
     others = len(best.changes) - 1
     if others > 0:
         more = f", and {others} more {plural('change', others)},"
@@ -313,7 +314,7 @@ def best_words(mending: Any) -> str:
         slower = " in a new time law"
     else:
         slower = ""
-    off = _off(best.deviation, robot)
+    off = tool_off_words(best.deviation, robot)
     return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
 
 

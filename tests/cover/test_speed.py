@@ -117,6 +117,7 @@ def test_a_budget_that_is_spent_is_said_and_what_it_gives_is_larger() -> None:
     assert short.kept_from is None or short.kept_from >= whole.kept_from
 
 
+@pytest.mark.slow
 def test_a_region_on_both_sides_of_the_value_is_proven_on_both(rng) -> None:
     around = np.array([0.5, -1.0, 1.4, 0.3, 0.05, 0.1])
     region = region_of("ur5e", 0.2, around=around, span=np.radians(20.0))

@@ -106,6 +106,7 @@ def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
     assert "The families are derived exactly." in page(shown_of_it)
 
 
+@pytest.mark.slow
 def test_the_data_is_the_arm() -> None:
     found = shown("stanford")
     record = json.loads(json.dumps(page_data(found), allow_nan=False))

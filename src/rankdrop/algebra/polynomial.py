@@ -793,9 +793,10 @@ def _slices_irreducible(f: Polynomial) -> bool:
         return False
     x = min(places, key=lambda place: int(degrees[place]))
     rng = random.Random(_SLICED)
-    return all(
-        any(_slice_irreducible(f, x, y, places, prime, rng) for prime in _SMALL) for y in places if y != x
-    )
+    for y in places:
+        if y != x and not any(_slice_irreducible(f, x, y, places, prime, rng) for prime in _SMALL):
+            return False
+    return True
 
 
 def _slice_irreducible(

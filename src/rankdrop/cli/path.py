@@ -223,15 +223,10 @@ def path(
     if several:
         _check_several(output, mend)
     model, task = open_arm(name, arm, source)
-    if source.start is None:
-        given = []
-    else:
-        given = [source.start]
-    start = [tuple(parse_configuration(one, model, deg=source.deg, option="--start")) for one in given]
-    if source.analysis is None:
-        families = None
-    else:
-        families = results.Analysis.load(source.analysis)
+    start = []
+    if source.start is not None:
+        start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
+    families = _opened_families(source.analysis)
     if mend.fixed is not None and mend.fixed_as == "input" and not several and paths.holds_poses(named[0], model):
         paths.check_pose_target(named[0], mend.fixed)
     own = arm.task is None and arm.length_scale is None
@@ -244,15 +239,28 @@ def path(
         progress = partial(report, f"{named[0].name}: stretches decided")
         result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, paths.ProgramCheck):
-            lines: tuple[paths.LineRemedy, ...] = ()
-            if result.complete and not result.holds:
-                lines = paths.program_remedies(result, analysis=families, options=RemedyOptions(bump=mend.bump,
-                                                                                                detour=mend.detour))
-            return _of_program(result, lines, output)
+            return _of_program(result, _line_remedies(result, families, mend), output)
         if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
             remedies = _mended(result, families, mend, report)
     written = Written(name, named[0], families, source.deg)
     return _of_one(result, remedies, near, families, output, mend, written)
+
+
+def _line_remedies(
+    check: paths.ProgramCheck, families: results.Analysis | None, mend: Remedies
+) -> tuple[paths.LineRemedy, ...]:
+    """A remedy for each line of a program that is not free; none where all are, or the check was cut short."""
+    if check.holds or not check.complete:
+        return ()
+    options = RemedyOptions(bump=mend.bump, detour=mend.detour)
+    return paths.program_remedies(check, analysis=families, options=options)
+
+
+def _opened_families(file: str | None) -> results.Analysis | None:
+    """The analysis of a file; None where none is named."""
+    if file is None:
+        return None
+    return results.Analysis.load(file)
 
 
 def _mended(

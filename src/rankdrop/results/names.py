@@ -42,7 +42,7 @@ def name_from_dict(record: Record) -> FamilyName:
     relations = restored(tuple[Detail, ...], record.get("relations", ()))
     dependent = restored(tuple[Dependence, ...], record.get("dependent", ()))
     details: tuple[Detail | Dependence | LowRank, ...] = (
-        *(replace(one, joints=tuple(_before(group) for group in one.joints)) for one in relations),
+        *(replace(one, joints=tuple(map(_before, one.joints))) for one in relations),
         *(replace(one, joints=_before(one.joints), slides=_before(one.slides)) for one in dependent),
         *restored(tuple[LowRank, ...], record.get("low_rank", ())),
     )

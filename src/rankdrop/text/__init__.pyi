@@ -57,6 +57,8 @@ from .families import nothing_found as nothing_found
 from .families import number_of as number_of
 from .families import one_line as one_line
 from .families import share_text as share_text
+from .families import slow_configurations as slow_configurations
+from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
@@ -77,5 +79,6 @@ from .words import motion as motion
 from .words import numbers as numbers
 from .words import procedure_text as procedure_text
 from .words import short as short
+from .words import tolerant_lines as tolerant_lines
 from .words import tolerant_sections as tolerant_sections
 from .words import tolerant_sentence as tolerant_sentence

@@ -90,7 +90,8 @@ def one(name: str, goal: Array, starts: int, rng: np.random.Generator) -> measur
         if not len(known) or gap.max(axis=1).min() > _APART:
             missed.append(q)
     return {"arm": name, "branches": len(printed), "self-motions": len(found.continua), "arrived": len(ends),
-            "residual": worst, "missed": len(missed), "CPU s": seconds, "faults": len(missed) + (worst > RESIDUAL)}  # fmt: skip
+            "residual": worst, "missed": len(missed), "CPU s": seconds,
+            "faults": len(missed) + (worst > RESIDUAL)}  # fmt: skip
 
 
 def six_jointed() -> list[str]:

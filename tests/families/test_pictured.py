@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rankdrop.families import posed
-from rankdrop.families.pictured import TALL, height, upright, upright_start
+from rankdrop.families.pictured import TALL, height, outside_limits, upright, upright_start
 from rankdrop.local import fault, singular_values
 from rankdrop.results.known import shipped
 from rankdrop.text.special import place_name
@@ -28,6 +30,27 @@ def test_an_arm_is_drawn_upright(name: str) -> None:
         sigma = singular_values(robot, q, task)
         assert (sigma[-family.corank :] <= 1e-9).all()
         assert sigma[-family.corank - 1] > 1e-3
+
+
+def test_a_member_inside_the_limits_is_drawn_where_round_starts_lead_to_none() -> None:
+    """The family enters the box of joint limits at one corner only: its middle is joined to members outside."""
+    found = shipped("ur5e")
+    family = next(one for one in found.families if one.coupled)
+    corner = np.array(family.witness)
+    bound = [number - 1 for number in family.coupled]
+    slope = family.system.linear(corner[None])[1][0, 0, bound]
+    low, high = found.robot.lower.copy(), found.robot.upper.copy()
+    step = np.sign(slope) * np.array([0.08, 0.01, 0.16])
+    low[bound] = corner[bound] + np.minimum(-0.004 * np.sign(slope), step)
+    high[bound] = corner[bound] + np.maximum(-0.004 * np.sign(slope), step)
+    joints = tuple(
+        replace(joint, lower=float(first), upper=float(last))
+        for joint, first, last in zip(found.robot.joints, low, high, strict=True)
+    )
+    arm = replace(found.robot, joints=joints)
+    away = replace(family, witness=tuple(corner + 1.0))
+    assert outside_limits(arm, np.array(posed(arm, found.task, away).witness))
+    assert not outside_limits(arm, np.array(upright(arm, found.task, away).witness))
 
 
 def test_lost_directions_are_those_of_the_new_posture() -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rankdrop.distance import Workspace
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families import VIEW, Family, Slice, Solid, Sweep
+from rankdrop.families import VIEW, Family, Slice, Solid, Sweep, outside_limits
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
 from rankdrop.report.chart import COLOURS, joint_axes, pieces, slice_chart, sweep_chart, workspace_chart
@@ -325,8 +325,8 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     _framed(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
     words_apart(axes, numbers)
     title = f"{family.id}: {place_name(robot, analysis.task, family)}"
-    if ((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).any():
-        title += " (outside the joint limits)"
+    if outside_limits(robot, q):
+        title += " (no member found inside the joint limits)"
     top = drawn.get_tightbbox().y1 / drawn.get_figheight() + 0.01
     drawn.suptitle(fill(title, _TITLE), fontsize=8, y=top, va="bottom")
     return drawn

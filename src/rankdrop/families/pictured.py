@@ -107,6 +107,16 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     return choice.moved(found, int(cost.argmin()))
 
 
+def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:
+    """Up to `count` members of a family of exactly its corank, each near a round configuration inside the limits.
+
+    Returns:
+        (M, n) lengths in metres [rad, m].
+    """
+    choice = _Choice(robot, task, family, ())
+    return choice.members(candidates(choice.problem.robot, choice.problem.task, count, 0))[0]
+
+
 def outside_limits(robot: Robot, q: Array) -> bool:
     """Whether a joint of a configuration (n,) is beyond its limits [rad, m]."""
     return bool(_outside(robot, np.asarray(q)[None])[0])

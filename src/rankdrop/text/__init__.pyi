@@ -65,6 +65,8 @@ from .lost import lost_sentence as lost_sentence
 from .lost import lost_sentences as lost_sentences
 from .paths import free_words as free_words
 from .paths import many_section as many_section
+from .special import family_label as family_label
+from .special import family_title as family_title
 from .special import place_name as place_name
 from .words import angle as angle
 from .words import angle_below as angle_below

@@ -5,7 +5,6 @@ from .name import FamilyName as FamilyName
 from .pictured import TALL as TALL
 from .pictured import VIEW as VIEW
 from .pictured import height as height
-from .pictured import outside_limits as outside_limits
 from .pictured import posed as posed
 from .pictured import upright as upright
 from .pictured import upright_start as upright_start

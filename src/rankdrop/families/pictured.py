@@ -117,11 +117,6 @@ def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:
     return choice.members(candidates(choice.problem.robot, choice.problem.task, count, 0))[0]
 
 
-def outside_limits(robot: Robot, q: Array) -> bool:
-    """Whether a joint of a configuration (n,) is beyond its limits [rad, m]."""
-    return bool(_outside(robot, np.asarray(q)[None])[0])
-
-
 def height(robot: Robot, q: Array) -> Array:
     """(N,) height of the highest point of the links over the base at configurations (N, n) [reach]."""
     return np.asarray(spine(robot, np.asarray(q))[:, :, 2].max(axis=1) / max(reach(robot), 1e-9))

@@ -46,6 +46,18 @@ def test_the_regions_of_two_joints_are_those_of_the_sign_of_det_j() -> None:
     assert abs(int((np.sign(det) * sign)[clear].sum())) == clear.sum()
 
 
+def test_regions_of_one_sign_that_do_not_touch_have_colours_of_their_own() -> None:
+    """A 3R arm with two regions of each sign of det J."""
+    rows = [(0, 0.71, -np.pi / 2), (0.42, 0.23, np.pi / 2), (0.21, 0.85, 0)]
+    table = [{"d": d, "a": a, "alpha": alpha} for d, a, alpha in rows]
+    arm = from_dh(table, convention="standard", task="position", name="apart")
+    (shown,) = aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))
+    assert [(one.signs, one.number, one.parts) for one in shown.regions] == [
+        ((sign,), number, 1) for sign in (1, -1) for number in (1, 2)
+    ]
+    assert sorted(np.unique(shown.cells)) == [0, 1, 2, 3]
+
+
 def test_every_sign_vector_of_three_joints_has_a_region_in_slices() -> None:
     arm = open_robot("ur5e")
     strip, sliced = aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))

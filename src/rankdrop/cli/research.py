@@ -343,7 +343,8 @@ def aspects(
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
     change of posture was found, which is no proof, or the number of aspects is not
-    proven where only that is asked, or no certificate could be written; 2: bad input.
+    proven where only that is asked, or no certificate or figure could be written;
+    2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).

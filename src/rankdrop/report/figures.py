@@ -96,7 +96,9 @@ def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
     figure = axes.figure
     figure.canvas.draw()
     dot = figure.dpi / 72
-    taken: list[Array] = []
+    ticks = [one for axis in (axes.xaxis, axes.yaxis, axes.zaxis) for one in axis.get_ticklabels() if one.get_text()]
+    boxes = [one.get_window_extent() for one in ticks]
+    taken = [np.array([(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]) for box in boxes]
     placed = []
     tries = [np.zeros(2)]
     for ring in _RINGS[1:]:
@@ -299,6 +301,7 @@ _ELEVATION, _TITLE = 20.0, 58  # of the view [°]; characters of a line of the t
 _OUTSIDE = {
     "outside": " (outside the joint limits)", "none found": " (no member found inside the joint limits)",
 }  # fmt: skip
+_SHORT = 0.4  # an edge of the box shorter than this has no numbers: those of two edges would stand on each other
 _FILLED = (0.93, 0.97)  # width and height of the box about the arm, per those of the picture; the rest is for numbers
 
 
@@ -357,6 +360,11 @@ def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
     wide, tall = 2 * np.abs(axes.transAxes.inverted().transform(axes.transData.transform(flat)) - 0.5).max(axis=0)
     axes.set_box_aspect(half, zoom=min(_FILLED[0] / wide, _FILLED[1] / tall))
     axes.tick_params(labelsize=6, pad=-2)
-    for name, bins, away in zip("xyz", np.ceil(4 * half / half.max()).astype(int), (-7, -7, 0), strict=True):
-        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(nbins=max(2, int(bins))))
+    axes.tick_params(axis="z", pad=4)
+    for name, share, away in zip("xyz", half / half.max(), (-7, -7, 9), strict=True):
+        axis = getattr(axes, f"{name}axis")
+        axis.set_major_locator(MaxNLocator(nbins=max(2, int(np.ceil(4 * share)))))
+        if share < _SHORT:
+            axis.set_ticklabels([])
+            away = -13
         getattr(axes, f"set_{name}label")(f"{name} [m]", fontsize=7, labelpad=away)

@@ -25,6 +25,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.nap
 extensions += ["gallery", "commands", "atlas"]  # pages that are made
 exclude_patterns = ["_ext"]
 nitpicky = True
+toc_object_entries = False  # a thousand names in the sidebar's tree are copied for every page, a third of the build
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3

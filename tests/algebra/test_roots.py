@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from itertools import combinations
 from math import cos, pi, prod, radians, sin
 
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rankdrop.algebra import field, polynomial
 from rankdrop.algebra.field import Point, roots_at, value_at
 from rankdrop.algebra.polynomial import (
     PRIMES,
@@ -145,6 +147,59 @@ def test_factors_multiply_to_the_polynomial(parts) -> None:
 def test_known_factors(text: str, count: int) -> None:
     names = {"x": RING.t[1], "y": RING.t[2], "a": RING.letter_half["a"], **{w: RING.letter_half[w] for w in ROOTS}}
     assert len(factor(reduced_roots(eval(text, {}, names)))) == count
+
+
+def long_polynomial(seed: int, terms: int = 60):
+    """A random polynomial over √2 and √3 in three variables, irreducible but for chance."""
+    rng = random.Random(seed)
+    x, y, a, h = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half
+    roots = (1, h["sqrt2"], h["sqrt3"], h["sqrt2"] * h["sqrt3"])
+    parts = (rng.randrange(1, 99) * rng.choice(roots) * x ** rng.randrange(4) * y ** rng.randrange(4)
+             * a ** rng.randrange(3) for _ in range(terms))  # fmt: skip
+    return 1 + sum(parts, RING.half.constant(0))
+
+
+def test_slices_prove_a_long_polynomial_irreducible(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No norm is factored for it: that takes some twenty times as long."""
+    monkeypatch.setattr(polynomial, "_split", None)
+    f = long_polynomial(1)
+    assert factor(f) == [(primitive(f), 1)]
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_slices_find_no_product_irreducible(place: int) -> None:
+    """Not even one with a factor in a single variable, which is a number on every slice without that variable."""
+    x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
+    factors = (x + w, y - 3 * w, a**2 + w, x * y + a * w)
+    f = reduced_roots(long_polynomial(2, 20) * factors[place])
+    assert not polynomial._slices_irreducible(f)
+    assert len(factor(f)) == 2
+
+
+def test_variables_that_divide_a_polynomial_are_factors_and_roots_are_not() -> None:
+    x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
+    found = {str(one): power for one, power in factor(reduced_roots(w * a * x**3 * (x + w * y + 1)))}
+    assert found == {str(a): 1, str(x): 3, str(primitive(x + w * y + 1)): 1}
+
+
+def test_images_read_once_are_those_of_the_polynomial() -> None:
+    f = long_polynomial(3) * polynomial.flint().fmpq(2, 15)
+    images = polynomial._Images(f)
+    for prime in primes_with(ROOTS)[:2]:
+        for roots in polynomial._embeddings(ROOTS, prime):
+            assert images.at(roots, prime) == polynomial.image_modulo(f, roots, prime)
+
+
+def test_values_before_and_after_an_image_is_made_are_the_same() -> None:
+    f = long_polynomial(4) * polynomial.flint().fmpq(3, 7)
+    for prime in primes_with(ROOTS)[:2]:
+        point = Point({name: 5 + place for place, name in enumerate(RING.names)}, prime)
+        point.update(roots_at(RING, prime))
+        values = {value_at(RING, f, point) for _ in range(field._SEEN)}
+        assert isinstance(RING.images[id(f), prime], int)
+        image = polynomial.image_modulo(f, point, prime)
+        assert {*values, value_at(RING, f, point)} == {int(image(*[0] * len(RING.names)))}
+        assert not isinstance(RING.images[id(f), prime], int)
 
 
 def test_a_common_divisor_over_the_roots() -> None:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from known.arms import KINDS
+from known.arms import KINDS, STRUCTURES
 from reference.measure import relative
 
 from cross.real_files import FILES
@@ -45,8 +45,11 @@ FROM: dict[str, Callable[..., Robot]] = {
 TO: dict[str, Callable[[Robot], Any]] = {
     "pinocchio": to_pinocchio, "mujoco": to_mujoco, "roboticstoolbox": to_toolbox, "yourdfpy": to_yourdfpy,
 }  # fmt: skip
-CATALOGUE = [pytest.param(name, marks=[] if name in KINDS else pytest.mark.slow) for name in sorted(robot_names())]
-"""All; by default one of each kind."""
+USUAL = {*KINDS, *STRUCTURES}
+CATALOGUE = [
+    pytest.param(name, marks=[] if name in USUAL else pytest.mark.by_hand) for name in sorted(robot_names())
+]
+"""All; one of each kind and structure, the others by hand."""
 
 
 @cache

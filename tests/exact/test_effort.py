@@ -9,7 +9,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.open import open_robot
 
-WORK = {"scara": 0.003, "puma560": 0.31, "ur5": 0.13, "pa10": 0.16, "canadarm2": 0.66, "panda": 0.57}
+WORK = {"scara": 0.003, "puma560": 0.39, "ur5": 0.27, "pa10": 0.40, "canadarm2": 1.24, "panda": 0.92}
 """Work of the rank tree, all coranks [s of an idle machine]."""
 RISE = 1.5
 

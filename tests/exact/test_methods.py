@@ -135,8 +135,9 @@ def test_every_numerically_found_singular_configuration_satisfies_a_condition(na
     assert found.holds(points.q).all()
 
 
-@pytest.mark.by_hand_at("canadarm2-determinant")
-@pytest.mark.slow_at("canadarm2-reciprocity")
+@pytest.mark.by_hand_at(
+    "canadarm2-determinant", "canadarm2-reciprocity", "canadarm2-singular_vector", "ur5-singular_vector"
+)
 @pytest.mark.parametrize(("name", "method"), PAIRS)
 def test_no_regular_configuration_satisfies_a_condition(name: str, method: str) -> None:
     found = derived(name, method)

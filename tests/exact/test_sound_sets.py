@@ -14,7 +14,7 @@ pytest.importorskip("flint")
 from reference.structured import H, arm, lost, structured
 
 from rankdrop.algebra.field import P
-from rankdrop.algebra.polynomial import flint
+from rankdrop.algebra.polynomial import PRIMES, flint
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.solving import Solved
 from rankdrop.algebra.work import Work
@@ -259,3 +259,13 @@ def test_a_set_is_cut_off_from_its_special_strays(kind: str, monkeypatch: pytest
     assert asked[0] == 0
     assert max(asked) > 0
     assert sharp.pins == {5: "0"}
+
+
+def test_a_resultant_is_zero_where_two_polynomials_share_a_factor_with_the_variable() -> None:
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(["t1", "t2"], PRIMES[0], module.Ordering.lex)
+    (x, y), known = context.gens(), _Known(Ring([1, 2]))
+    for f, g, place in [(x * y + 1, x + y, 0), ((x + y) * (x - 2), (x + y) * y, 0), ((x + 1) * y, (x + 1) * x, 1)]:
+        if g.degrees()[place]:
+            zero = f.resultant(g, ("t1", "t2")[place]) == 0
+            assert known._resultant_vanishes(f, g, place) == zero

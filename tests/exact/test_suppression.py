@@ -90,6 +90,7 @@ class TestEveryArm:
         assert found.complete
         assert found.families
 
+    @pytest.mark.by_hand_at("gen3", "sawyer")
     def test_is_sound_modulo_p(self, name):
         """Every family has rank 5 at random points, for random lengths."""
         for family in derived(name).families:

@@ -217,8 +217,9 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
     assert Counter(family.corank for family in found.families)[1] == 3
 
 
+@pytest.mark.by_hand_at("puma560", "ur5")
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["stanford", *slow("puma560", "ur5")])
+@pytest.mark.parametrize("name", ["stanford", "puma560", "ur5"])
 def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None:
     robot = open_robot(name)
     kinds = []

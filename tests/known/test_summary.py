@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from known.arms import STRUCTURES
 from rankdrop.cli import terminal
 from rankdrop.local.block import sample
 from rankdrop.results.explanation import Explanation
@@ -42,10 +43,9 @@ def explained(name: str, count: int) -> Iterator[Explanation]:
 FEW = robot_names()[::20]
 
 
+@pytest.mark.by_hand_at(*(set(robot_names()) - {*STRUCTURES, *FEW}))
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in robot_names()]
-)
+@pytest.mark.parametrize("name", robot_names())
 def test_the_answer_is_in_the_first_lines_and_the_whole_on_one_screen(name: str) -> None:
     for found in explained(name, CONFIGURATIONS):
         lines, summary = printed(found), found.summary

@@ -43,8 +43,9 @@ def checked(name: str) -> tuple[Array, Array, PathCheck]:
     return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
 
 
-@pytest.mark.parametrize("name", [pytest.param("kr6r900", marks=pytest.mark.slow),
-                                  pytest.param("pa10", marks=pytest.mark.slow)])  # fmt: skip
+@pytest.mark.by_hand_at("kr6r900")
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kr6r900", "pa10"])
 def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
     """Held against the poses, interpolated by SciPy: they are reached outside the window, and left inside by no more
     than is told; σ stays above what the clearance leaves.

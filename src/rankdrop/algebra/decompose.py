@@ -65,7 +65,7 @@ def decompose(
         OutOfTime: the deadline has passed.
     """
     work.check()
-    tick(100)
+    tick(500)
     choices = [atoms(form, work) for form in conditions if form.f != 0]
     if not all(choices):
         return []
@@ -229,39 +229,75 @@ def _several(
     of them as freedoms are bound at most, or of as many as there are variables. Where these are not met again, the
     system is left over: nothing is dropped without a reason.
     """
-    places = {place for f in system for place in used(f) if place < ring.moving}
-    size = min(most, len(places))
+    size = min(most, len(_variables(ring, system)))
     if without_real_zero(ring, system):
         return []
-    for f, g in combinations(sorted(system, key=len), 2):
-        tops = _tops(ring, [f, g], system, size - 2)
-        held = [f, g, *tops]
-        if len(held) != max(size, 2) or not {place for h in held for place in used(h)} >= places:
-            continue
-        others = [h for h in system if not any(h is one for one in held)]
-        zero = tuple(map(ring.trig_zero_set, others))
-        found = ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
-        if found.samples:
-            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
-        if size == 2:
-            break  # every zero of all is one of these two: those of another two need not be looked for
+    found = _from_two(ring, pins, system, most, size, work)
+    if found is not None:
+        return found
     if size == 3:
         if nowhere(system, ring.moving, work.lengths):
             return []
-        for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
-            if {place for h in three for place in used(h)} >= places and solvable_in_space(three, ring.moving):
-                work.check()
-                others = [h for h in system if not any(h is one for one in three)]
-                zero = tuple(map(ring.trig_zero_set, others))
-                found = ZeroSet(ring, pins, rest=three, zero=zero, equations=tuple(system))
-                if found.samples:
-                    return [found]
+        found = _from_three(ring, pins, system, work)
+        if found is not None:
+            return found
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
         one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
         return [*_free_on_top(ring, pins, base, tops, [], most, work), one]
     work.leave(pins, system)
     return []
+
+
+def _variables(ring: Ring, conditions: Sequence[Polynomial]) -> set[int]:
+    """Places of the variables of joints in some conditions."""
+    return {place for f in conditions for place in used(f) if place < ring.moving}
+
+
+def _held(ring: Ring, pins: dict[int, str], system: list[Polynomial], held: list[Polynomial]) -> ZeroSet:
+    """The zeros of some of the conditions at which the others vanish as well."""
+    others = [h for h in system if not any(h is one for one in held)]
+    zero = tuple(map(ring.trig_zero_set, others))
+    return ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
+
+
+def _from_two(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, size: int, work: Work
+) -> list[ZeroSet] | None:
+    """The sets of a system as zeros of two conditions, and of further ones in a variable of their own each.
+
+    Args:
+        ring, pins, system, most, work: as for `_several`.
+        size: so many conditions hold the sets.
+
+    Returns:
+        None where no such conditions have a point in common at which all vanish.
+    """
+    places = _variables(ring, system)
+    for f, g in combinations(sorted(system, key=len), 2):
+        tops = _tops(ring, [f, g], system, size - 2)
+        held = [f, g, *tops]
+        if len(held) != max(size, 2) or not _variables(ring, held) >= places:
+            continue
+        found = _held(ring, pins, system, held)
+        if found.samples:
+            others = [h for h in system if not any(h is one for one in held)]
+            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
+        if size == 2:
+            break  # every zero of all is one of these two: those of another two need not be looked for
+    return None
+
+
+def _from_three(ring: Ring, pins: dict[int, str], system: list[Polynomial], work: Work) -> list[ZeroSet] | None:
+    """The sets of a system as zeros of three conditions; None where three of few terms have no such point."""
+    places = _variables(ring, system)
+    for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
+        if _variables(ring, three) >= places and solvable_in_space(three, ring.moving):
+            work.check()
+            found = _held(ring, pins, system, list(three))
+            if found.samples:
+                return [found]
+    return None
 
 
 _TRIPLES = 3  # of conditions that are tried

@@ -11,7 +11,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
-from math import prod
+from math import lcm, prod
 from typing import Any
 
 from rankdrop.algebra.polynomial import (
@@ -26,6 +26,7 @@ from rankdrop.algebra.polynomial import (
     flint,
     residues_of_roots,
     roots_of,
+    used,
 )
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import tick
@@ -34,6 +35,8 @@ P = PRIMES[0]
 """The one that is taken first."""
 
 _SHORT = 24  # terms up to which a polynomial is evaluated term by term: a call of the library costs as much
+
+_SEEN = 3  # evaluations modulo one prime without an image modulo it
 
 
 class Point(dict[str, int]):
@@ -82,7 +85,8 @@ def reduced(f: Polynomial, prime: int = P) -> Polynomial:
     """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables)."""
     module = flint()
     context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
-    return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
+    values = (modulo(value, prime) for value in f.coeffs())
+    return context.from_dict(dict(zip(f.monoms(), values, strict=True)))
 
 
 Terms = list[tuple[int, list[tuple[str, int]]]]
@@ -93,8 +97,9 @@ Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
 
 def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
     key = (id(f), prime)
-    known: Image | None = ring.images.get(key)
-    if known is None:
+    known: Image | int | None = ring.images.get(key)
+    if known is None or isinstance(known, int):
+        tick(8 * len(f))
         image, names = reduced(f, prime), tuple(f.context().names())
         short: Terms = []
         if len(f) <= _SHORT:
@@ -102,14 +107,19 @@ def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
                 (int(value), [(name, int(power)) for name, power in zip(names, powers, strict=True) if power])
                 for powers, value in image.to_dict().items()
             ]
-        known = ring.images.keep(key, (f, image, names, short), len(f))
+        known = (f, image, names, short)
+        ring.images.keep(key, known, len(f))
     return known
 
 
 def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
-    tick(3 + 0.12 * len(f))
     prime = point.prime
+    if len(f) > _SHORT:
+        uses = ring.images.get((id(f), prime), 0)
+        if isinstance(uses, int) and uses < _SEEN:
+            return _early_value(ring, f, point, uses)
+    tick(5 + 0.12 * len(f))
     _, image, names, short = _image(ring, f, prime)
     if not short:
         return int(image(*[point.get(name, 0) for name in names]))
@@ -120,6 +130,49 @@ def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
             value = value * (x if power == 1 else pow(x, power, prime)) % prime
         total += value
     return total % prime
+
+
+def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
+    """`value_at` of a polynomial that has been evaluated modulo this prime a few times at most: term by term.
+
+    An image modulo the prime costs as much as three of these; it is made where the polynomial is evaluated often.
+    """
+    prime = point.prime
+    known = ring.images.get(id(f))
+    if known is None:
+        tick(3 * len(f))
+        known = ring.images.keep(id(f), (f, *_read(f)), len(f))
+    _, bottom, terms = known
+    ring.images.keep((id(f), prime), uses + 1, 0)
+    tick(10 + 2 * len(f))
+    names = f.context().names()
+    tables = [_powers(point.get(name, 0), int(degree), prime) for name, degree in zip(names, f.degrees(), strict=True)]
+    total = 0
+    for value, powers in terms:
+        for place, power in powers:
+            value = value * tables[place][power] % prime
+        total += value
+    if bottom == 1:
+        return int(total % prime)
+    return int(total * pow(bottom, -1, prime) % prime)
+
+
+def _read(f: Polynomial) -> tuple[int, list[tuple[int, list[tuple[int, int]]]]]:
+    """A common denominator, and for each term its whole numerator and (place, power) of the variables in it."""
+    values, places = f.coeffs(), used(f)
+    bottom = lcm(*(int(value.q) for value in values))
+    return bottom, [
+        (int(value.p) * (bottom // int(value.q)), [(place, int(powers[place])) for place in places if powers[place]])
+        for powers, value in zip(f.monoms(), values, strict=True)
+    ]
+
+
+def _powers(x: int, degree: int, prime: int) -> list[int]:
+    """1, x, x², … modulo a prime."""
+    found = [1]
+    for _ in range(degree):
+        found.append(found[-1] * x % prime)
+    return found
 
 
 def residues(
@@ -156,7 +209,7 @@ def _put(
     ring: Ring, f: Polynomial, left: Sequence[str], point: Point
 ) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
-    tick(10 + len(f))
+    tick(60 + 2 * len(f))
     _, image, names, _ = _image(ring, f, point.prime)
     return image.subs({name: point[name] for name in names if name not in left and name in point}), names
 

@@ -11,6 +11,7 @@ coefficients (Trager). Polynomials without roots take the plain way.
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -509,11 +510,13 @@ def _from_images(
     """
     names = roots_in(f)
     last = primes_with(names)[-1]
+    both = (_Images(f), _Images(g))
+    there = [one.at(residues_of_roots(names, last) or {}, last) for one in both]
     known: dict[tuple[int, ...], int] = {}
     modulus = 1
     for number, prime in enumerate(_lifting(names), 1):
         _look()
-        image = _combined(f, g, names, prime, combine)
+        image = _combined(both, names, prime, combine)
         if image is None:
             return None
         step = pow(modulus, -1, prime)
@@ -524,21 +527,22 @@ def _from_images(
             found = _rational(known, modulus, f.context())
         else:
             found = None
-        if found is not None and holds(*(_image(x, last)[0] for x in (found, f, g))):
+        if found is not None and holds(_image(found, last)[0], *there):
             return found
     raise TooLong("a condition with roots of numbers has too long coefficients")
 
 
 def _combined(
-    f: Polynomial, g: Polynomial, names: tuple[str, ...], prime: int, combine: Combine
+    images_of: tuple[_Images, _Images], names: tuple[str, ...], prime: int, combine: Combine
 ) -> dict[tuple[int, ...], int] | None:
     """Coefficients modulo a prime of the combination of two polynomials, by the powers of all variables."""
-    places = [place for place, _ in _relations(f.context())]
+    f, g = images_of
+    places = f.root_places
     basis = list(product((0, 1), repeat=len(places)))
     choices, images = list(_embeddings(names, prime)), []
     for choice in choices:
         _look()
-        both = combine(*(image_modulo(h, choice, prime) for h in (f, g)))
+        both = combine(f.at(choice, prime), g.at(choice, prime))
         if both is None:
             return None
         images.append({tuple(map(int, e)): int(c) for e, c in both.to_dict().items()})
@@ -559,11 +563,78 @@ def _combined(
 
 
 def image_modulo(f: Polynomial, values: Mapping[str, int], prime: int) -> Polynomial:
-    """f modulo a prime with values for some variables (`flint.nmod_mpoly` in the same variables)."""
-    module = flint()
-    context = module.nmod_mpoly_ctx.get(list(_names(f.context())), prime, module.Ordering.lex)
-    terms = {tuple(map(int, e)): int(c.p) % prime * pow(int(c.q), -1, prime) % prime for e, c in f.terms()}
-    return context.from_dict(terms).subs(dict(values))
+    """f modulo a prime with values for some variables (`flint.nmod_mpoly` in the same variables).
+
+    Values of the last variables (roots) are put in term by term: fewer terms are converted, which takes most of the
+    time.
+    """
+    module, names = flint(), _names(f.context())
+    context = module.nmod_mpoly_ctx.get(list(names), prime, module.Ordering.lex)
+    first = len(names)
+    while first and names[first - 1] in values:
+        first -= 1
+    zeros = (0,) * (len(names) - first)
+    shares: dict[tuple[int, ...], int] = {}
+    terms: dict[tuple[int, ...], int] = {}
+    for powers, number in zip(f.monoms(), f.coeffs(), strict=True):
+        value = int(number.p) % prime
+        if number.q != 1:
+            value = value * pow(int(number.q), -1, prime) % prime
+        tail = powers[first:]
+        share = shares.get(tail)
+        if share is None:
+            share = prod(pow(values[name], int(e), prime) for name, e in zip(names[first:], tail, strict=True)) % prime
+            shares[tail] = share
+        key = powers[:first] + zeros
+        terms[key] = (terms.get(key, 0) + value * share) % prime
+    before = {name: value for name, value in values.items() if name in names[:first]}
+    image = context.from_dict({powers: value for powers, value in terms.items() if value})
+    if before:
+        return image.subs(before)
+    return image
+
+
+class _Images:
+    """Images of a polynomial over the roots modulo primes: its terms are read once, and converted once for a prime.
+
+    Args:
+        f: the polynomial, Σ w^e · f_e with powers w^e of the roots and rational f_e.
+    """
+
+    def __init__(self, f: Polynomial) -> None:
+        self._names = _names(f.context())
+        self._first = len(self._names) - len(_relations(f.context()))
+        zeros = (0,) * (len(self._names) - self._first)
+        values = f.coeffs()
+        self._bottom = lcm(*(int(value.q) for value in values))
+        self._parts: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
+        for powers, value in zip(f.monoms(), values, strict=True):
+            whole = int(value.p) * (self._bottom // int(value.q))
+            self._parts.setdefault(powers[self._first :], {})[powers[: self._first] + zeros] = whole
+        self._prime = 0
+        self._images: list[tuple[tuple[int, ...], Polynomial]] = []
+
+    @property
+    def root_places(self) -> range:
+        """Places of the roots among the variables: the last ones."""
+        return range(self._first, len(self._names))
+
+    def at(self, roots: Mapping[str, int], prime: int) -> Polynomial:
+        """f modulo a prime for one choice of signs of the roots (`flint.nmod_mpoly` in the same variables)."""
+        module = flint()
+        context = module.nmod_mpoly_ctx.get(list(self._names), prime, module.Ordering.lex)
+        if prime != self._prime:
+            self._prime = prime
+            self._images = [
+                (powers, context.from_dict({e: rest for e, value in part.items() if (rest := value % prime)}))
+                for powers, part in self._parts.items()
+            ]
+        total, inverse = context.constant(0), pow(self._bottom, -1, prime)
+        for powers, image in self._images:
+            power_of = zip(self._names[self._first :], powers, strict=True)
+            share = prod(pow(roots[name], int(e), prime) for name, e in power_of) % prime
+            total += image * (share * inverse % prime)
+        return total
 
 
 def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) -> Polynomial | None:
@@ -582,18 +653,44 @@ def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) 
 def factor(f: Polynomial) -> list[tuple[Polynomial, int]]:
     """Irreducible factors with their multiplicities; over the roots they are primitive.
 
+    Over the roots most polynomials are irreducible already on slices in two variables, which costs least.
     Over the roots a multiplicity is that modulo a prime of 61 bits: the factors are known to divide.
     """
     _look()
     if not roots_in(f):
         return [(one, int(power)) for one, power in f.factor()[1]]
+    variables, f = _without_variables(f)
+    if is_number(f):
+        return variables
+    if _slices_irreducible(f):
+        return [*variables, (primitive(f), 1)]
+    return [*variables, *_factors_over_roots(f)]
+
+
+def _without_variables(f: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
+    """The variables, but for roots, that divide a polynomial, with multiplicities, and the polynomial without them."""
+    lowest = [min(powers) for powers in zip(*f.monoms(), strict=True)]
+    roots = {place for place, _ in _relations(f.context())}
+    gens = f.context().gens()
+    found = [(gens[place], int(power)) for place, power in enumerate(lowest) if power and place not in roots]
+    if not found:
+        return [], f
+    shared = prod((x**power for x, power in found), start=f.context().constant(1))
+    return found, divmod(f, shared)[0]
+
+
+def _factors_over_roots(f: Polynomial) -> list[tuple[Polynomial, int]]:
+    """`factor` of a polynomial with roots that no variable divides."""
     rational = reduce(lambda a, b: a.gcd(b), _components(f))
     pieces = [piece for one, _ in rational.factor()[1] for piece in ([one] if 1 in one.degrees() else _split(one))]
     rest = quotient(f, rational)
     if not is_number(rest):
         pieces += _split(rest)
-    image, prime = _image(f)
     distinct = {str(one): one for one in map(primitive, pieces)}.values()
+    if len(distinct) == 1:
+        piece = next(iter(distinct))
+        return [(piece, _degree(f) // _degree(piece))]
+    image, prime = _image(f)
     return [(piece, _multiplicity(image, _image(piece, prime)[0])) for piece in distinct]
 
 
@@ -674,6 +771,43 @@ def _stays_irreducible(f: Polynomial) -> bool:
         if image.total_degree() == _degree(f) and [power for _, power in image.factor()[1]] == [1]:
             return True
     return False
+
+
+_SLICED = 10_000  # slices are at random whole numbers below this
+
+
+def _slices_irreducible(f: Polynomial) -> bool:
+    """Whether slices of f in two variables x, y prove it irreducible over the roots, for one x and each other y.
+
+    On each slice the other variables stand at whole numbers, and it is taken modulo a prime with the roots. Let its
+    degrees in x and y be those of f. If f = g h, one of g and h has no x and no y where the slice is irreducible. It is
+    the same one for each y, the one without x: it is a number.
+
+    Returns:
+        False where a slice has factors, which need not be those of f, or f has fewer than three variables.
+    """
+    roots = {place for place, _ in _relations(f.context())}
+    degrees = f.degrees()
+    places = [place for place in used(f) if place not in roots]
+    if len(places) < 3:
+        return False
+    x = min(places, key=lambda place: int(degrees[place]))
+    rng = random.Random(_SLICED)
+    return all(
+        any(_slice_irreducible(f, x, y, places, prime, rng) for prime in _SMALL) for y in places if y != x
+    )
+
+
+def _slice_irreducible(
+    f: Polynomial, x: int, y: int, places: Sequence[int], prime: int, rng: random.Random
+) -> bool:
+    """Whether f is irreducible modulo a prime, and has its degrees in x and y, on one random slice in x and y."""
+    names, degrees = _names(f.context()), f.degrees()
+    values = {names[place]: rng.randrange(2, _SLICED) for place in places if place not in (x, y)}
+    image = image_modulo(f.subs(values), residues_of_roots(roots_in(f), prime) or {}, prime)
+    if image == 0 or any(image.degrees()[place] != degrees[place] for place in (x, y)):
+        return False
+    return [power for _, power in image.factor()[1]] == [1]
 
 
 def _degree(f: Polynomial) -> int:

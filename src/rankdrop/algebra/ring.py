@@ -38,6 +38,7 @@ from rankdrop.algebra.polynomial import (
     primes_with,
     primitive,
     reduced_roots,
+    roots_in,
     used,
     with_inner,
 )
@@ -51,7 +52,8 @@ MANY = 20_000
 KEPT = 400_000
 """Terms of polynomials that a ring remembers: twenty megabytes or so. Most derivations have 50,000."""
 _SHORT, _LASTING = 1_000, 15_000  # terms up to which factoring takes milliseconds, and seconds
-_FAMILIAR = 400  # terms up to which the factors of a polynomial are remembered: minors return on many sets
+_OVER_ROOTS = 3  # times as much work as factoring over the rationals
+_FAMILIAR = 4_000  # terms up to which the factors of a polynomial are remembered: minors return on many sets
 
 _LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
 
@@ -448,7 +450,10 @@ class Form:
             digits = int(self.f.coeffs()[0].p).bit_length()
         else:
             digits = 0
-        return 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
+        here = 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
+        if roots_in(self.f):
+            return _OVER_ROOTS * here
+        return here
 
     def _factored(self) -> Factors:
         ring, f = self.ring, self.f

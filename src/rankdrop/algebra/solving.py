@@ -384,7 +384,7 @@ def _zeros(
     sliced = sorted(
         (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
     )
-    tick(sum(20 + len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
+    tick(sum(100 + 8 * len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
     return (_zero_on_line if dimension == 1 else _zero_in_plane)(sliced, circles, prime)
 
 

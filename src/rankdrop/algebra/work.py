@@ -47,7 +47,7 @@ GRACE = 5.0
 """Time left after the user has asked to stop [s]."""
 
 
-SLOWER = 2.0
+SLOWER = 1.5
 """Seconds of the processor's time for each second of work: a machine so many times slower finds the same, and so does a
 busy one."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restored
@@ -34,12 +36,14 @@ def name_from_dict(record: Record) -> FamilyName:
         ValueError: an entry that is no fact of a name.
 
     Example:
-        >>> str(name_from_dict({"parts": ["wrist"], "relations": [{"geometry": "on one line", "joints": [[3, 5]]}]}))
+        >>> str(name_from_dict({"parts": ["wrist"], "relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
         'wrist: axes 4 and 6 aligned'
     """
+    relations = restored(tuple[Detail, ...], record.get("relations", ()))
+    dependent = restored(tuple[Dependence, ...], record.get("dependent", ()))
     details: tuple[Detail | Dependence | LowRank, ...] = (
-        *restored(tuple[Detail, ...], record.get("relations", ())),
-        *restored(tuple[Dependence, ...], record.get("dependent", ())),
+        *(replace(one, joints=tuple(_before(group) for group in one.joints)) for one in relations),
+        *(replace(one, joints=_before(one.joints), slides=_before(one.slides)) for one in dependent),
         *restored(tuple[LowRank, ...], record.get("low_rank", ())),
     )
     shorter = Shorter.NOTHING
@@ -47,3 +51,8 @@ def name_from_dict(record: Record) -> FamilyName:
         shorter |= Shorter[word.upper()]
     fields = {name: restored(kind, record[name]) for name, kind in _KINDS.items() if name in record}
     return FamilyName(**fields, details=details, shorter=shorter)
+
+
+def _before(joints: Iterable[int]) -> tuple[int, ...]:
+    """Joints counted from 0; files count from 1."""
+    return tuple(joint - 1 for joint in joints)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from operator import attrgetter
 from typing import Any, Literal
@@ -105,23 +105,35 @@ def _unless_default(field: str) -> Callable[[FamilyName], Any]:
 
 
 def _details(kind: type) -> Callable[[FamilyName], Any]:
-    """Function of a name that gives its details of one kind; absent where it has none."""
+    """Function of a name that gives its details of one kind, joints from 1; absent where it has none."""
 
     def value(name: FamilyName) -> Any:
-        return [one for one in name.details if isinstance(one, kind)] or UNSET
+        return [_from_one(one) for one in name.details if isinstance(one, kind)] or UNSET
 
     return value
+
+
+def _from_one(one: Detail | Dependence | LowRank) -> Detail | Dependence | LowRank:
+    """A detail with joints counted from 1, as in every file."""
+    if isinstance(one, Detail):
+        return replace(one, joints=tuple(_next(group) for group in one.joints))
+    if isinstance(one, Dependence):
+        return replace(one, joints=_next(one.joints), slides=_next(one.slides))
+    return one
+
+
+def _next(joints: Sequence[int]) -> tuple[int, ...]:
+    return tuple(joint + 1 for joint in joints)
 
 
 def _shorter(name: FamilyName) -> Any:
     return [one.name.lower() for one in Shorter if one.name and one in name.shorter] or UNSET
 
 
-_JOINTS = many(Count)  # from 0
+_JOINTS = many(Positive)
 CALLED = table(
     "called",
-    "The name of a family as facts; entries without a value are absent. Joints are counted from 0 in `joints` and "
-    "`slides`, from 1 elsewhere.",
+    "The name of a family as facts; entries without a value are absent.",
     parts=(optional(many(Literal["shoulder", "elbow", "wrist"])), "of the arm that are concerned",
         _unless_default("parts")),
     independent=(optional(bool), "each part loses one freedom by itself", _unless_default("independent")),

@@ -62,7 +62,7 @@ _Derived = tuple[Chain, Tree, Work, tuple[str, ...]]
 """The chain that was derived, its rank tree, the work that is left, and remarks."""
 _TREE = 0.85  # of the work left that the tree may take
 _SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
-_LETTERS = 0.35  # of the work left that the tree may take with letters that nobody asked for
+_LETTERS = 0.25  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
 _OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
 _ROUNDED = 1e-13  # σ that the rounding of an arm's own axes leaves, a hundred times over [1]

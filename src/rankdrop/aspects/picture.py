@@ -83,13 +83,13 @@ def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...
         [((2, 3, 4), 4), ((5,), 2)]
     """
     if count.left is not None or signs is None:
-        raise OptionError("the aspects of this arm were not counted, so that they cannot be drawn", where="--figure")
+        raise OptionError("the aspects of this arm were not counted, so that they cannot be drawn", where="aspects")
     if not signs.factors:
-        raise OptionError("no condition separates regular configurations: there is nothing to draw", where="--figure")
+        raise OptionError("no condition separates regular configurations: there is nothing to draw", where="aspects")
     ring, polynomials = signs.chain.ring, [polynomial_of(factor) for factor in signs.factors]
     joints = {i: joints_of(ring, one) for i, one in enumerate(polynomials)}
     if any(own & set(ring.prismatic) for own in joints.values()):
-        raise OptionError("a condition depends on a slide: aspects are drawn in angles", where="--figure")
+        raise OptionError("a condition depends on a slide: aspects are drawn in angles", where="aspects")
     waves = [wave_of_factor(ring, signs.chain.numbers, [one])[0] for one in polynomials]
     groups, shifts = sharing(joints), np.asarray(signs.chain.shifts, dtype=np.float64)
     return tuple(

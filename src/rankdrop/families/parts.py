@@ -1,8 +1,9 @@
 """The parts of the arm that a family is about, measured at its members: for names that hold axes alone.
 
 The name of a family has a part where a fact about the axes belongs to one (`rankdrop.families.naming`). An arm with
-offsets has long conditions instead, whose sheets pass near the special places of the ideal arm, and an arm on a mobile
-base has axes of the base among its own. Both are read off the special places of members (`rankdrop.local.special`).
+offsets has long conditions instead, with sheets that pass near the special places of the ideal arm, and an arm on a
+mobile base has axes of the base among its own. Both are read off the special places of members
+(`rankdrop.local.special`).
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class FamilyParts:
 def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     """The parts of the arm that a family is about: those of its name, else those that are special at its members.
 
-    A part whose condition holds exactly at every member is special. Where there is none and one freedom is lost, the
+    A part is special where its condition holds exactly at every member. Without one, and with one freedom lost, the
     parts nearest to their conditions at a tenth of the members or more are listed, as alternatives.
 
     Args:
@@ -79,8 +80,10 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
 
 def _binds_base(robot: Robot, family: Family) -> bool:
     """Whether a family binds a joint before the last seven axes of an arm that has more joints than these."""
+    if robot.n <= ARM_AXES:
+        return False
     axes = Scene(robot, np.zeros((1, robot.n))).axes
-    if len(axes) < ARM_AXES or robot.n == ARM_AXES:
+    if len(axes) < ARM_AXES:
         return False
     bound = {*(one.number for one in family.pinned), *family.coupled}
     return min(bound, default=robot.n) <= axes[-ARM_AXES]

@@ -89,7 +89,7 @@ def region_words(count: Any, factors: Sequence[int], region: Any) -> str:
 
     Args:
         count: of the aspects.
-        factors: indices of the factors whose signs the region has.
+        factors: indices of the factors of the region.
         region: from `rankdrop.aspects.picture`.
     """
     signs = ", ".join(

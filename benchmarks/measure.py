@@ -93,9 +93,15 @@ def chosen(arms: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(named)
 
 
+def options(parser: argparse.ArgumentParser) -> None:
+    """Give a parser the options of every script."""
+    parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
+    parser.add_argument("--quick", action="store_true", help="a small run: does the script still work?")
+
+
 def report(
     claim: str, rows: list[Row], *, ratio: str, target: float, at_most: bool = False,
-    missing: dict[str, str] | None = None,
+    missing: dict[str, str] | None = None, arguments: argparse.Namespace | None = None,
 ) -> None:
     """Print the rows as a table, or with `--json` as one object.
 
@@ -106,12 +112,13 @@ def report(
         target: at least this, or at most with `at_most`. A row with `claimed` False is for information.
         at_most: the other way round.
         missing: libraries to compare with that are not installed, each with the command that installs it.
+        arguments: of a script that has read its own; None: they are read here.
     """
-    parser = argparse.ArgumentParser(description=claim)
-    parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
-    parser.add_argument("--quick", action="store_true", help="a small run: does the script still work?")
-    parser.add_argument("--arms", help="some of the arms, with commas; of scripts that go over arms one by one")
-    arguments = parser.parse_args()
+    if arguments is None:
+        parser = argparse.ArgumentParser(description=claim)
+        options(parser)
+        parser.add_argument("--arms", help="some of the arms, with commas; of scripts that go over arms one by one")
+        arguments = parser.parse_args()
     for row in rows:
         if row.setdefault("claimed", True):
             row["holds"] = bool(row[ratio] <= target if at_most else row[ratio] >= target)

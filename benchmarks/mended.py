@@ -8,9 +8,9 @@ poses pass by the singularity, or lead through it.
 
 Each file is given to `rankdrop path ARM FILE --fixed OUT` in a process of its own: processor seconds and
 memory are of the whole command. A program counts as mended where the written file is proven free by a second, plain
-run of `rankdrop path`. How far the tool leaves its path is what the command tells.
+run of `rankdrop path`, of poses from the same start. How far the tool leaves its path is what the command tells.
 
-    python benchmarks/mended.py [--programs 100] [--rows 50000] [--quick] [--json]
+    python benchmarks/mended.py [--programs 100] [--first 0] [--step 1] [--rows 50000] [--quick] [--json]
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def one(number: int, rows: int, folder: Path) -> measure.Row:
         elif fixed.exists():
             best = mending["found"][0]
             row["remedy"] = best["kind"]
-            again, *_ = run("path", name, str(fixed), "--quiet")
+            again, *_ = run("path", name, str(fixed), "--quiet", *near)
             row["mended"] = float(again == 0 and best["verdict"] == "free")
             off = best["tool_off"]
             row["tool mm"], row["tool deg"] = 1e3 * off["m"], float(np.degrees(off["rad"] or 0.0))
@@ -166,13 +166,13 @@ def one(number: int, rows: int, folder: Path) -> measure.Row:
 
 def main() -> None:
     """All programs asked for."""
-    parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("--programs", type=int, default=4 if measure.quick() else 100)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--step", type=int, default=1, help="every how many-th of the programs")
-    parser.add_argument("--rows", type=int, default=3_000 if measure.quick() else 50_000)
-    asked, left = parser.parse_known_args()
-    sys.argv[1:] = left
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--programs", type=int, default=4 if measure.quick() else 100, help="how many (100)")
+    parser.add_argument("--first", type=int, default=0, help="number of the first program (0)")
+    parser.add_argument("--step", type=int, default=1, help="every how many-th of the programs (1)")
+    parser.add_argument("--rows", type=int, default=3_000 if measure.quick() else 50_000, help="of each file (50,000)")
+    measure.options(parser)
+    asked = parser.parse_args()
     out = []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(asked.first, asked.first + asked.programs * asked.step, asked.step):
@@ -184,7 +184,7 @@ def main() -> None:
     measure.report(
         f"{len(out)} programs of {asked.rows:,} rows with 1 to 5 crossings: {share:.0f} % mended, {most:.0f} MB at "
         "most; under 10 s (CPU) each",
-        out, ratio="share of the target", target=1.0, at_most=True,
+        out, ratio="share of the target", target=1.0, at_most=True, arguments=asked,
     )  # fmt: skip
 
 

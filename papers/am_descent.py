@@ -343,9 +343,9 @@ def rank_1(sheet: Sheet) -> None:
     sheet.claim("section 2.2.1, eq. 11", "steepest descent of σ6 from random starts", "finds rank-1 singularities",
                 f"{100 * share:.0f} % of 200 starts converge", share > 0.95)  # fmt: skip
     assert found.history is not None
-    rises = float(np.nanmax(np.diff(found.history.sigma[:, :, 5], axis=1)))
+    rises = int((np.diff(found.history.sigma[:, :, 5], axis=1) > 1e-12).sum())
     sheet.claim("section 2.2.1", "the step is chosen for the greatest decrease of σ_m", "a decrease at each iteration",
-                "σ6 never goes up", rises <= 1e-12)  # fmt: skip
+                f"σ6 goes up at {rises} steps of 200 descents", rises == 0)  # fmt: skip
 
 
 SECTIONS = (

@@ -27,6 +27,7 @@ from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import SPACE, Frame, Task, resolve_task
 
 H = 1e-6  # step of central differences [rad]: errors of about 1e-10
+SMALL_ENTRY = 0.05  # of a direction; below it the motion is not named
 DIFFERENCES = 1e-8  # agreement that central differences can show
 BEFORE = """0 0 0  -0.27 0.62 -0.61  0.74 -0.17 -0.50  -0.50 -0.71 -0.50  -0.33 0.08 0.23  -0.12 0.28 -0.27"""
 AFTER = """0 0 0  0 -0.91 0  0 0 0.91  -1 0 0  0 0 -0.41  0 -0.41 0"""
@@ -156,8 +157,9 @@ def equation_9(sheet: Sheet) -> None:
     right = max(max(errors["corrected"], errors["ours"]) for errors in each)
     sheet.identity(
         "eq. 9", "branch k < i, on both robots, against central differences", "(z_k·p_i) z_i − (z_k·z_i) p_k",
-        max(off), tolerance=DIFFERENCES, ours="(z_k·p_i) z_i − (z_k·z_i) p_i",
-        reason="The last vector has to be p_i, since z_k × (z_i × p_i) is what the motion of joint k does.",
+        max(off), tolerance=DIFFERENCES, ours=f"off by up to {max(off):.1f}",
+        reason="The last vector has to be p_i, as in (z_k·p_i) z_i − (z_k·z_i) p_i, "
+        "since z_k × (z_i × p_i) is what the motion of joint k does.",
         shown=Shown(
             f"As printed it is off by up to {off[0]:.1f} (4-DoF robot) and {off[1]:.1f} (PA-10); corrected, and by "
             f"jacobian_derivative, it agrees with central differences to {DIFFERENCES:.0e}.",
@@ -271,16 +273,23 @@ def directions(sheet: Sheet) -> None:
     which_robot(sheet, printed)
 
 
+def axes_of(column: Array) -> str:
+    """The entries of (v; ω) that are not small, as motions along and about axes."""
+    names = [f"{axis} {kind}" for kind in ("translation", "rotation") for axis in "XYZ"]
+    large = zip(names, column, strict=True)
+    return ", ".join(f"{'−' if value < 0 else ''}{name}" for name, value in large if abs(value) >= SMALL_ENTRY)
+
+
 def directions_in_words(sheet: Sheet, found: Array) -> None:
     """What the text says of the three columns."""
-    zero = np.abs(found) < 0.05
-    sheet.claim("section 2.3", "first vector (green)", "rotation about −X", "rotation about −X alone",
+    zero = np.abs(found) < SMALL_ENTRY
+    sheet.claim("section 2.3", "first vector (green)", "rotation about −X", axes_of(found[:, 0]),
                 bool((zero[:, 0] == [1, 1, 1, 0, 1, 1]).all() and found[3, 0] < 0))  # fmt: skip
-    sheet.claim("section 2.3", "second vector (red)", "−Y translation with −Z rotation", "−Y translation, −Z rotation",
+    sheet.claim("section 2.3", "second vector (red)", "−Y translation with −Z rotation", axes_of(found[:, 1]),
                 bool((zero[:, 1] == [1, 0, 1, 1, 1, 0]).all() and found[1, 1] < 0 and found[5, 1] < 0))  # fmt: skip
     is_as_said = bool((zero[:, 2] == [1, 0, 1, 1, 1, 0]).all())
     sheet.claim(
-        "section 2.3", "third vector (blue)", "Y translation with −Z rotation", "Z translation with −Y rotation",
+        "section 2.3", "third vector (blue)", "Y translation with −Z rotation", axes_of(found[:, 2]),
         is_as_said, reason="The text repeats the axes of the red vector; the printed column has others.",
         shown=Shown("Entries of the column: " + listed(found[:, 2], 2) + ".",
                     bool((zero[:, 2] == [1, 1, 0, 1, 0, 1]).all() and found[2, 2] > 0 and found[4, 2] < 0)),

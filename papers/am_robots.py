@@ -90,8 +90,6 @@ def table_rows(sheet: Sheet, item: str, name: str, printed: list[tuple[str, str,
 def regional_robot(sheet: Sheet) -> None:
     """Table 1, which ranks it loses, Figure 5."""
     table_rows(sheet, "Table 1", "almarkhi4", TABLE_1)
-    starts = known("almarkhi4").settings.starts
-    sheet.numbers("section 3.1", "random configurations for each rank", "10000", starts)
     coranks = [summary.corank for summary in known("almarkhi4").coranks if summary.converged]
     robot = open_robot("almarkhi4")
     second = search(robot, 2, task=resolve_task(None, robot, length_scale=1.0), starts=1000, seed=0)
@@ -215,7 +213,8 @@ def pa10_tables(sheet: Sheet) -> None:
                ", ".join(f"rank-{s.corank}" for s in analysis.coranks if s.converged))  # fmt: skip
     free = {corank: {tuple(sorted({1, 7} & set(f.free))) for f in analysis.of_corank(corank)} for corank in (1, 2, 3)}
     sheet.claim("section 3.3.3", "the conditions of rank 2 do not depend on θ1 or θ7", "θ1 and θ7 do not matter",
-                "joints 1 and 7 are free in every row of every rank", set.union(*free.values()) == {(1, 7)})
+                "; ".join(f"rank-{corank}: of joints 1 and 7 free in a row: {', '.join(map(str, sorted(rows)))}"
+                          for corank, rows in free.items()), set.union(*free.values()) == {(1, 7)})  # fmt: skip
 
 
 def table_5(sheet: Sheet, analysis: Analysis) -> None:
@@ -328,9 +327,9 @@ def figures_7_8_9(sheet: Sheet) -> None:
                 reason="That Jacobian is made by hand, columns (z × p; z), and taken apart by LAPACK. AM print no "
                 "numbers of the arrows.",
             )  # fmt: skip
+    fifth = min(float(singular_values(robot, row_configuration(1, row), task)[4]) for row in range(1, 5))
     sheet.claim("section 3.3.2", "rank-1 singular directions are well defined", "well defined",
-                "σ5 is not zero on any row of Table 3",
-                all(singular_values(robot, row_configuration(1, row), task)[4] > 1e-3 for row in range(1, 5)))
+                f"σ5 is at least {rounded(fifth, 3)} on the rows of Table 3", fifth > 1e-3)
     for part, theta in FIGURE_9.items():
         q = np.array(theta)
         sigma = singular_values(robot, q, task)
@@ -352,8 +351,6 @@ def figures_7_8_9(sheet: Sheet) -> None:
         f"{rounded(lengths[1], 2)} m",
         abs(lengths[0] - reach(robot)) < 1e-9 and lengths[1] < lengths[0] / sqrt(2),
     )  # fmt: skip
-    sheet.claim("section 3.3.4", "joint limits", "our approach does not consider physical joint limits",
-                "the atlas is of the whole joint space", not known("pa10").settings.limits)  # fmt: skip
 
 
 SECTIONS = (

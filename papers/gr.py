@@ -86,13 +86,15 @@ def rules(sheet: Sheet) -> None:
     found, here = searched(), example()
     gains = {joint.number: joint.gain for joint in found.joints}
     sheet.claim("section 3, item 1", "screws 1 and 7 can escape", "can never produce an escape",
-                "their finite motion gains no rank", gains[1] == gains[7] == 0)  # fmt: skip
+                f"rank gained by their finite motion: {gains[1]}, {gains[7]}", gains[1] == gains[7] == 0)  # fmt: skip
     sheet.claim("section 3, item 2", "screws of the spherical group {5, 6, 7} can escape", "cannot effect an escape",
-                "none of the three gains rank by finite motion", gains[5] == gains[6] == gains[7] == 0)  # fmt: skip
+                f"rank gained by finite motion: {gains[5]}, {gains[6]}, {gains[7]}",
+                gains[5] == gains[6] == gains[7] == 0)  # fmt: skip
     errors = [np.abs(here.moved(4, t).screws - here.screws - t * (here.propagated(4).screws - here.screws)).max()
               for t in (DT, DT / 10)]  # fmt: skip
     sheet.claim("section 3, rule 1", "S_k + [S_j S_k] Δt against the finite motion", "≈, for small Δt",
-                "the error falls with Δt², by 100 for a tenth of Δt", bool(abs(errors[0] / errors[1] - 100) < 2))
+                f"a tenth of Δt makes the error {errors[0] / errors[1]:.0f} times smaller",
+                bool(abs(errors[0] / errors[1] - 100) < 2))  # fmt: skip
     outside = [(u, v) for u, v, inside in here.subspace(1, 5).entries if not inside]
     sheet.claim("section 3, rule 2", "Lie products of the run 1 … 5 that leave its span", "there are such",
                 ", ".join(f"[{u} {v}]" for u, v in outside), bool(outside))  # fmt: skip
@@ -103,7 +105,8 @@ def rules(sheet: Sheet) -> None:
     sheet.claim(
         "section 3, rule 4", "a Lie product outside the span contains the screw to actuate",
         "[S_u S_v] outside the span contains the screw responsible",
-        "one product outside is not enough: [1 3] is outside, and screw 1 cannot escape",
+        f"[1 3] is {'outside' if (1, 3) in outside else 'inside'}, and screw 1 {'can' if first.escapes else 'cannot'} "
+        "escape",
         (1, 3) not in outside or first.escapes,
         reason="Σ λ_i [S_1 S_i] over the dependency Σ λ_i S_i = 0 is what counts, and it vanishes.",
         shown=Shown(f"|Σ λ_i [S_1 S_i]| = {rounded(first.weighted)}, rank gained by finite motion {first.gain}.",
@@ -171,12 +174,14 @@ def matrices(sheet: Sheet) -> None:
     )  # fmt: skip
     sheet.numbers("section 6", "freedoms lost, as the conclusions have it", "1", searched().lost)
     meet = {relation.words for relation in relations_at(open_robot("rcrrrr"), np.zeros(7))}
-    sheet.claim("section 5", "screws 5, 6, 7", "concurrent, a spheric pair", "axes 5, 6, 7 meet in one point",
+    sheet.claim("section 5", "screws 5, 6, 7", "concurrent, a spheric pair",
+                "; ".join(sorted(words for words in meet if "5, 6, 7" in words)),
                 "axes 5, 6, 7 meet in one point" in meet)  # fmt: skip
     groups = {(system.numbers, system.kind, system.dimension) for system in systems_at(open_robot("rcrrrr"),
         np.zeros(7))}
     sheet.claim("section 5", "the group that {5, 6, 7} generates", "SO(3), a subalgebra of e(3)",
-                "a spherical system of dimension 3", ((5, 6, 7), "spherical", 3) in groups)  # fmt: skip
+                ", ".join(f"{kind}, dimension {size}" for numbers, kind, size in groups if numbers == (5, 6, 7)),
+                ((5, 6, 7), "spherical", 3) in groups)  # fmt: skip
 
 
 def printed_session(sheet: Sheet) -> None:
@@ -232,7 +237,8 @@ def conclusion(sheet: Sheet) -> None:
         reason="$2 is the slide of the cylindrical pair.", shown=Shown("", kinds[1] is JointKind.PRISMATIC),
     )  # fmt: skip
     sheet.claim("abstract, section 6", "one revolute is enough to recover full mobility", "actuating only one revolute",
-                "joint 3 alone, and joint 4 alone, reach rank 6 by finite motion", 3 in found.escapes)  # fmt: skip
+                f"joints that reach rank 6 alone by finite motion: {', '.join(map(str, found.escapes))}",
+                3 in found.escapes)  # fmt: skip
 
 
 SECTIONS = (

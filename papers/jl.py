@@ -161,7 +161,8 @@ def spaces(sheet: Sheet) -> None:
     lost = np.linalg.svd(jacobian(robot, singular))[0][:, 5]
     short = jacobian(robot, singular) @ np.linalg.pinv(jacobian(robot, singular), rcond=1e-9) @ lost
     sheet.claim("Redundancy", "at a singularity some velocities never can", "no matter what joint velocities",
-                "what the joints make of a lost direction is zero", float(np.abs(short).max()) < 1e-9)  # fmt: skip
+                f"J J⁺u of a lost direction u has length {rounded(float(np.linalg.norm(short)), 6)}",
+                float(np.abs(short).max()) < 1e-9)  # fmt: skip
 
 
 def projector(sheet: Sheet) -> None:
@@ -179,7 +180,8 @@ def projector(sheet: Sheet) -> None:
     planar = redundancy(open_robot("planar2r"), [0.3, 0.8])
     sheet.claim(
         "P", "when there is a projector to be found", "if N(J) ≠ ∅",
-        "N(J) always holds 0; where it holds nothing else P = 0, as for the planar arm", planar.check.nullity > 0,
+        f"planar arm: nullity {planar.check.nullity}, rank of P {np.linalg.matrix_rank(planar.projector, tol=1e-9)}",
+        planar.check.nullity > 0,
         reason="A null space is never empty: N(J) ≠ {0} is meant.",
         shown=Shown(f"Nullity {planar.check.nullity} there.",
         planar.check.nullity == 0 and not planar.projector.round(9).any()),

@@ -67,13 +67,14 @@ def consequences(sheet: Sheet) -> None:
     torque = jacobian(puma, [0.1, 0.2, 0.3, 0.4, 0.0, 0.5]).T @ wrench
     sheet.identity("Why do we care", "joint torques Jᵀw of a wrench w carried at a singularity (PUMA 560, θ5 = 0)",
                    "bounded torques may produce unbounded forces", float(np.abs(torque).max()),
-                   ours="none: a wrench of any size is carried with torques of zero", tolerance=1e-9)  # fmt: skip
+                   ours=f"largest torque for a unit wrench: {rounded(float(np.abs(torque).max()), 6)}",
+                   tolerance=1e-9)  # fmt: skip
     q = np.array([0.1, 0.2, 0.3, 0.4, 0.0, 0.5])
     other = q + 0.7 * np.array([0, 0, 0, 1, 0, -1])
     sheet.identity("Why do we care", "pose with θ4 + 0.7 and θ6 − 0.7 at θ5 = 0 (PUMA 560)",
                    "infinite solutions to the inverse kinematic problem may exist", worst(pose(puma, q), pose(puma,
                    other)),
-                   ours="the same pose, and so for every number in place of 0.7")  # fmt: skip
+                   ours=f"the pose changes by {rounded(worst(pose(puma, q), pose(puma, other)), 6)}")  # fmt: skip
     away = float(np.linalg.norm(pose(planar, np.zeros(2))[:3, 3]))
     sheet.claim("Why do we care", "the planar arm's singularity θ2 = 0 is on the workspace boundary",
                 "often occur along workspace boundary", f"at {rounded(away)} m, its reach",

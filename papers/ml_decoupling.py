@@ -56,15 +56,17 @@ def decoupling(sheet: Sheet) -> None:
     sheet.identity("Decoupling", "det J", "det J = det J11 det J22", worst(whole, blocks))
     sheet.identity("Decoupling", "det J at the tip and at the wrist centre", "only used to determine singularities",
                    worst(whole, np.linalg.det(jacobian(robot, q))))  # fmt: skip
+    apart = worst(centre, jacobian(robot, q))
     sheet.claim("Decoupling", "J at the wrist centre relates other velocities than J at the tip",
                 "will not give you the correct relation between velocities",
-                "columns differ by up to the distance from wrist to tip, 0.1 m",
-                abs(worst(centre, jacobian(robot, q)) - 0.1) < 0.02)  # fmt: skip
+                f"columns differ by up to {rounded(apart, 2)} m; the tip is 0.1 m from the wrist",
+                abs(apart - 0.1) < 0.02)  # fmt: skip
     wrist = found.blocks[1].parts[0]
     sheet.same("Spherical wrist", "where it is singular", "θ5 = 0 or π", wrist.text)
     there = np.array([0.3, 0.4, 0.5, 0.6, 0.0, 0.7])
-    sheet.claim("Spherical wrist", "what the axes do there", "z3 and z5 are collinear", "axes 4, 6 aligned",
-                any(relation.words == "axes 4, 6 aligned" for relation in relations_at(robot, there)))  # fmt: skip
+    there_aligned = [relation.words for relation in relations_at(robot, there) if "aligned" in relation.words]
+    sheet.claim("Spherical wrist", "what the axes do there", "z3 and z5 are collinear", "; ".join(there_aligned),
+                "axes 4, 6 aligned" in there_aligned)  # fmt: skip
     redundant = open_robot("pa10")
     q7 = np.array([0.3, -0.4, 1.1, 0.9, -0.7, 0.0, 0.5])
     aligned = any(relation.words == "axes 5, 7 aligned" for relation in relations_at(redundant, q7))
@@ -123,7 +125,7 @@ def offset(sheet: Sheet) -> None:
                     rank == 5 and abs(away - 0.15005) < 1e-6),
     )  # fmt: skip
     sheet.claim("Shoulder singularity", "smallest distance of the PUMA's wrist centre from axis 1",
-                "the points become unreachable", "d3 = 0.15005 m: the axis is out of reach",
+                "the points become unreachable", f"{rounded(_closest(robot), 5)} m",
                 _closest(robot) > 0.15005 - 1e-9)  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import gc
 import os
 import re
 import signal
+from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
 
@@ -40,6 +41,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.cross)
         if named_by("slow_at", item) or any(item.get_closest_marker(name) for name in ("by_hand", "browser", "cross")):
             item.add_marker(pytest.mark.slow)
+    leave_to_hand(items)
+
+
+def leave_to_hand(items: list[pytest.Item]) -> None:
+    """Marks what `spread(n)` leaves out: of a test's slow cases all but n, evenly spaced, are run by hand."""
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        marked = {mark.name for mark in item.iter_markers()}
+        if {"spread", "slow"} <= marked and "by_hand" not in marked:
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for some in cases.values():
+        mark = some[0].get_closest_marker("spread")
+        assert mark is not None
+        kept = {k * len(some) // mark.args[0] for k in range(mark.args[0])}
+        for place, item in enumerate(some):
+            if place not in kept:
+                item.add_marker(pytest.mark.by_hand)
 
 
 def named_by(marker: str, item: pytest.Item) -> bool:

@@ -97,7 +97,7 @@ FOREIGN = {
     "codec.py": "messages of msgspec, docstrings, JSON", "options.py": "names of arguments",
     "designs/outcome.py": "keys", "designs/spec.py": "files of the user",
     "formula/reading.py": "conditions of the user", "distance/monitor.py": "names of arms, for C",
-    "path/read/files.py": "files of the user",
+    "path/read/files.py": "files of the user", "path/read/written_poses.py": "files of the user",
     **dict.fromkeys(("path/read/fanuc_tp.py", "path/read/inform.py", "path/read/krl.py", "path/read/program_record.py",
                      "path/read/rapid.py", "path/read/urscript.py"), "programs of the user"),
     "path/read/trajectory.py": "files of the user",

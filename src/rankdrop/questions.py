@@ -125,6 +125,13 @@ class TolerantOptions(Options):
     starts: Annotated[int, option("Random starts", ge=1, le=10_000_000)] = 300
     seed: Annotated[int, _SEED] = 0
     show: Annotated[int, option("Local maxima to show", ge=1, le=1000)] = 5
+    self_motion: Annotated[
+        bool, option("Follow the self-motions of one tool pose: where a locked joint still lets the tool reach it")
+    ] = False  # fmt: skip
+    q: Annotated[
+        str | Sequence[float] | None,
+        option("With --self-motion: configuration at that pose, as for explain --q, in rad; else the best one found"),
+    ] = None
 
 
 @dataclass(frozen=True)

@@ -219,6 +219,7 @@ def test_the_greatest_value_of_a_root_is_its_own() -> None:
     assert float(surd(36)[0]) == pytest.approx(cos(pi / 5))
 
 
+@pytest.mark.slow
 def test_common_divisors_and_quotients_with_coefficients_of_thousands_of_bits() -> None:
     x, y, w = RING.t[1], RING.t[2], RING.letter_half["sqrt2"]
     long = x + (3**1500) * w * y + 7**1000

@@ -97,6 +97,7 @@ def test_no_ball_holds_a_singular_point(name):
         assert found.radius < distances(robot, row, everything, setting.scale, setting.matters).min()
 
 
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["anthropomorphic", "puma560", "ur5"])
 def test_one_enclosure_reaches_half_the_distance(name):

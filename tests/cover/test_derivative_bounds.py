@@ -41,6 +41,7 @@ def configurations(robot, count, seed):
     return np.concatenate([quarter, rng.uniform(-np.pi, np.pi, (count, robot.n))])
 
 
+@pytest.mark.spread(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("task", ["pose", "position", "orientation"])
@@ -61,6 +62,7 @@ def test_no_derivative_is_larger(name, task):
     assert largest > 0.0 or (name, task) == ("scara", "orientation")  # all its axes are parallel
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("0-pa10", "0-panda", "1-panda", "2-pa10", "2-panda", "2-puma560")
 @pytest.mark.slow_at("2-panda", "1-panda", "0-panda", "pa10", "1-puma560", "0-puma560", "2-puma560")
 @pytest.mark.parametrize("name", ["panda", "pa10", "puma560"])

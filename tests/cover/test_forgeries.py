@@ -206,6 +206,7 @@ CHANGES = ("posture change", "posture change within limits", "sign proof", "sign
            "sign proof of a point")  # fmt: skip
 
 
+@pytest.mark.slow_at("posture change")
 @pytest.mark.slow_at("posture change within limits", "sign proof", "sign proof with a wrist")
 @pytest.mark.parametrize("kind", CHANGES)
 def test_a_forged_proof_about_postures_is_refused_or_true(honest_changes, kind):

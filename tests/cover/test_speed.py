@@ -117,6 +117,7 @@ def test_a_budget_that_is_spent_is_said_and_what_it_gives_is_larger() -> None:
     assert short.kept_from is None or short.kept_from >= whole.kept_from
 
 
+@pytest.mark.slow
 def test_a_region_on_both_sides_of_the_value_is_proven_on_both(rng) -> None:
     around = np.array([0.5, -1.0, 1.4, 0.3, 0.05, 0.1])
     region = region_of("ur5e", 0.2, around=around, span=np.radians(20.0))
@@ -152,6 +153,14 @@ def test_what_has_no_distance_is_refused(name: str, given: dict, said: str) -> N
         region_of(name, **given)
 
 
+def test_an_arm_with_too_few_rate_limits_is_refused_with_what_is_missing() -> None:
+    """A panda with one rate limit: the six other joints alone make any motion, as fast as they like."""
+    arm = open_robot("panda")
+    joints = tuple(replace(one, velocity=np.inf) if k else one for k, one in enumerate(arm.joints))
+    with pytest.raises(OptionError, match=r"no rate limits that bound.*1 of 7 joints.*at least 2.*velocity"):
+        SpeedRegion(replace(arm, joints=joints), resolve_task(None, arm), 0.25)
+
+
 @pytest.mark.slow
 @pytest.mark.shipped
 def test_analyze_has_a_table_and_a_file_keeps_it(tmp_path) -> None:
@@ -162,6 +171,13 @@ def test_analyze_has_a_table_and_a_file_keeps_it(tmp_path) -> None:
     assert found.speeds.free == (1, 6)
     found.save(tmp_path / "arm.json")
     assert Analysis.load(tmp_path / "arm.json").speeds == found.speeds
+    assert found.slow is not None
+    assert Analysis.load(tmp_path / "arm.json").slow == found.slow
+    assert 0.36 < found.slow.share.share < 0.42
+    more = found.to_dict()
+    more["slow"]["share"]["near"] = 10_001
+    with pytest.raises(rankdrop.RankdropError, match="more configurations are slow than there are"):
+        Analysis.from_dict(more)
     forged = found.to_dict()
     forged["speeds"]["others"] = ["k1.f9"]
     with pytest.raises(rankdrop.RankdropError, match=r"a distance is of no family"):
@@ -179,4 +195,5 @@ def test_the_command_prints_how_far_to_stay(capsys) -> None:
     out = capsys.readouterr().out
     assert "keeps 250 mm/s from" in out
     assert "° from 0°" in out
+    assert "of the configurations inside the joint limits the tool is slower" in " ".join(out.split())
     assert main.run(["analyze", "irb120", "--speed", "0mm/s"]) == 2

@@ -18,7 +18,8 @@ import rankdrop
 from rankdrop.cli import main
 from rankdrop.codec import json_text
 from rankdrop.designs import Designs, compare, write_tables
-from rankdrop.designs.measure import families_of, nominal_conditions, with_lengths_of
+from rankdrop.designs.measure import families_of, measured, nominal_conditions, with_lengths_of
+from rankdrop.designs.outcome import error_text
 from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
@@ -307,10 +308,10 @@ def test_command_page_figure_and_tables(
 
 
 @pytest.mark.slow
-def test_records_satisfy_their_schema_which_describes_all_of_it(planar: tuple[Path, Designs], shifted: Designs) -> None:
+def test_records_satisfy_their_schema_which_describes_all_of_it(shifted: Designs) -> None:
     asks = {"task": "planar-position", "families": {"starts": 50, "fresh": 50}, "near": {"within": 0.3, "samples": 100}}
     arms = compare(["planar2r", "planar3r"], asks, workers=1)
-    for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
+    for name, one in (("sweep", shifted), ("side-by-side", arms)):
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
 
@@ -456,3 +457,13 @@ def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_whi
     titles = [section.title for section in found.sections()]
     assert "Variants" in titles
     assert "Pareto-optimal variants" not in titles
+
+
+def test_the_note_of_an_arm_without_rate_limits_says_what_is_missing() -> None:
+    others = ("families", "aspects", "near", "region", "paths", "certified")
+    asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 100}} | dict.fromkeys(others)
+    arms = [rankdrop.open_robot(name) for name in ("planar3r", "irb120")]
+    records = [measured(arm, resolve_task(None, arm), asks, None, limits=False, seed=0) for arm in arms]
+    assert [one["measures"]["slow"] is None for one in records] == [True, False]
+    assert "–: too few joints have a rate limit, state `velocity`" in error_text(records, "slow")
+    assert "rate limit" not in error_text(records[1:], "slow")

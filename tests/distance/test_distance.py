@@ -43,6 +43,7 @@ def pinned_distance(family: Family, q: Array) -> float:
     return float(np.linalg.norm(parts))
 
 
+@pytest.mark.slow
 def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
     found = analysed("pa10")
     families = found.families
@@ -60,6 +61,7 @@ def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
         assert [record.distance for record in records] == sorted(record.distance for record in records)
 
 
+@pytest.mark.spread(3)
 @pytest.mark.by_hand_at("canadarm2", "panda", "ur5")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(a, marks=pytest.mark.slow if a == "canadarm2" else ()) for a in ARMS])
@@ -72,6 +74,7 @@ def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.G
         assert nearest.distance == pytest.approx(records[0].distance, abs=1e-6)
 
 
+@pytest.mark.spread(1)
 @pytest.mark.slow_at("ur5")
 @pytest.mark.slow_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", ["puma560", "ur5", "panda", "canadarm2"])
@@ -103,6 +106,7 @@ def test_joints_a_family_does_not_depend_on_stay(rng: np.random.Generator) -> No
                 assert record.delta[number - 1] == 0.0
 
 
+@pytest.mark.slow
 def test_limits_are_kept(rng: np.random.Generator) -> None:
     robot = open_robot("iiwa14")
     found = analysed("pa10")  # the same rows: spherical shoulder and wrist, an elbow between them

@@ -82,6 +82,7 @@ def test_the_distance_grows_along_its_gradient(name: str, rng: np.random.Generat
     assert tried or all(family.coupled for family in monitor.families)
 
 
+@pytest.mark.slow_at("sawyer")
 @pytest.mark.parametrize("name", ["hc10", "ur5e", "sawyer", "puma560"])
 def test_near_a_coupled_family_its_gradient_is_that_of_the_distance(name: str, rng: np.random.Generator) -> None:
     """The distance is |f|/|∇f| there; its slope differs by what curvature makes of that."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from functools import partial
 from math import pi, radians
@@ -13,10 +14,12 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
 from rankdrop.distance.distance import family_distances
-from rankdrop.distance.share import _walked, near_shares, slow_share
+from rankdrop.distance.share import _walked, near_shares, slow_share, slower_than
 from rankdrop.errors import OptionError
 from rankdrop.families.points import near_family
+from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale, sample
+from rankdrop.local.rates import rate_limits
 from rankdrop.problem import Problem
 from rankdrop.report.sections import corank_tables
 from rankdrop.results.analysis import Analysis
@@ -24,7 +27,7 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.families import inside_limits, outside_text
+from rankdrop.text.families import inside_limits, outside_text, slow_line
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
 
@@ -166,6 +169,23 @@ def test_the_share_that_is_slow_is_that_of_configurations_explained_as_slow():
     assert slow_share(Problem(robot, task), speed=10.0, samples=60)[0].share == 1.0
     bare = replace(robot, joints=tuple(replace(joint, velocity=float("inf")) for joint in robot.joints))
     assert slow_share(Problem(bare, task), samples=60)[0] is None
+
+
+def test_the_share_slower_than_a_speed_is_that_of_the_inverse_jacobian():
+    """min_i limit_i / ‖row_i of the first three columns of J⁻¹‖ at the same configurations, and Wilson's interval."""
+    robot = open_robot("irb120")
+    task = resolve_task(None, robot)
+    found = slower_than(Problem(robot, task), 0.25, samples=400, seed=3)
+    q = sample(robot, task, 400, 3, limits=True)
+    inverse = np.linalg.inv(np.array([jacobian(robot, one) for one in q]))[:, :, :3]
+    slow = int(((rate_limits(robot) / np.linalg.norm(inverse, axis=2)).min(axis=1) < 0.25).sum())
+    assert (found.share.near, found.share.samples, found.seed, found.tool_speed) == (slow, 400, 3, 0.25)
+    assert 0 < slow < 400
+    low, high = found.share.interval
+    for end in (low, high):  # ends of Wilson's interval: |p − end| = z √(end (1 − end)/N)
+        assert abs(slow / 400 - end) == pytest.approx(1.959964 * np.sqrt(end * (1 - end) / 400), rel=1e-5)
+    assert low < slow / 400 < high
+    assert re.search(rf"At {100 * slow / 400:.3g} % of .* 250 mm/s .*95 %: .*400 random .*seed 3", slow_line(found))
 
 
 @pytest.mark.by_hand

@@ -8,6 +8,7 @@ from reference.structured import fifteen
 from rankdrop.verbs.conditions import conditions
 
 
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("8", "21")
 @pytest.mark.parametrize(

@@ -99,6 +99,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
+@pytest.mark.spread(8)
 @pytest.mark.slow
 @pytest.mark.by_hand_at(
     "planar3r-determinant", "puma560-singular_vector", "scara-determinant", "canadarm2-cofactors", "scara-cofactors",
@@ -122,6 +123,7 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert holds_modulo(found, points) == singular
 
 
+@pytest.mark.spread(21)
 @pytest.mark.slow
 @pytest.mark.by_hand_at(
     "canadarm2-determinant", "canadarm2-reciprocity", "canadarm2-singular_vector", "pa10-singular_vector",
@@ -351,6 +353,7 @@ def test_factors_of_one_polynomial_are_joined_by_or_and_polynomials_by_and() -> 
     assert texts[2].startswith("(θ2 = 0 or π or θ5 = ±π/2) and (θ3 = ±π/2 or θ6 = 0 or π) and ")
 
 
+@pytest.mark.slow
 def test_what_must_not_vanish_and_what_is_too_long_to_read_is_told_in_words() -> None:
     words = Words(chain_of("canadarm2").ring)
     reciprocity = words.conjunction(derived("canadarm2", "reciprocity").conditions[0])

@@ -66,6 +66,7 @@ def test_the_page_has_every_arm() -> None:
     assert len(NAMES) == 98
 
 
+@pytest.mark.slow
 def test_a_row_of_the_catalogue_is_what_is_shipped() -> None:
     for name, row in catalogue().items():
         found = shipped(name)

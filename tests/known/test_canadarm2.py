@@ -70,6 +70,7 @@ def eq_27(rng):
     return q
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("eq_20", "eq_21")
 @pytest.mark.slow
 @pytest.mark.parametrize("family", [eq_20, eq_21, eq_26, eq_27], ids=lambda f: f.__name__)
@@ -82,6 +83,7 @@ def test_kg_s_family_is_one_row(analysis, family, rng):
     assert rows[0].dimension == 5
 
 
+@pytest.mark.slow
 def test_eq_26_is_written_with_half_angles(analysis, rng):
     (row,) = rows_holding(analysis, eq_26(rng))
     assert set(row.coupled) == {3, 4, 5}

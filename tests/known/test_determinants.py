@@ -25,6 +25,7 @@ def test_complete_and_sound(case):
     assert all_sound(analysis)
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow
 def test_each_factor_is_one_family_with_the_same_zero_set(case):

@@ -67,6 +67,7 @@ def test_every_family_is_met(name: str) -> None:
         assert not left, [(one.id, one.name) for one in left]
 
 
+@pytest.mark.slow_at("almarkhi4", "planar3r")
 @pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ARMS)

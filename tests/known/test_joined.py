@@ -33,6 +33,7 @@ ARMS = {  # exact families that the rows consist of, corank by corank
 STARTS = 400
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.by_hand_at("canadarm2", "anthropomorphic", "pa10", "puma560", "ur5")
 @pytest.mark.slow_at("canadarm2", "pa10", "ur5", "puma560", "anthropomorphic")
 @pytest.mark.parametrize("name", ARMS)  # the Canadarm2 takes five seconds, the others one

@@ -160,6 +160,7 @@ def test_a_condition_is_tested_against_sets_derived_anew() -> None:
     assert found.test("q2 = 0").verdict != "exact"
 
 
+@pytest.mark.slow
 def test_analyze_says_the_same_with_and_without_the_shelf(stored: dict[str, Any]) -> None:
     robot = open_robot("stanford")
     asked: list[str] = []
@@ -204,6 +205,7 @@ def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
     assert sum(len(item.read_bytes()) for item in files) < 8_000_000  # 1.3 MB each for two Kinova wrists at 60°
 
 
+@pytest.mark.spread(141)
 @pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", SHIPPED)

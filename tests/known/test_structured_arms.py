@@ -122,6 +122,7 @@ def test_joints_on_one_axis_count_as_one() -> None:
     assert found.sound_and_complete
 
 
+@pytest.mark.slow
 def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """7R of seed 3: three conditions of its family hold together on θ6 = π besides, where the arm is regular."""
     arm = structured_arm(7, 3)

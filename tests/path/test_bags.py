@@ -207,6 +207,7 @@ def test_messages_of_other_joints_are_passed_over_and_told(tmp_path: Path) -> No
     assert read.notes == ("1 of 4 messages have none of this arm's joints and are passed over",)
 
 
+@pytest.mark.slow
 def test_headers_without_times_and_repeated_rows(tmp_path: Path) -> None:
     def make(store: Any) -> list[Message]:
         rows = [("/s", STATE, START + round(s * 1e9), state(store, NAMES, q, 0)) for q, s in zip(Q, T, strict=True)]
@@ -264,6 +265,7 @@ BROKEN: dict[str, Callable[[Any], list[Message]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("said", BROKEN)
 def test_what_is_wrong_is_named_with_topic_and_message(tmp_path: Path, said: str) -> None:
@@ -280,6 +282,7 @@ def test_a_topic_of_another_type_is_named(tmp_path: Path) -> None:
         read_trajectory(path, ARM, topic="/c")
 
 
+@pytest.mark.slow_at("sqlite3")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_truncated_bag_is_never_read_in_part(tmp_path: Path, kind: str) -> None:
     rng, count = np.random.default_rng(3), 400
@@ -334,6 +337,7 @@ def test_what_a_damaged_file_raises_in_python_is_said_in_words(
             bag_rows(str(path), NAMES, None)
 
 
+@pytest.mark.slow
 def test_another_version_of_the_type_is_refused(tmp_path: Path) -> None:
     other = get_typestore(Stores.EMPTY)
     other.register({"sensor_msgs/msg/JointState": ([], [("name", (1, ("string", 0)))])})

@@ -89,6 +89,7 @@ def test_a_wrist_that_dips_across_zero_is_lifted_and_the_rest_stays_to_the_last_
     assert np.degrees(off[1]) < DEPTH + 0.2 + 0.05  # joint 5 alone turns the tool by that
 
 
+@pytest.mark.slow
 def test_a_bump_has_two_continuous_derivatives() -> None:
     share = np.linspace(-0.2, 1.2, 1401)
     value, slope, bend = step(share)

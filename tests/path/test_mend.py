@@ -142,6 +142,7 @@ def test_a_corner_is_cut_within_the_bound_and_the_rest_stays() -> None:
     assert mend_path(found, kinds=WHOLE, blend=1e-4).remedies == ()
 
 
+@pytest.mark.slow
 def test_limits_are_kept_by_every_remedy_in_time() -> None:
     for one in wrist().remedies:
         assert one.usage is not None

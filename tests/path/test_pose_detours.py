@@ -20,7 +20,8 @@ from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
-from rankdrop.text.paths import remedy_note, short
+from rankdrop.text.remedies import remedy_note
+from rankdrop.text.words import short
 
 STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0)}
 JOINT = {"kr6r900": 4, "pa10": 3}

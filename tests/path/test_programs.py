@@ -203,6 +203,7 @@ def test_the_verdict_names_the_line(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "line 12: circular moves are not read" in printed
 
 
+@pytest.mark.slow
 def test_a_line_goes_on_from_where_the_joint_move_ended() -> None:
     """Straight lines start at the pose of the joints before them, and keep their branch and their time."""
     arm = open_robot("ur5e")

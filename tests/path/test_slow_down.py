@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import rankdrop
 from rankdrop.local.rates import rate_limits
@@ -30,6 +31,7 @@ def mended() -> tuple[Array, Array, Mending]:
     return q, t, mend_path(rankdrop.check_path(ARM, q, t), kinds=("slow-down", "retime"))
 
 
+@pytest.mark.slow
 def test_only_the_rows_around_get_more_time() -> None:
     """All rows are there, in order; the durations outside the parts told are the old ones; limits are kept."""
     q, t, found = mended()

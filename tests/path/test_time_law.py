@@ -163,6 +163,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Any:
     return once
 
 
+@pytest.mark.slow
 def test_the_command(run: Any, tmp_path: Path) -> None:
     out = tmp_path / "motion.csv"
     code, printed, _ = run("through", "planar2r", "--deg", "--q", "0,180", "--along", "0,1", "--path", str(out))

@@ -12,6 +12,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
+from rankdrop.distance.share import NearShare, SlowShare
 from rankdrop.families.record import Check
 from rankdrop.formula.notation import typeset
 from rankdrop.kinematics import jacobian, link_poses
@@ -67,6 +68,16 @@ def test_the_page_says_how_it_was_verified() -> None:
         assert part in text
 
 
+def test_the_head_has_the_share_of_slow_configurations_or_says_what_is_missing() -> None:
+    found = shown("scara")
+    assert "state `velocity`" in page(replace(found, slow=None)).split("<nav")[0]
+    share = NearShare("", 300, 1000, bound=False)
+    asked = replace(found.analysis, slow=SlowShare(0.25, share, 0))
+    head = page(replace(found, analysis=asked, slow=share)).split("<nav")[0]
+    assert "below 25 mm/s or 5°/s in some direction: 30 % of configurations inside limits (95 %: 27.2 … 32.9 %" in head
+    assert "slower than 250 mm/s in its worst direction (95 %: 27.2 … 32.9 %): 1,000 random" in head
+
+
 def test_what_is_not_verified_is_said() -> None:
     found = shown("scara")
     wrong = replace(found.analysis.families[0], soundness=Check(100, 99), explained=Check(10, 9))
@@ -106,6 +117,7 @@ def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
     assert "The families are derived exactly." in page(shown_of_it)
 
 
+@pytest.mark.slow
 def test_the_data_is_the_arm() -> None:
     found = shown("stanford")
     record = json.loads(json.dumps(page_data(found), allow_nan=False))

@@ -36,6 +36,7 @@ def compiled(text: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @needs_latex
 @pytest.mark.parametrize("name", ["pa10", "ur5", "stanford", "planar2r", "panda", "canadarm2"])
@@ -46,6 +47,7 @@ def test_the_tables_compile(name: str, tmp_path: Path) -> None:
     assert max(widths, default=0.0) < 25.0  # the page is 345 pt wide
 
 
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.shipped
 @needs_latex

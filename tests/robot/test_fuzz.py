@@ -42,6 +42,7 @@ def test_the_corpus_is_read_or_refused(name: str) -> None:
     assert any(taken)
 
 
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("mjcf", "certificate")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
@@ -52,6 +53,7 @@ def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
         FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
 
 
+@pytest.mark.spread(10)
 @pytest.mark.by_hand_at("tolerance")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FUZZ.NAMES)

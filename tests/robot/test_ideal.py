@@ -68,6 +68,7 @@ def test_anything_else_is_refused_in_plain_words(text: str, what: str) -> None:
     assert caught.value.where == "--ideal"
 
 
+@pytest.mark.slow
 @given(st.text(max_size=12))
 def test_no_text_makes_the_reader_fall(text: str) -> None:
     try:
@@ -83,6 +84,7 @@ def test_a_length_beyond_a_tenth_of_the_arm_makes_another_arm() -> None:
     assert "up to" in str(caught.value)
 
 
+@pytest.mark.spread(26)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.random.Generator) -> None:
@@ -187,6 +189,7 @@ def test_a_line_says_what_is_near_and_what_to_type(arm: Robot, text: str, typed:
     assert read_tolerance(near.tolerance.text) == read_tolerance(typed)
 
 
+@pytest.mark.slow
 def test_the_tolerance_that_is_told_is_the_smallest_that_does_it(rng: np.random.Generator) -> None:
     for name in ("ur5e", "panda", "iiwa14"):
         arm = noisy(open_robot(name), rng, *CALIBRATED)

@@ -70,6 +70,7 @@ def moved_by_mujoco(mujoco: Any, path: Path, arm: Robot, q: np.ndarray) -> tuple
     return result, np.vstack([v, w])[:, columns]
 
 
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "tip"),
@@ -144,6 +145,7 @@ def test_joints_and_bodies_without_names_have_one(tmp_path: Path) -> None:
     assert [joint.name for joint in arm.joints] == ["body1_joint1", "body1_joint2", "last_joint"]
 
 
+@pytest.mark.slow
 def test_a_floating_body_is_the_base_and_no_chain_passes_it(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     foot = f'<body name="foot" pos="0 0 -1"><joint name="knee"/>{GEOM}</body>'
@@ -171,6 +173,7 @@ def test_a_ball_joint_is_refused_with_the_base_below_it(tmp_path: Path) -> None:
     assert open_robot(path, base="upper").n == 1
 
 
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "words"),

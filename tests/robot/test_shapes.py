@@ -120,6 +120,7 @@ def test_an_arm_of_the_catalogue_has_no_shapes() -> None:
     assert visuals_of(open_robot("pa10"), {}) == ((), ())
 
 
+@pytest.mark.slow
 def test_a_xacro_file_is_drawn_as_it_was_expanded(tmp_path: Path) -> None:
     pytest.importorskip("xacro", reason="xacrodoc is not installed")
     (tmp_path / "part.obj").write_text(TRIANGLE, encoding="utf-8")

@@ -55,6 +55,7 @@ def carried_screw(transform: Array, screw: Array) -> Array:
     return np.concatenate([turn @ screw[:3] + np.cross(shift, omega), omega])
 
 
+@pytest.mark.spread(87)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_an_exact_arm_is_left_alone(name: str) -> None:
@@ -64,6 +65,7 @@ def test_an_exact_arm_is_left_alone(name: str) -> None:
     assert changes == ()
 
 
+@pytest.mark.spread(26)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:

@@ -16,6 +16,7 @@ BOUNDS = {
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""
 
 
+@pytest.mark.slow
 @pytest.mark.by_hand_at(
     "conditions puma560 --quiet", "conditions puma560 --quiet --fresh --coranks 1 --points 100",
     "cover ur5 --width 0.4 --quiet", "explain puma560 --q 0.1,0.2,0.3,0.4,0.5,0.6",

@@ -100,6 +100,7 @@ def test_a_slice_shows_points_on_the_families(viewer: Viewer) -> None:
     viewer.slice.clear()
 
 
+@pytest.mark.slow
 def test_what_goes_wrong_behind_a_button_is_told(viewer: Viewer) -> None:
     def act() -> None:
         raise ValueError("<no>")

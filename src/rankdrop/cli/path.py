@@ -71,11 +71,15 @@ class Remedies(RemedyOptions):
         str | None, option("Write the best path that is proven free here, or retimed: .csv, .npz, .json",
                            writes=(".csv", ".npz", ".json"))
     ] = None  # fmt: skip
+    fixed_as: Annotated[
+        Literal["input", "joints"],
+        option("What --fixed writes of a file of poses: poses again, in the form of the file, or joint values"),
+    ] = "input"  # fmt: skip
 
     @property
     def wanted(self) -> bool:
         """Whether any remedy is asked for; bounds of local ones, that are computed anyway, do not ask for others."""
-        return replace(self, bump=NO_REMEDIES.bump, detour=NO_REMEDIES.detour) != NO_REMEDIES
+        return replace(self, bump=0.0, detour=0.0, fixed_as="input") != replace(NO_REMEDIES, bump=0.0, detour=0.0)
 
     @property
     def kinds(self) -> tuple[tuple[str, ...], ...]:
@@ -143,6 +147,16 @@ class PathOutput(Output):
 
 
 NO_REMEDIES = Remedies()
+@dataclass(frozen=True)
+class Written:
+    """What a mended file is written from: the arm and the file as named, families, and the unit of its angles."""
+
+    arm: str
+    source: Path
+    families: results.Analysis | None
+    deg: bool
+
+
 OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 """Outputs of a single path."""
 
@@ -218,6 +232,8 @@ def path(
         families = None
     else:
         families = results.Analysis.load(source.analysis)
+    if mend.fixed is not None and mend.fixed_as == "input" and not several and paths.holds_poses(named[0], model):
+        paths.check_pose_target(named[0], mend.fixed)
     own = arm.task is None and arm.length_scale is None
     question = paths.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
@@ -228,10 +244,15 @@ def path(
         progress = partial(report, f"{named[0].name}: stretches decided")
         result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, paths.ProgramCheck):
-            return _of_program(result, output)
+            lines: tuple[paths.LineRemedy, ...] = ()
+            if result.complete and not result.holds:
+                lines = paths.program_remedies(result, analysis=families, options=RemedyOptions(bump=mend.bump,
+                                                                                                detour=mend.detour))
+            return _of_program(result, lines, output)
         if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
             remedies = _mended(result, families, mend, report)
-    return _of_one(result, remedies, near, families, output, mend, named[0])
+    written = Written(name, named[0], families, source.deg)
+    return _of_one(result, remedies, near, families, output, mend, written)
 
 
 def _mended(
@@ -314,13 +335,14 @@ def _check_program(output: PathOutput, mend: Remedies) -> None:
     given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
     for name in (["--remedies"] if mend.wanted else []) + given:
         raise OptionError("this option is not for robot programs", where=name,
-                          mend="--json writes the joint path of every part; check that as a file of joint values",
+                          mend="programs are not written: the plain command names the remedy for each line, and "
+                          "--json writes the joint path of every part, which can be checked and mended as a file",
                           )  # fmt: skip
 
 
-def _of_program(result: paths.ProgramCheck, output: PathOutput) -> Done:
+def _of_program(result: paths.ProgramCheck, lines: tuple[paths.LineRemedy, ...], output: PathOutput) -> Done:
     return Done(
-        lambda: list(result.sections(full=output.full)), {"json": result.to_dict}, holds=result.holds,
+        lambda: list(result.sections(full=output.full, remedies=lines)), {"json": result.to_dict}, holds=result.holds,
         complete=result.complete,
         last=None if result.complete else partial(say, "interrupted: what was proven so far holds"),
     )  # fmt: skip
@@ -328,9 +350,9 @@ def _of_program(result: paths.ProgramCheck, output: PathOutput) -> Done:
 
 def _of_one(
     result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
-    families: results.Analysis | None, output: PathOutput, mend: Remedies, file: Path,
+    families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
 ) -> Done:  # fmt: skip
-    fixed = mend.fixed
+    file, fixed = written.source, mend.fixed
     if mend.wanted:
         local, remedies = (None, remedies)
     else:
@@ -361,7 +383,7 @@ def _of_one(
         "certificate": lambda: paths.path_certificate(result, near if proven else None, file=file)
         if result.complete else None,
         "json": lambda: result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()}),
-        "fixed": lambda: None if remedies is None or fixed is None else _fixed(remedies, fixed),
+        "fixed": lambda: None if remedies is None or fixed is None else _fixed(remedies, mend, written),
         "figure": figure,
         "html": page,
         "rows": lambda: paths.rows_file(paths.path_rows(result, families), output.rows or ""),
@@ -372,18 +394,32 @@ def _of_one(
     )  # fmt: skip
 
 
-def _fixed(mending: paths.Mending, target: str) -> bytes | None:
-    """The mended trajectory; what was done, or why there is none, goes to stderr."""
+def _fixed(mending: paths.Mending, mend: Remedies, written: Written) -> bytes | None:
+    """The mended path; what was done, or why there is none, goes to stderr."""
+    target = mend.fixed or ""
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
         say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
         return None
+    form = ""
+    if mending.before.poses is not None and mend.fixed_as == "input":
+        made = paths.mended_poses(mending.before, one, analysis=written.families, acceleration=mend.acceleration)
+        if isinstance(made, paths.MendedPoses):
+            say(text.poses_written(target, one, made, mending.before.robot, arm=written.arm,
+                                   given_start=_given_start(mending.before)))  # fmt: skip
+            return paths.poses_bytes(written.source, made.matrices, made.times, made.given, deg=written.deg)
+        form = f"; {text.NO_POSES[made]}"
     if one.interpolate == "linear":
         between = ""
     else:
         between = f", read it with --interpolate {one.interpolate}"
-    say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}")
+    say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}{form}")
     return paths.trajectory_bytes(one.trajectory, mending.before.robot, target)
+
+
+def _given_start(check: paths.PathCheck) -> bool:
+    """The branch of a tool path was chosen by --start."""
+    return check.tool is not None and check.tool.solutions == 0
 
 
 def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:

@@ -437,6 +437,7 @@ def tolerant(
     /,
     *,
     options: TolerantOptions = TolerantOptions(),
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
     output: Output = OUTPUT,
     report: PROGRESS,
@@ -449,14 +450,21 @@ def tolerant(
     For example:
         rankdrop tolerant panda --limits
         rankdrop tolerant almarkhi4 --relative --length-scale 1
+        rankdrop tolerant panda --limits --self-motion --q 0,-0.7,0.3,-2.4,-0.2,1.6,0
 
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        deg: Angles of --q without a unit are in degrees.
     """
     model, task = open_arm(robot, arm)
+    if isinstance(options.q, str):
+        options = replace(options, q=tuple(parse_configuration(options.q, model, deg=deg)))
     found = distance.most_tolerant(model, task, options, progress=partial(report, "climb"))
     lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
     return Done(
-        lambda: [[text.tolerant_sentence(found)], arm_section(model, task, found.generic_rank, lines),
+        lambda: [text.tolerant_lines(found), arm_section(model, task, found.generic_rank, lines),
                  *text.tolerant_sections(found)],
         {"json": lambda: record_of("tolerant", found)}, holds=bool(found.places), complete=found.complete,
     )  # fmt: skip

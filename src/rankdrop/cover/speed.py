@@ -81,9 +81,14 @@ class SpeedRegion:
             raise OptionError("the tool of this task has no speed that it could keep in every direction", where="speed",
                               got=task.name,
                               allowed="a task with translations, in which no direction is lost always")  # fmt: skip
-        if not np.isfinite(self.limits).any():
-            raise OptionError("the arm has no rate limits", where="speed", got=robot.name,
-                              mend="state `velocity` of the joints in its file")  # fmt: skip
+        limited = int(np.isfinite(self.limits).sum())
+        if limited <= robot.n - task.m:  # the other joints alone can make any motion
+            raise OptionError(
+                "the arm has no rate limits that bound the tool's speed", where="speed",
+                got=f"{robot.name}: limits for {limited} of {robot.n} joints",
+                allowed=f"rate limits of at least {robot.n - task.m + 1} joints",
+                mend="state `velocity` of the joints in its file, in rad/s (slides: m/s)",
+            )  # fmt: skip
         if around is None:
             middle = start_posture(self.robot, self.task)
         else:

@@ -35,7 +35,7 @@ from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.aspects import aspects_cell, aspects_line
-from rankdrop.text.brief import compared_arms, compared_sentence, sigma_note, slow_poses_note
+from rankdrop.text.brief import NO_RATE_LIMITS, compared_arms, compared_sentence, sigma_note, slow_poses_note
 from rankdrop.text.words import sweep_next
 
 SHOWN = 20
@@ -327,14 +327,17 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
         shares = [one["near"]["any"] for one in records if one.get("near")]
     elif measure == "slow":
         shares = [one["slow"] for one in records if one.get("slow")]
+    missing = ""
+    if measure == "slow" and any("slow" in one and one["slow"] is None for one in records):
+        missing = NO_RATE_LIMITS
     most = max((float(one["error"]) for one in shares), default=0.0)
     if any(one["bound"] for one in shares):
         larger = " or more"
     else:
         larger = ""
     if most:
-        return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
-    return ""
+        return f", by samples: ± {APART * 100 * most:.2g} %{larger}{missing}"
+    return missing
 
 
 def _slow_poses_error(regions: Sequence[Mapping[str, Any]]) -> str:

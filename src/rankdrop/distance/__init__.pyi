@@ -4,6 +4,7 @@ from .distance import family_distances as family_distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
 from .share import NearShare as NearShare
+from .share import SlowShare as SlowShare
 from .share import slow_share as slow_share
 from .tolerant import most_tolerant as most_tolerant
 from .workspaces import Workspace as Workspace

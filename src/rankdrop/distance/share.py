@@ -110,6 +110,21 @@ class Near:
         return self._hits
 
 
+@dataclass(frozen=True, slots=True)
+class SlowShare:
+    """Share of the configurations inside the joint limits at which the tool is slower than a speed in some direction.
+
+    Attributes:
+        tool_speed: of straight translations, the tool not turning [m/s].
+        share: how many configurations are slower in their worst direction, every joint within its rate limit.
+        seed: of the configurations, uniform in each joint.
+    """
+
+    tool_speed: float
+    share: NearShare
+    seed: int
+
+
 def near_shares(
     families: Sequence[Family],
     problem: Problem,
@@ -192,6 +207,24 @@ def slow_share(
             slow[first : first + _BLOCK] |= one.speed < (speed if one.unit == "m/s" else turn_speed)
             bound |= not one.exact
     return NearShare("", int(slow.sum()), samples, bound), slow
+
+
+def slower_than(problem: Problem, speed: float, *, samples: int = SAMPLES, seed: int = 0) -> SlowShare | None:
+    """Share of the configurations at which some straight translation of the tool is slower than a speed.
+
+    Args:
+        problem: the arm with its rate limits, and its task.
+        speed: to be reached in every direction, the tool not turning [m/s].
+        samples: how many configurations, uniform in each joint inside its limits.
+        seed: of them.
+
+    Returns:
+        The share; None where too few joints have rate limits to bound the speed.
+    """
+    share, _ = slow_share(problem, speed=speed, turn_speed=0.0, samples=samples, seed=seed)
+    if share is None:
+        return None
+    return SlowShare(speed, share, seed)
 
 
 def check_within(within: float) -> None:

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop import _core
+from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import Progress
-from rankdrop.kinematics import check_robot, task_jacobian
+from rankdrop.kinematics import check_robot, one_configuration, task_jacobian
 from rankdrop.local.block import structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
 from rankdrop.local.minimax import Evaluate, Lowest, descend
@@ -55,6 +56,53 @@ class Place:
     failures: Failures
 
 
+@dataclass(frozen=True, slots=True)
+class LockedJoint:
+    """Where a joint may be locked for the tool still to reach a pose.
+
+    Attributes:
+        number, joint: which, from 1, and its name.
+        ranges: its values on the self-motions of the pose, from, to [rad, m].
+        share: of its range that these cover, of a whole turn where no limit counts; None for a slide without limits.
+    """
+
+    number: int
+    joint: str
+    ranges: tuple[tuple[float, float], ...]
+    share: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class SelfMotions:
+    """The self-motions of one tool pose, as far as they bear the failure of a joint.
+
+    Attributes:
+        tool_pose: (4, 4) of the tip in the base frame [m].
+        q, value: the configuration that gave the pose, and the measure there.
+        best, best_value: the configuration on the self-motions at which the worst failure leaves most, and the measure.
+        least_value: the smallest measure on them.
+        curves: how many were followed; `usable` of them have configurations inside the limits, where limits count.
+        complete: every curve that was found was followed to its end.
+        joints: one for each joint.
+    """
+
+    tool_pose: Array
+    q: Array
+    value: float
+    best: Array
+    best_value: float
+    least_value: float
+    curves: int
+    usable: int
+    complete: bool
+    joints: tuple[LockedJoint, ...]
+
+    @property
+    def weakest(self) -> LockedJoint:
+        """The joint with the smallest share."""
+        return min((one for one in self.joints if one.share is not None), key=lambda one: one.share or 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Tolerant:
     """What was found.
@@ -67,6 +115,7 @@ class Tolerant:
         places: the best local maxima that differ, best first; empty where every one loses a freedom.
         free: numbers of the joints that change no σ of any J₋j.
         crucial: numbers of the joints whose failure costs a freedom at every configuration.
+        self_motion: the self-motions of one pose; None where they were not asked for, or no pose is known.
     """
 
     robot: Robot
@@ -81,6 +130,7 @@ class Tolerant:
     places: tuple[Place, ...]
     free: tuple[int, ...]
     crucial: tuple[int, ...]
+    self_motion: SelfMotions | None = None
 
     @property
     def spare(self) -> int:
@@ -124,7 +174,9 @@ def most_tolerant(
         given: fields of the options.
 
     Raises:
-        OptionError: starts, seed or show outside what is allowed.
+        OptionError: starts, seed or show outside what is allowed; a configuration without `self_motion`; self-motions
+            of an arm with none, or with more than one joint to spare.
+        ConfigurationError: `q` is not one configuration of this arm, or is outside the limits that count.
         RobotError: not a Robot.
         TaskError: there is no such task.
 
@@ -139,6 +191,7 @@ def most_tolerant(
     how = TolerantOptions.of(options, given)
     resolved, done = resolve_task(task, robot), 0
     problem = Problem(in_units(robot), task_in_units(resolved, robot), 0, tolerances, how.limits)
+    start = _pose_asked(problem, robot, how)
     crucial, free = _crucial(problem), _free(problem)
     places: tuple[Place, ...] = ()
     if not crucial:
@@ -151,10 +204,54 @@ def most_tolerant(
             Place(q, value, slope, failures_at(robot, q, resolved, tolerances=tolerances)) for q, value, slope in at
         )
     numbers = tuple(int(j) + 1 for j in np.flatnonzero(free))
+    motions = _self_motions(robot, resolved, places, start, how)
     return Tolerant(
         robot, resolved, problem.generic_rank, how.relative, how.limits, how.seed, how.starts, tolerances, done, places,
-        numbers, crucial,
+        numbers, crucial, motions,
     )  # fmt: skip
+
+
+def _pose_asked(problem: Problem, robot: Robot, how: TolerantOptions) -> Array | None:
+    """The configuration that gives the pose of the self-motions; None for the best one found.
+
+    Raises:
+        OptionError, ConfigurationError: as `most_tolerant`.
+    """
+    if how.q is not None and not how.self_motion:
+        raise OptionError("a configuration is for the self-motions of its pose", where="q", got=how.q,
+                          mend="ask for self_motion as well")  # fmt: skip
+    if how.self_motion and robot.n != problem.generic_rank + 1:
+        raise OptionError(
+            "self-motions are followed as curves, which arms with one joint to spare have", where="self_motion",
+            got=f"{robot.name}: {robot.n} joints, rank {problem.generic_rank}", allowed="one joint more than the rank",
+            mend="take a task with one row less than the arm has joints",
+        )  # fmt: skip
+    if how.q is None:
+        return None
+    if isinstance(how.q, str):
+        raise OptionError("a configuration is a list of joint values", where="q", got=how.q,
+                          allowed="[q1, q2, …] [rad, m]")  # fmt: skip
+    q = one_configuration(robot, how.q)
+    outside = np.flatnonzero((q < robot.lower - _SAME) | (q > robot.upper + _SAME)) + 1
+    if how.limits and len(outside):
+        raise ConfigurationError(
+            "the configuration is outside the joint limits", where="q", got=q.tolist(),
+            mend=f"change joints {', '.join(map(str, outside))}, or leave the limits out",
+        )  # fmt: skip
+    return q
+
+
+def _self_motions(
+    robot: Robot, task: Task, places: tuple[Place, ...], start: Array | None, how: TolerantOptions
+) -> SelfMotions | None:
+    """The self-motions of the pose at a configuration, else at the best place; None where there is none."""
+    if start is None and places:
+        start = places[0].q
+    if not how.self_motion or start is None:
+        return None
+    from rankdrop.distance.self_motions import self_motions  # with the inverse, which no failure needs
+
+    return self_motions(robot, start, task, relative=how.relative, limits=how.limits, seed=how.seed)
 
 
 def _crucial(problem: Problem) -> tuple[int, ...]:

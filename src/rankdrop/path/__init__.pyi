@@ -25,6 +25,11 @@ from .check.rows import check_format as check_format
 from .check.rows import path_rows as path_rows
 from .check.rows import rows_file as rows_file
 from .curve import Place as Place
+from .mend.as_poses import MendedPoses as MendedPoses
+from .mend.as_poses import NoPoses as NoPoses
+from .mend.as_poses import mended_poses as mended_poses
+from .mend.programs import LineRemedy as LineRemedy
+from .mend.programs import program_remedies as program_remedies
 from .mend.remedies import KINDS as KINDS
 from .mend.remedies import LOCAL as LOCAL
 from .mend.remedies import Mending as Mending
@@ -47,3 +52,5 @@ from .read.trajectory import Trajectory as Trajectory
 from .read.trajectory import is_bag as is_bag
 from .read.trajectory import parse_trajectory as parse_trajectory
 from .read.trajectory import unit_hint as unit_hint
+from .read.written_poses import check_pose_target as check_pose_target
+from .read.written_poses import poses_bytes as poses_bytes

@@ -279,6 +279,44 @@ def _most(robot: Robot, task: Task) -> int | None:
     return None
 
 
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A self-motion as it was followed.
+
+    Attributes:
+        points: (K, n) configurations in order, some 0.08 rad apart, angles counted on through whole turns [rad, m].
+        closed: the last point is next to the first one.
+        complete: it was followed to its closing or to both of its ends.
+    """
+
+    points: Array
+    closed: bool
+    complete: bool
+
+
+def self_motion_curves(
+    robot: Robot, pose: ArrayLike, task: Task | str | None = None, *, options: InverseOptions | None = None
+) -> tuple[tuple[Curve, ...], bool]:
+    """Curves of configurations along which the tool stands still at a pose, joint limits ignored.
+
+    Args:
+        robot, pose, task, options: as of `inverse`.
+
+    Returns:
+        The curves, and whether there may be more. No curve where the self-motions are surfaces: an arm with two joints
+        to spare, or more.
+
+    Raises:
+        ConfigurationError, OptionError, TaskError: as `inverse`.
+    """
+    check_robot(robot)
+    resolved = resolve_task(task, robot)
+    search = _Search(Aim(robot, resolved), resolved, matrix_of(pose))
+    search.run(options or InverseOptions())
+    _, _, more = search.parted()
+    return tuple(search.curves), more
+
+
 @dataclass(eq=False)
 class _Search:
     """Solutions of one pose as they are found."""
@@ -292,6 +330,7 @@ class _Search:
     def __post_init__(self) -> None:
         self.robot = self.aim.robot
         self.scale = joint_scale(self.robot, self.task)
+        self.curves: list[Curve] = []
         self.regular = np.empty((0, self.robot.n))
         self.singular = np.empty((0, self.robot.n))
 
@@ -361,20 +400,19 @@ class _Search:
             else:
                 isolated.append(q[None])
         found: list[Continuum] = []
-        traced: list[Array] = []
         widest = max((dimension for _, dimension, _ in pieces), default=0)
         more = widest > 1  # surfaces are not told apart, nor what else is connected with them
         if widest > 1:
             q, _, singular = next(one for one in pieces if one[1] == widest)
             pieces, found = [], [self._continuum(q, widest, q[None], False, False, singular)]
         for q, _, singular in pieces:
-            if any(self._on(q, points) for points in traced):
+            if any(self._on(q, curve.points) for curve in self.curves):
                 continue
-            if len(traced) == _CURVES:
+            if len(self.curves) == _CURVES:
                 more = True
                 break
             points, closed, complete = self._curve(q)
-            traced.append(points)
+            self.curves.append(Curve(points, closed, complete))
             found.append(self._continuum(q, 1, points, closed, complete, singular))
         found.sort(key=lambda one: (bool(one.beyond), not one.closed))
         if isolated:

@@ -119,8 +119,11 @@ class Aim:
         Returns:
             (N,) distance of the reference point [m]; (N,) the chord [1].
         """
-        now = _core.pose(self._chain, np.ascontiguousarray(q))
-        away, chord = np.zeros(len(q)), np.zeros(len(q))
+        return self.missing_between(poses, _core.pose(self._chain, np.ascontiguousarray(q)))
+
+    def missing_between(self, poses: Array, now: Array) -> tuple[Array, Array]:
+        """As `missing`, from poses `now` (N, 4, 4) to `poses` (N, 4, 4)."""
+        away, chord = np.zeros(len(now)), np.zeros(len(now))
         rows = [row for row in self.rows if row < 3]
         apart = now[:, :3, :3] - poses[:, :3, :3]
         if rows:

@@ -35,8 +35,8 @@ from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, near_ideal
 from rankdrop.sections import html
 from rankdrop.task import Task, link_index, resolve_task
-from rankdrop.text import aspects_line, lost_sentences
-from rankdrop.tolerances import DEFAULT
+from rankdrop.text import aspects_line, lost_sentences, slow_configurations, slow_line
+from rankdrop.tolerances import DEFAULT, SLOW, SLOW_TURN
 from rankdrop.version import VERSION
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
@@ -125,10 +125,9 @@ def _header(content: Content) -> str:
     aspects = aspects_line(analysis.aspects)
     if aspects:
         facts.insert(1, ("aspects", aspects))
-    if content.slow is not None:
-        share = f"{'at least ' * content.slow.bound}{100 * content.slow.share:.2g} %"
-        told = f"below 25 mm/s or 5°/s in some direction: {share} of configurations inside limits"
-        facts.insert(len(facts) - 2, ("slow", told))
+    facts.insert(len(facts) - 2, ("slow", slow_configurations(content.slow, SLOW, SLOW_TURN)))
+    if analysis.slow is not None:
+        facts.insert(len(facts) - 2, ("speed", slow_line(analysis.slow)))
     title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
     about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
     return header(title, css, " ".join(verdict.beside(analysis.answer)), facts, about, _notes(content))

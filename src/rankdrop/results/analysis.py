@@ -19,7 +19,7 @@ from rankdrop.codec import Record as Record
 from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
-from rankdrop.distance.share import Near
+from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.equation import Equation
 from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
@@ -56,6 +56,7 @@ class Analysis(Result):
         exact: the exact derivation of the families; None where it was not asked for.
         near: share of the joint space near each family; None where it was not asked for.
         speeds: how far from each family the tool keeps a speed; None where it was not asked for.
+        slow: share of the configurations inside the limits at which the tool is slower than that speed; None likewise.
         aspects: how many aspects the arm has, joint limits ignored; None for arms outside the catalogue where it was
             not asked for.
     """
@@ -72,6 +73,7 @@ class Analysis(Result):
     exact: Derivation | None = None
     near: Near | None = None
     speeds: SpeedDistances | None = None
+    slow: SlowShare | None = None
     aspects: AspectSummary | None = None
     FILE: ClassVar[str] = "analysis"
 
@@ -183,8 +185,9 @@ class Analysis(Result):
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
             exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
-            near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
-            speeds=at("$.speeds", lambda: restored(SpeedDistances, record["speeds"])) if "speeds" in record else None,
+            near=_part(record, "near", Near),
+            speeds=_part(record, "speeds", SpeedDistances),
+            slow=_part(record, "slow", SlowShare),
             aspects=at("$.aspects", lambda: _aspects(record)),
         )
 
@@ -295,6 +298,13 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
+
+
+def _part(record: Record, entry: str, kind: type[Any]) -> Any:
+    """An entry that is absent where it was not computed."""
+    if entry not in record:
+        return None
+    return at(f"$.{entry}", lambda: restored(kind, record[entry]))
 
 
 def _aspects(record: Record) -> AspectSummary | None:

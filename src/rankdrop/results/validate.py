@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from rankdrop.distance.share import Near
+from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.families.lost import LostFreedom
@@ -58,6 +58,8 @@ class _Analysed(Protocol):
     def near(self) -> Near | None: ...
     @property
     def speeds(self) -> SpeedDistances | None: ...
+    @property
+    def slow(self) -> SlowShare | None: ...
 
     def residual_of(self, family: Family) -> Residual: ...
 
@@ -132,6 +134,9 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
                f"up to {row.samples}") for row in (*analysis.near.families, analysis.near.any)),
         )  # fmt: skip
     _check_speeds(analysis, ids)
+    if analysis.slow is not None:
+        slow, all_ = analysis.slow.share.near, analysis.slow.share.samples
+        require((slow <= all_, "more configurations are slow than there are", "$.slow.share", slow, f"up to {all_}"))
     if analysis.exact is not None:
         _check_exact(analysis, analysis.exact, ids)
 

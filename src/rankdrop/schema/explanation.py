@@ -9,7 +9,7 @@ from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
-from rankdrop.distance.tolerant import Place
+from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.directions import Screw
 from rankdrop.local.nearest import Nearest
@@ -481,6 +481,20 @@ TOLERANT_PLACES = table(
         attrgetter("failures.bound")),
     failures=(many(FAILURES), "", attrgetter("failures.single")),
 )
+LOCKED_JOINT = table(
+    "locked_joint", of=LockedJoint, number=Positive,
+    ranges=(many(row(num("joint"), 2)), "values, from and to, on the self-motions: locked at one of "
+        "them, the joint leaves the pose in reach"),
+    share=(num("1", ge=0, le=1) | None, "of its range inside the limits that count, else of a whole turn; null for a "
+        "slide without limits"),
+)  # fmt: skip
+SELF_MOTIONS = table(
+    "self_motions", of=SelfMotions, tool_pose=row(row(num("pose"), 4), 4), q=some(num("joint")),
+    value=(num("1", ge=0), "the measure at q"), best=(some(num("joint")), "where on the self-motions it is largest"),
+    best_value=num("1", ge=0), least_value=num("1", ge=0), curves=Positive,
+    usable=(Positive, "curves with configurations inside the limits, where limits count"),
+    complete=(bool, "every curve that was found was followed to its end"), joints=many(LOCKED_JOINT),
+)  # fmt: skip
 TOLERANT_FILE = file(
     "tolerant",
     "Written by `rankdrop tolerant --json`: configurations that bear the failure of any one joint best.",
@@ -494,4 +508,6 @@ TOLERANT_FILE = file(
     free=(many(Positive), "joints that may take any value"),
     crucial=(many(Positive), "joints that cost a freedom at every configuration if they fail"),
     places=(many(TOLERANT_PLACES), "local maxima, best first"),
+    self_motion=(optional(SELF_MOTIONS), "the self-motions of one tool pose; absent where they were not asked for",
+        lambda one: one.self_motion or UNSET),
 )

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
-from rankdrop.distance.share import Near
+from rankdrop.distance.share import Near, SlowShare
 from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
@@ -214,6 +214,12 @@ ANALYSIS_NEAR = table(
     slow=(optional(NEAR_FAMILIES | None), "configurations inside the limits at which some straight motion of the tool "
         "is slower than 25 mm/s or 5°/s; null without rate limits"),
 )  # fmt: skip
+ANALYSIS_SLOW = table(
+    "analysis_slow", of=SlowShare, tool_speed=num("m/s", gt=0),
+    share=(NEAR_FAMILIES, "configurations at which some straight translation of the tool is slower, every joint within "
+        "its rate limit; `near` counts them, `samples` all: uniform in each joint inside its limits"),
+    seed=Count,
+)  # fmt: skip
 SPEED_DISTANCES = table(
     "speed_distances", of=SpeedDistances, tool_speed=num("m/s", gt=0), around=many(num("joint")), span=num("rad", gt=0),
     free=many(Positive),
@@ -287,6 +293,8 @@ ANALYSIS_FILE = file(
         lambda one: one.near or UNSET),
     speeds=(optional(SPEED_DISTANCES), "how far from each family the tool keeps a speed; absent where it was not asked "
         "for", lambda one: one.speeds or UNSET),
+    slow=(optional(ANALYSIS_SLOW), "share of the joint space inside the limits in which the tool is slower than the "
+        "speed of `speeds`; absent without it", lambda one: one.slow or UNSET),
     aspects=(optional(ASPECTS_SUMMARY), "how many aspects the arm has, joint limits ignored; absent for arms outside "
         "the catalogue where it was not asked for", lambda one: one.aspects or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",

@@ -57,6 +57,8 @@ from .families import nothing_found as nothing_found
 from .families import number_of as number_of
 from .families import one_line as one_line
 from .families import share_text as share_text
+from .families import slow_configurations as slow_configurations
+from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
@@ -65,6 +67,8 @@ from .lost import lost_sentence as lost_sentence
 from .lost import lost_sentences as lost_sentences
 from .paths import free_words as free_words
 from .paths import many_section as many_section
+from .remedies import NO_POSES as NO_POSES
+from .remedies import poses_written as poses_written
 from .special import family_label as family_label
 from .special import family_title as family_title
 from .special import place_name as place_name
@@ -77,5 +81,6 @@ from .words import motion as motion
 from .words import numbers as numbers
 from .words import procedure_text as procedure_text
 from .words import short as short
+from .words import tolerant_lines as tolerant_lines
 from .words import tolerant_sections as tolerant_sections
 from .words import tolerant_sentence as tolerant_sentence

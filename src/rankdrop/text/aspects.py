@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rankdrop.sections import Section
-from rankdrop.text.paths import joint_cells, joint_heads
+from rankdrop.text.places import joint_cells, joint_heads
 from rankdrop.text.words import listing, plural
 
 POSTURES = {

@@ -28,6 +28,7 @@ from rankdrop.text.families import (
     near_total,
     share_cell,
     share_text,
+    slow_line,
     symbols,
     values_text,
     within,
@@ -232,6 +233,9 @@ def sigma_note(variants: int, wide: int, uncovered: int) -> str:
     return note
 
 
+NO_RATE_LIMITS = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
+
+
 def slow_poses_note(speed: float, width: float) -> str:
     """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
     return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"
@@ -250,6 +254,10 @@ def speed_section(analysis: Any) -> Section | None:
         f"proven by intervals for every configuration inside the joint limits and within {degrees(told.span):.3g}° of "
         f"{middle} in each joint",
     ]
+    if analysis.slow is None:
+        lines: tuple[str, ...] = ()
+    else:
+        lines = (slow_line(analysis.slow),)
     if told.free:
         free = ", ".join(map(str, told.free))
         notes.append(f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it")
@@ -261,7 +269,7 @@ def speed_section(analysis: Any) -> Section | None:
     rows = [(one.family, names.get(one.family, ""), one.joint, _kept(one), _slower(one)) for one in told.distances]
     return Section(
         f"Speed {pace}", "how far a joint has to stay from the value that is singular",
-        columns=("", "family", "joint", f"keeps {pace} from", "slower found"), rows=tuple(rows),
+        columns=("", "family", "joint", f"keeps {pace} from", "slower found"), rows=tuple(rows), lines=lines,
         texts=(0, 1, 2, 3, 4), notes=tuple(notes),
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
-from rankdrop.distance.share import Near, NearShare
+from rankdrop.distance.share import Near, NearShare, SlowShare
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.equation import Equation, pretty_angle
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
@@ -656,6 +656,33 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
         rows=tuple((id, name, _percent(one), f"{100 * one.error:.2g} %", _between(one)) for id, name, one in rows),
         texts=(0, 1), notes=tuple(notes),
     )  # fmt: skip
+
+
+def slow_line(slow: SlowShare) -> str:
+    """The share of the joint space in which the tool is slow, its interval and its samples."""
+    share = slow.share
+    return (
+        f"At {_percent(share)} of the configurations inside the joint limits the tool is slower than "
+        f"{1000 * slow.tool_speed:.4g} mm/s in its worst direction (95 %: {_close_between(share)}): "
+        f"{share.samples:,} random configurations, uniform in each joint, seed {slow.seed}."
+    )
+
+
+def slow_configurations(slow: NearShare | None, speed: float, turn_speed: float) -> str:
+    """The share of slow configurations on a page, at speeds in m/s and rad/s; without it, what the file lacks."""
+    if slow is None:
+        return "unknown: too few joints have a rate limit (state `velocity` of the joints in the arm's file)"
+    return (
+        f"below {1000 * speed:.4g} mm/s or {degrees(turn_speed):.3g}°/s in some direction: {_percent(slow)} of "
+        f"configurations inside limits (95 %: {_close_between(slow)}; {slow.samples:,} random ones, uniform in each "
+        "joint)"
+    )
+
+
+def _close_between(share: NearShare) -> str:
+    """The 95 % interval to three digits."""
+    low, high = (100 * end for end in share.interval)
+    return f"{low:.3g} … {high:.3g} %"
 
 
 def share_cell(share: NearShare) -> str:

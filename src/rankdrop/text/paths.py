@@ -1,4 +1,4 @@
-"""Paths in words, made from their facts: checks, remedies, paths through a singularity.
+"""Checked paths in words, made from their facts.
 
 A check: five lines first, then crossings, with `full` free stretches and notes. Records are those of `rankdrop.path`.
 """
@@ -17,12 +17,12 @@ from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.task import ROWS
+from rankdrop.text.places import row_words, turn_far_words, when
+from rankdrop.text.remedies import local_lines
 from rankdrop.text.words import (
     CHECKED_POINTING,
     NEVER_TURNS,
     angle,
-    fixed,
     minus,
     motion,
     plural,
@@ -33,13 +33,10 @@ from rankdrop.units import counted_length
 DESCRIBED, LISTED = 2, 12
 """Crossings that are described in some lines each; if there are more, so many get one line each."""
 _CLOSEST = 3  # free stretches whose closest configuration is printed
-_AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 _SMALLEST = 1e-12  # of a width of a bracket that is printed [s]
 _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singularity [rad]
 _TURNS = 1e-6  # a joint that turns less stands still [rad]
 _MOVED = 1e-3  # a start that is nearer to the first pose counts as at it [rad]
-_LARGE = 99.5  # degrees or millimetres that are printed with three digits, from here on
-_SEEN = 0.02  # share of the largest joint motion below which a joint is not named
 _NAMED = 10  # crossings whose poses are noted
 
 _EVIDENCE = {
@@ -65,37 +62,6 @@ _REASONS = {
     "stuck": "the solver does not converge there",
     "budget": "the steps and rows that one tool path may have are used up",
 }
-COLUMNS = {
-    "row": "number of the sample, from 1",
-    "time_s": "of the sample",
-    "pose": "number of the pose, from 1, with the share of the way on",
-    "joint": "value of {0}",
-    "verdict": "worst on the way from this row to the next",
-    "family": "id of the nearest known family",
-    "family_name": "its name",
-    "distance_rad": "to the nearest singular configuration known or found; slides by the length scale",
-    "at_least_rad": "no singular configuration is nearer: proven",
-    "sigma": "σ{0}, translation divided by {1:.6g} m",
-    "speed_factor": "largest, at most 1, that keeps the velocity limits on its stretch",
-}
-"""Meanings of the columns of a checked path row by row."""
-MILLIMETRES = "positions up to {0:.4g} look like millimetres and are read as metres; write x [mm], y [mm], z [mm]"
-BAG_NOTES = {
-    "others": "{0} of {1} messages have none of this arm's joints and are passed over",
-    "recording": "headers have no times: those of the recording are taken",
-    "plans": "{0} plans follow each other; {1} points were replaced",
-    "repeated": "{0} rows are repeated word for word and count once",
-}
-"""What a reader of a bag should know."""
-BAG_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
-DAMAGES: dict[type[Exception], str] = {
-    OverflowError: "a record that is longer than any file",
-    AssertionError: "records that contradict each other",
-    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
-    UnicodeDecodeError: "a name that is no text",
-}
-"""What the errors of Python mean that a damaged bag raises; readers say the others themselves."""
-
 
 def evidence_words(stretch: Any, check: Any) -> str:
     """How the verdict of a stretch is known."""
@@ -149,8 +115,14 @@ def _ahead(tool: Any) -> str:
     return f"{ahead} is out of reach: no configuration within the joint limits was found for it"
 
 
-def turn_words(turn: Any, robot: Robot) -> str:
-    """An internal turn: its joint that turns most, the others, and how far the path can be followed after it."""
+def turn_words(turn: Any, robot: Robot, *, place: bool = True) -> str:
+    """An internal turn: its joint that turns most, the others, and how far the path can be followed after it.
+
+    Args:
+        turn: the turn.
+        robot: the arm.
+        place: name the pose at which it is made, and how far the path can be followed after it.
+    """
     moved = turn.to - turn.q
     turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
     order = sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
@@ -172,11 +144,14 @@ def turn_words(turn: Any, robot: Robot) -> str:
         with_it = f", with {', '.join(change(i) for i in sorted(others))}"
     else:
         with_it = ""
+    words = f"turn {change(first)} with the tool held still{with_it}"
+    if not place:
+        return words
     after = (
         "; after it the path can be followed to its end" if turn.rest_complete else
         f"; after it the path can be followed to pose {turn.rest_reached:.5g}" if turn.rest_complete is not None else ""
     )  # fmt: skip
-    return f"turn {change(first)} with the tool held still{with_it}, at pose {turn.place:.5g}{after}"
+    return f"{words}, at pose {turn.place:.5g}{after}"
 
 
 def sentence(check: Any) -> str:
@@ -212,7 +187,7 @@ def _reached(check: Any) -> Iterator[str]:
         part = [one for one in check.crossings if one.verdict == kind]
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
-            yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {_when(part[0].closest.place)}"
+            yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {when(part[0].closest.place)}"
     if check.tool is not None and check.tool.passed:
         yield passing_words(check.tool.passed)
     if check.margin == "violated" and not check.crossings:
@@ -237,7 +212,7 @@ def _violation(one: Any, check: Any) -> str:
         near = ""
         if isfinite(one.distance):
             near = f", {short(degrees(one.distance), 2)}° from a singularity ({one.name})"
-        limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {_when(one.place)}{near}"
+        limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {when(one.place)}{near}"
         if one.proven:
             return f"not possible at the programmed speed: {limit}"
         return f"the rate of joint {one.joint} could not be proven to keep its limit"
@@ -248,7 +223,7 @@ def _violation(one: Any, check: Any) -> str:
         rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first"
     else:
         rows = ""
-    return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {_when(one.place)}, by {excess} at most"
+    return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {when(one.place)}, by {excess} at most"
 
 
 def _open(check: Any) -> Iterator[str]:
@@ -285,7 +260,7 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
         if mending is None:
             lines += []
         else:
-            lines += _local_lines(mending)
+            lines += local_lines(mending)
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
                key=lambda one: one.closest.distance, default=None)  # fmt: skip
     if near is not None:
@@ -374,10 +349,10 @@ def _branches_section(check: Any, *, deg: bool) -> Section:
 def _where(near: Any) -> str:
     """Where a stretch is nearest to a singularity."""
     if near.verdict != "free":
-        return _when(near.closest.place)
+        return when(near.closest.place)
     if near.closest.distance < _LEADS:
         return "at its end"
-    return f"{angle(near.closest.distance)} away, {_when(near.closest.place)}"
+    return f"{angle(near.closest.distance)} away, {when(near.closest.place)}"
 
 
 def _advice(check: Any) -> str:
@@ -452,7 +427,7 @@ def notes(check: Any) -> tuple[str, ...]:
         if check.tool.half_turns:
             lines += [half_turn_words(check.tool.half_turns)]
         lines += [turn_far_words(turn) for turn in check.turns]
-        lines += [f"row {_row(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
+        lines += [f"row {row_words(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
 
 
@@ -476,7 +451,7 @@ def path_sections(
     if full or len(met) <= DESCRIBED:
         lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
     else:
-        lines = [f"{_crossed(one)}, {_when(one.closest.place)}" for one in met[:LISTED]]
+        lines = [f"{_crossed(one)}, {when(one.closest.place)}" for one in met[:LISTED]]
         if len(met) > LISTED:
             more = f"and {len(met) - LISTED} more; "
         else:
@@ -497,7 +472,7 @@ def path_sections(
 def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
     """A stretch that is not free: what it reaches, where, and what is lost."""
     yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
-    yield f"    at {_joints(check.robot, one.closest.q, deg=deg)}"
+    yield f"    at {joints_words(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
     if not full:
         return
@@ -521,7 +496,7 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
     limited = any(not isnan(one.speed_factor) for one in free)
     columns: dict[str, Callable[[Any], str]] = {
         "nearest family": lambda one: f"{one.name or '(not known)'}{_id(one)}",
-        "rows": lambda one: f"{_row(one.start)} – {_row(one.end)}",
+        "rows": lambda one: f"{row_words(one.start)} – {row_words(one.end)}",
         "time [s]": lambda one: f"{one.start.time:.4g} – {one.end.time:.4g}",
         "closest": lambda one: "at its end" if one.closest.distance < _LEADS else _far(one.closest.distance),
         "σ": lambda one: "→ 0" if one.closest.distance < _LEADS else short(one.closest.sigma, 3),
@@ -538,8 +513,8 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
         del columns["speed"]
     rows = tuple(tuple(cell(one) for cell in columns.values()) for one in sorted(free, key=attrgetter("start")))
     where = tuple(
-        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, check.robot)}: "
-        f"{_joints(check.robot, one.closest.q, deg=deg)}"
+        f"{_far(one.closest.distance)} at row {row_words(one.closest.place)}{_way(one, check.robot)}: "
+        f"{joints_words(check.robot, one.closest.q, deg=deg)}"
         for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
     )
     return Section("Proven free", columns=tuple(columns), rows=rows, after=where, notes=tuple(notes))
@@ -551,15 +526,6 @@ def _id(one: Any) -> str:
     return ""
 
 
-def _when(place: Any) -> str:
-    if place.time is not None:
-        return f"at {place.time:.4g} s"
-    near = min(place.share, 1.0 - place.share) < _AT_ROW
-    if near:
-        return f"at row {round(place.position)}"
-    return f"between rows {place.row} and {place.row + 1}"
-
-
 def _span(stretch: Any) -> str:
     start, end = stretch.bracket
     if start.row == end.row or (end.share == 0.0 and end.row == start.row + 1):
@@ -567,16 +533,12 @@ def _span(stretch: Any) -> str:
         if start.share == end.share == 0.0 and start.row == end.row:
             rows = f"at row {start.row}"
     else:
-        rows = f"rows {_row(start)} to {_row(end)}"
+        rows = f"rows {row_words(start)} to {row_words(end)}"
     if start.time is None or end.time is None:
         return rows
     if end.time - start.time < 1e-4:
         return f"{rows}, at {stretch.closest.place.time:.6f} s (± {short(max(end.time - start.time, _SMALLEST), 2)} s)"
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
-
-
-def _row(place: Any) -> str:
-    return f"{round(place.position, 2):.12g}"
 
 
 def _far(distance: float) -> str:
@@ -613,7 +575,8 @@ def _percent(share: float) -> str:
     return f"{short(100 * share, 3)} %"
 
 
-def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
+def joints_words(robot: Robot, q: Array, *, deg: bool) -> str:
+    """Joint values by name, with units."""
     parts = []
     for joint, value in zip(robot.variables, q, strict=True):
         turns = joint.unit == "rad"
@@ -624,407 +587,6 @@ def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
         unit = ("°" if deg else " rad") if turns else " m"
         parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
     return ", ".join(parts)
-
-
-def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:
-    """Headings of columns of joint values."""
-    return tuple(f"{one.name} [{'°' if deg and one.unit == 'rad' else one.unit}]" for one in robot.variables)
-
-
-def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
-    """Joint values (n,) as cells of a table."""
-    for joint, value in zip(robot.variables, q.tolist(), strict=True):
-        yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")
-
-
-GAINS = {
-    "distance": ("distance to the nearest singularity known", "rad"), "speed": ("speed that keeps the limits", ""),
-    "duration": ("duration", "s"),
-}  # fmt: skip
-"""What is compared before and after a remedy: its name and its unit."""
-_ENDED = {
-    "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
-    "budget": "need more rows than one path may have",
-    "start": "do not reach the first pose", "turn": "need an internal turn",
-    "plan": "found no way when planned over all self-motions",
-}  # fmt: skip
-
-
-_DONE = {
-    "same start": "the same tool path from the same start, by null-space motion",
-    "elsewhere": "the same tool path begun elsewhere on its self-motion, by null-space motion",
-    "planned": "the same tool path from the same start, planned over the self-motions of every pose",
-    "planned elsewhere": "the same tool path from another start, planned over the self-motions of every pose",
-    "branch": "another branch of the inverse kinematics runs the same tool path",
-    "shift": "the base of the arm moved, in its own axes",
-    "tilt": "the tool tilted about an axis through its tip, in its own axes",
-    "bump": "the joints moved aside around each singularity; the rest of the path stays as it is",
-    "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
-    "blend": "the corner at row {0} cut by a parabola",
-    "blends": "the corners at row {0} cut by a parabola",
-    "slow-down": "the same path, slower around the places where a joint is too fast; the rest as fast as it was",
-    "retime": "the same path in a new time, never faster than before and slower where a limit asks for it",
-}
-_CHANGES = {
-    "null-space": "joint motion that leaves the tool where it is along the whole path: the arm has no redundant joint",
-    "flip": "other posture at the first pose",
-    "tool tilt": "rotation in the task", "base shift": "translation in the task",
-}  # fmt: skip
-_BLENDS = {None: "only paths that are straight between their rows have corners",
-           0: "no corner is near enough for the tool to stay within the bound"}  # fmt: skip
-_OBSTACLES = {
-    "side": "the path ends beyond the singularity, which every joint path there crosses",
-    "end": "the path begins or ends too near to the singularity",
-    "height": "no joint motion within {bound} avoids it",
-    "rate": "no bump keeps the joint limits of rates and accelerations",
-}  # fmt: skip
-"""Why the joints cannot be moved aside around a singularity."""
-_HINDRANCES = {
-    "end": "the path begins or ends too near to the singularity",
-    "tool": "the joints cannot follow the tool around the singularity within {bound}",
-    "limit": "a joint reaches its limit before the tool is past the singularity",
-    "rest": "the tool cannot be followed on the new branch up to here",
-}
-"""Why the tool cannot be led around a singularity."""
-BOUNDED = {
-    True: "rates of straight stretches, accelerations of blends between their middles, from rest to rest",
-    False: "by control points of the derivatives, which enclose them",
-}
-"""How limits are known to hold: of a path that is straight between its rows, and of a smooth one."""
-
-
-def remedy_words(how: str, fact: Any) -> str:
-    """What a remedy does."""
-    return _DONE[how].format(fact)
-
-
-def remedy_note(kind: str, fact: Any) -> str:
-    """What was tried of a kind of remedy that has none, and what came of it.
-
-    Args:
-        kind: of the remedy; "path": of every kind that keeps the tool's path.
-        fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
-            how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
-            times it was tried, the bound, and for each place without one the place, why, and the bound that is needed;
-            of "range" a joint, how much wider its range would have to be, and the arm.
-    """
-    if kind == "local":
-        return f"bump and detour: not tried, more than {fact} places need one"
-    if kind == "range":
-        joint, beyond, robot = fact
-        amount = _amount(beyond, robot.variables[joint - 1].unit)
-        return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
-    if kind == "unfinished":
-        return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
-    if kind == "bump":
-        return _bump_note(*fact)
-    if kind == "detour":
-        if fact is None:
-            return "detour: only for paths that are straight between their rows"
-        return _detour_note(*fact)
-    if kind == "path":
-        return f"the tool's path cannot be followed: {fact}"
-    if kind == "slow-down":
-        if fact:
-            return f"{kind}: the limits cannot be kept without making nearly all of the path slower"
-        return f"{kind}: only for paths that are straight between their rows"
-    if kind == "retime":
-        return f"{kind}: the limits could not be kept everywhere"
-    if kind == "blend":
-        return f"{kind}: {_BLENDS.get(fact) or f'{fact} tried, none was proven free'}"
-    run, ended = fact
-    tried = run + ended.total()
-    if not tried:
-        return f"{kind}: there is no {_CHANGES[kind]}"
-    if len(ended) == 1 and tried > 1 and not run:
-        return f"{kind}: all {tried} that were tried {_ENDED[next(iter(ended))]}"
-    parts = [f"{count} {_ENDED[reason]}" for reason, count in sorted(ended.items())]
-    if run:
-        parts.append(f"{run} run it at the rows that were computed, and none was proven free")
-    return f"{kind}: {tried} tried: {', '.join(parts)}"
-
-
-def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
-    """Why the joints cannot be moved aside, and which bound would do."""
-    if not missing:
-        return f"bump: {tried} {plural('clearance', tried)} tried, none was proven free"
-    parts = []
-    for place, obstacle, needed in missing[:_NAMED]:
-        words = _OBSTACLES[obstacle].format(bound=_bound("bump", bound))
-        if isfinite(needed):
-            words += f"; {_wider('bump', needed)} does"
-        parts.append((_when(place), words))
-    if len(missing) > _NAMED:
-        more = f"; and {len(missing) - _NAMED} more"
-    else:
-        more = ""
-    return f"bump: {_by_reason(parts)}{more}"
-
-
-def _by_reason(parts: Iterable[tuple[str, str]]) -> str:
-    """Places with the reason of each, a reason of several places once: "at 1 s, at 3 s: no joint motion avoids it"."""
-    places: dict[str, list[str]] = {}
-    for place, reason in parts:
-        places.setdefault(reason, []).append(place)
-    return "; ".join(f"{', '.join(each)}: {reason}" for reason, each in places.items())
-
-
-def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
-    """Why the tool cannot be led around, and which bound would do; `many`: crossings, if there are too many."""
-    if many:
-        return f"detour: not tried, the joints have to cross {many} times"
-    if not missing:
-        return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
-    parts = []
-    for place, hindrance, needed in missing[:_NAMED]:
-        words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
-        if isfinite(needed):
-            words += f"; {_wider('detour', needed)} does"
-        parts.append((_when(place), words))
-    return f"detour: {_by_reason(parts)}"
-
-
-def _bound(name: str, bound: float) -> str:
-    """A bound of a remedy as it is given."""
-    return advised(name, f"{short(degrees(bound), 3)}deg", python=f"{name}={short(bound, 3)}")
-
-
-def _wider(name: str, needed: float) -> str:
-    """The bound that is large enough, rounded up to a tenth of a degree."""
-    tenths = np.ceil(10.0 * degrees(needed) * 1.001)
-    return advised(name, f"{tenths / 10.0:g}deg", python=f"{name}={np.ceil(1e4 * np.radians(tenths / 10)) / 1e4:g}")
-
-
-def remedies_sentence(mending: Any) -> str:
-    """Which remedies were found."""
-    if not mending.needed:
-        return "Remedies: none is needed."
-    if mending.complete:
-        stopped = ""
-    else:
-        stopped = ", interrupted: not all kinds were tried"
-    if not mending.remedies:
-        return f"Remedies: none was found{stopped}; that is no proof that there is none."
-    parts = [
-        f"{', '.join(kinds)} ({what})" for clear, what in ((True, "checked again: free, proven"),
-                                                          (False, "limits kept; it still meets a singularity"))
-        if (kinds := [one.kind for one in mending.remedies if one.check.clear == clear])
-    ]  # fmt: skip
-    return f"Remedies: {'; '.join(parts)}{stopped}."
-
-
-def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
-    """The remedies, and the kinds of which none was found."""
-    lines = tuple(line for one in mending.remedies for line in _remedy_lines(one, deg=deg))
-    if mending.notes:
-        others = [Section("Remedies that were not found", lines=mending.notes)]
-    else:
-        others = []
-    return Section(mending.sentence, lines=lines), *others
-
-
-def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
-    lines = [f"{remedy.kind}: {remedy.words}"]
-    robot = remedy.check.robot
-    lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
-    lines += [f"    {change_words(change, robot)}" for change in remedy.changes[:LISTED]]
-    if len(remedy.changes) > LISTED:
-        lines += [f"    and {len(remedy.changes) - LISTED} more changes"]
-    lines += [f"    {turn_far_words(turn)}" for turn in remedy.turns[:_NAMED]]
-    for what, values in remedy.gains.items():
-        name, unit = GAINS[what]
-        before, after = (short(value) if isfinite(value) else "not known" for value in values)
-        if not np.isnan(values).all():
-            lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
-    lines.append(f"    checked again: {remedy.check.sentence}")
-    if remedy.usage is not None:
-        if remedy.retimed and remedy.kind not in ("retime", "slow-down"):
-            retimed = "new time law; "
-        else:
-            retimed = ""
-        used = [f"{short(100 * share)} % of the {what} limits" for share, what in
-                ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
-        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
-    if remedy.off[0] > 0.0:
-        if isnan(remedy.off[1]):
-            turn = ""
-        else:
-            turn = f", {_small(degrees(remedy.off[1]))}°"
-        where = "of the old path where it leaves it"
-        if turn and not remedy.changes:
-            where = "of its path between rows, measured in their middles"
-        off = 1000 * remedy.off[0] / counted_length(robot)
-        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
-    return lines
-
-
-def change_words(change: Any, robot: Robot) -> str:
-    """A local change: which joints move how far, between which places, and how far the tool is moved."""
-    when, off = _between(change.start, change.end), _off(change.off, robot)
-    if not (change.longer > 0.0 or change.way.any()):
-        return f"the tool moves by {off} {when}"
-    if change.longer > 0.0:
-        return f"slower {when}, which takes {short(change.longer, 2)} s longer"
-    if not change.at_end.any():
-        return f"{_moves(change.way, robot)} {when}; the tool moves by {off}"
-    return f"the tool moves by {off} {when}; at its end the arm is on another branch: {_moves(change.at_end, robot)}"
-
-
-def _moves(way: Array, robot: Robot) -> str:
-    """Joint motions, the largest first: "joint 5 by 1.5°, joint 3 by −1.1°"; what is below 1 % of it left out."""
-    turns = np.array([joint.unit == "rad" for joint in robot.variables])
-    size = np.abs(way) / np.where(turns, 1.0, counted_length(robot))
-    order = [int(i) for i in np.argsort(-size, kind="stable") if size[i] >= _SEEN * size.max()]
-    return ", ".join(f"joint {i + 1} by {_amount(float(way[i]), robot.variables[i].unit)}" for i in order)
-
-
-def _amount(value: float, unit: str) -> str:
-    if unit == "rad":
-        number = degrees(value)
-    else:
-        number = 1e3 * value
-    return f"{short(number, 2 if abs(number) < _LARGE else 3)}{'°' if unit == 'rad' else ' mm'}"
-
-
-def _between(start: Any, end: Any) -> str:
-    """Two places of a path: "between 1.2 and 1.8 s"."""
-    if start.time is not None and end.time is not None:
-        return f"between {start.time:.5g} and {end.time:.5g} s"
-    return f"between rows {_row(start)} and {_row(end)}"
-
-
-def _off(off: tuple[float, float], robot: Robot) -> str:
-    """A deviation of the tool."""
-    return f"{_small(1000 * off[0] / counted_length(robot))} mm and {_small(degrees(off[1]))}°"
-
-
-def turn_far_words(turn: Any) -> str:
-    """A joint that turns far: "joint 4 turns 173° between 1.2 and 1.8 s"."""
-    return f"joint {turn.joint} turns {short(abs(degrees(turn.angle)), 3)}° {_between(turn.start, turn.end)}"
-
-
-def _local_lines(mending: Any) -> list[str]:
-    """The best local remedy, or why there is none."""
-    if mending.best is not None:
-        return [f"Remedy: {best_words(mending)}."]
-    if mending.notes:
-        reasons = " ".join(f"{note[:1].upper()}{note[1:]}." for note in mending.notes)
-        return [f"No local remedy. {reasons}"]
-    return []
-
-
-def best_words(mending: Any) -> str:
-    """The best remedy in one sentence, and the options that write it; "" where there is none."""
-    best = mending.best
-    if best is None:
-        return ""
-    robot = best.check.robot
-    kind = best.kind.replace(" ", "-")
-    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
-    if best.kind == "slow-down":
-        where = _slower_words(best.changes)
-        return f"{where} keeps the joint limits and is free (proven), the tool on its path. {options} writes it"
-    change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
-    if change is None:
-        what = best.words
-    elif change.at_end.any() or not change.way.any():
-        what = f"the tool led around it {_between(change.start, change.end)}"
-    else:
-        what = f"{_moves(change.way, robot)} {_between(change.start, change.end)}"
-    others = len(best.changes) - 1
-    if others > 0:
-        more = f", and {others} more {plural('change', others)},"
-    else:
-        more = ""
-    turns = "".join(f"; {turn_far_words(turn)}" for turn in best.turns)
-    if best.retimed:
-        slower = " in a new time law"
-    else:
-        slower = ""
-    off = _off(best.deviation, robot)
-    return f"{what}{more} is free (proven){slower}, the tool within {off} of the path{turns}. {options} writes it"
-
-
-def _slower_words(changes: Sequence[Any]) -> str:
-    """Where a path is made slower, the longest part first, and how much longer all of it takes."""
-    longest = max(changes, key=attrgetter("longer"))
-    if len(changes) == 1:
-        more = ""
-    else:
-        more = f" and at {len(changes) - 1} more {plural('place', len(changes) - 1)}"
-    total = sum(one.longer for one in changes)
-    return f"slower {_between(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
-
-
-def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
-    _, value, unit = parameter
-    if unit == "rad, m" and isinstance(value, tuple):
-        return ", ".join(
-            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
-            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
-        )  # fmt: skip
-    if isinstance(value, tuple):
-        values = value
-    else:
-        values = (value,)
-    if unit == "rad" and deg:
-        return f"{', '.join(short(degrees(number)) for number in values)}°"
-    inside = ", ".join(short(number + 0.0) for number in values)
-    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
-
-
-def _small(value: float) -> str:
-    """A deviation; what is below 1e-9 is rounding."""
-    if value >= 1e-9:
-        return short(value, 2)
-    return "0"
-
-
-_THROUGH = {
-    "regular": "Not singular: trackable with any smooth time law.",
-    "passes": "Trackable through the singularity with s = c t^{order}: the path stands still there for an instant; at "
-    "constant speed joint rates grow as |s|^(−{less}/{order}).",
-    "tangent": "Trackable through the singularity at any speed: the path is in the image of J to second order.",
-    "corner": "Trackable through the singularity with a stop at it, where the joints change direction: s = ± c "
-    "t^{twice}.",
-    "turns back": "Not trackable through: the path is within reach only {side}. With s = c t^{order} the arm reaches "
-    "the singularity and comes back on the path in another posture, at finite joint rates.",
-    "not trackable": "Not trackable: no joint motion from this configuration follows the path, on either side of it.",
-    "undecided": "Undecided: nothing is settled by terms up to order {highest}.",
-}
-"""Kind of a path through a singularity -> what it means."""
-
-
-def through_sentence(found: Any, highest: int) -> str:
-    """Whether a tool path leads through a singularity; `highest` is the order up to which terms are compared."""
-    order, side = found.order or 1, "ahead of it" if found.side > 0 else "before it"
-    return _THROUGH[found.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
-
-
-def through_sections(found: Any, *, deg: bool) -> Iterator[Section]:
-    """A tool path through a singularity: the verdict first and last."""
-    yield Section(found.sentence)
-    rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(found.task.rows, found.along, strict=True))
-    lines = [f"path along {rows} [m, rad], {100 * abs(found.outside):.3g} % of it lost to first order"]
-    if len(found.s):
-        ends = f"s = {found.s[0]:.4g} to {found.s[-1]:.4g}"
-        lines.append(f"followed from {ends}: off the path by {found.off:.1e} at most")
-        if found.kind == "tangent":
-            law = "at path speed 1"
-        else:
-            law = f"under the law, in {found.times[-1] * 2:.3g} s"
-        lines.append(f"joint rates {law}: {found.rate:.3g} rad/s at most")
-    if found.exponent:
-        lines.append(f"joint rates at constant path speed grow as |s|^{found.exponent:.3f} (measured)")
-    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(map(minus, lines)))
-    if len(found.s):
-        cells = tuple(
-            (minus(f"{found.times[i]:.3f}"), minus(f"{found.s[i]:.3e}"),
-             *joint_cells(found.robot, found.joints[i], deg=deg))
-            for i in range(0, len(found.s), max(1, len(found.s) // 8))
-        )  # fmt: skip
-        yield Section("The motion", columns=("t [s]", "s", *joint_heads(found.robot, deg=deg)), rows=cells, texts=())
-    yield Section(found.sentence)
 
 
 def many_section(many: Sequence[dict[str, Any]]) -> Section:
@@ -1047,40 +609,3 @@ def many_section(many: Sequence[dict[str, Any]]) -> Section:
         columns=("file", "verdict", "rows", "reached", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
         after=tuple(one["sentence"] for one in many if one["verdict"] == "bad input"),
     )  # fmt: skip
-
-
-def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: Sequence[str]) -> Iterator[str]:
-    """What a reader of a file should know.
-
-    Args:
-        name: of the file.
-        hint: of a unit that looks wrong.
-        notes: of how it was read.
-        unused: its columns or joints that are ignored.
-    """
-    if hint is not None:
-        yield f"warning: {name}: {hint}"
-    yield from (f"{name}: {note}" for note in notes)
-    if unused:
-        yield f"{name}: not used: {', '.join(unused)}"
-
-
-def degrees_advice(hint: str) -> str:
-    """A hint that angles look like degrees, with what reads them so."""
-    return f"{hint}; {advised('deg')} reads them as degrees"
-
-
-DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"
-
-
-def radians_hint(angles: Array) -> str | None:
-    """A line of warning where angles that were read as degrees look like radians; None where they do not.
-
-    Args:
-        angles: (T, k) [rad].
-    """
-    typed = float(np.degrees(np.abs(angles).max(initial=0.0)))
-    moves = len(angles) > 0 and float(np.ptp(angles, axis=0).max(initial=0.0)) > 0.0
-    if moves and typed <= np.pi:
-        return f"angles up to {typed:.4g} look like radians and are read as degrees"
-    return None

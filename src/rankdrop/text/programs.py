@@ -11,7 +11,8 @@ import numpy as np
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
-from rankdrop.text.paths import crossing_lines, free_words
+from rankdrop.text.paths import crossing_lines, free_words, joints_words, turn_words
+from rankdrop.text.remedies import joint_moves, tool_off_words
 from rankdrop.text.words import angle, motion, plural, short
 from rankdrop.units import counted_length
 
@@ -45,6 +46,7 @@ _ENDS = {
     "budget": "the steps and rows that one tool path may have are used up", "start": "its beginning is not reached",
     "turn": "the arm needs an internal turn first, with the tool held still",
 }  # fmt: skip
+_SLOW = 0.1  # of the programmed speed, below which a joint move is the better advice
 _KINDS = {"joint": "joint move", "line": "straight line"}
 
 
@@ -263,11 +265,16 @@ def _lines_words(lines: Sequence[int]) -> str:
     return f"{'line' if len(set(lines)) == 1 else 'lines'} {named}{more}"
 
 
-def sections(check: Any, *, full: bool) -> tuple[Section, ...]:
-    """The summary, singularities, moves, and the lines that were not read."""
+def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[Section, ...]:
+    """The summary, remedies, singularities, moves, and the lines that were not read."""
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
     first, *others = summary(check)
     found = [Section(first, lines=tuple(others), tone=tone)]
+    if remedies:
+        words = [f"line {one.move.line}: {remedy_words(one, check.robot)}" for one in remedies]
+        more = [] if full or len(words) <= _LISTED else [f"{advised('full')} prints all {len(words)}"]
+        found.append(Section("Remedies, computed on the literal targets; programs are not written",
+                             lines=tuple(words if full else words[:_LISTED]), notes=tuple(more)))  # fmt: skip
     lines = []
     for one in check.met if full else check.met[:_NAMED]:
         path = next(path for path in check.checks if any(part is one.stretch for part in path.stretches))
@@ -314,6 +321,45 @@ def _skipped_section(check: Any, *, full: bool) -> Section:
         if full:
             lines += [f"    {one.line}: {one.text}" for one in part]
     return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advised('full')} prints these lines",))
+
+
+def remedy_words(one: Any, robot: Robot) -> str:
+    """What to change in a line of a program."""
+    if one.advice == "turn":
+        return f"before it {turn_words(one.turn, robot, place=False)}; write the turn as a joint move"
+    if one.advice == "joint move":
+        goal = joints_words(robot, one.goal, deg=True)
+        return f"make it a joint move: its target is within reach in another posture ({goal})"
+    if one.advice == "slower":
+        other = "; or make it a joint move" if one.move.kind == "line" and one.factor < _SLOW else ""
+        return f"at {short(one.factor, 3)} of its speed{_speed_words(one)} it keeps the joint limits{other}"
+    if one.advice == "out of reach":
+        return "no configuration within the joint limits was found for its target: move the target"
+    if one.advice == "none":
+        return f"no bump and no detour was found: {'; '.join(one.notes)}"
+    where = f"between {100 * one.span[0]:.3g} % and {100 * one.span[1]:.3g} % of its way"
+    if one.advice == "bump":
+        off = tool_off_words(one.change.off, robot)
+        moves = joint_moves(one.change.way, robot)
+        return f"bump: {moves} {where} is free (proven), the tool within {off} of the line; insert targets there"
+    off = tool_off_words(one.change.off, robot)
+    branch = ""
+    if one.change.at_end.any():
+        branch = f"; after it the arm is in another posture: {joint_moves(one.change.at_end, robot)}"
+    return f"detour: the tool led around by {off} {where} is free (proven){branch}; insert targets there"
+
+
+def _speed_words(one: Any) -> str:
+    """The speed that a line states, and the one that keeps the limits."""
+    speed = one.move.speed
+    if speed.linear is not None:
+        allowed = 1e3 * speed.linear * one.factor
+        return f", {short(allowed, 3)} mm/s for {short(1e3 * speed.linear, 4)} mm/s,"
+    if speed.share is not None:
+        return f", {short(100 * speed.share * one.factor, 3)} % for {short(100 * speed.share, 4)} %,"
+    if speed.time is not None:
+        return f", in {short(speed.time / one.factor, 3)} s for {short(speed.time, 4)} s,"
+    return ""
 
 
 def why_skipped(reason: str) -> str:

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.distance.tolerant import Place, Tolerant
+from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
 from rankdrop.local.ordered import Hunt, OrderedReport
 from rankdrop.local.ways_out import Escape
 from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.quantities import count
+from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.text.families import FREE, joint_symbol
 
@@ -315,6 +315,13 @@ def failures_table(failures: Failures, title: str) -> Section:
                    ("ρ: the share of Yoshikawa's manipulability that is left",))  # fmt: skip
 
 
+def tolerant_lines(tolerant: Tolerant) -> list[str]:
+    """The answer: in general, and at the pose of the self-motions."""
+    if tolerant.self_motion is None:
+        return [tolerant_sentence(tolerant)]
+    return [tolerant_sentence(tolerant), locked_sentence(tolerant.self_motion)]
+
+
 def tolerant_sentence(tolerant: Tolerant) -> str:
     """Whether a configuration tolerates every single failure, and what the best of them keeps."""
     name = tolerant.robot.name
@@ -340,9 +347,14 @@ NO_TOLERANT = "No configuration of {} was found that tolerates"
 
 
 def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
-    """The places that were found, and what each failure leaves at the best."""
-    if not tolerant.places:
-        return
+    """The places that were found, the σ that each failure leaves at the best, and the self-motions of a pose."""
+    if tolerant.places:
+        yield from _places_sections(tolerant)
+    if tolerant.self_motion is not None:
+        yield _self_motion_section(tolerant, tolerant.self_motion)
+
+
+def _places_sections(tolerant: Tolerant) -> Iterator[Section]:
     best = tolerant.places[0]
     kinds = [str(joint.kind) for joint in tolerant.robot.variables]
     symbols = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]
@@ -360,6 +372,67 @@ def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:
         after=tuple(_tolerance_sentences(tolerant)),
     )  # fmt: skip
     yield failures_table(best.failures, "At the best of them")
+
+
+def _self_motion_section(tolerant: Tolerant, found: SelfMotions) -> Section:
+    """Where each joint may be locked for the tool still to reach the pose, and where the arm stands best there."""
+    measure = f"σ{tolerant.generic_rank} left" + " / σ1" * tolerant.relative
+    units = [joint.unit for joint in tolerant.robot.variables]
+    where = " inside the joint limits" * tolerant.limits
+    lines = (
+        locked_sentence(found),
+        f"Worst failure at this pose: {measure} = {short(found.value)} at {degrees_text(found.q, units)}, at best "
+        f"{short(found.best_value)} at {degrees_text(found.best, units)}, at worst {short(found.least_value)}.",
+    )
+    rows = tuple(
+        (str(one.number), one.joint, _locked_ranges(one, units[one.number - 1]), _locked_share(one))
+        for one in found.joints
+    )
+    if tolerant.limits:
+        of = f"{found.usable} of {count(found.curves, 'curve')} pass inside the joint limits"
+    else:
+        of = f"{count(found.curves, 'curve')}, joint limits ignored"
+    notes = [
+        f"{of}; found from random starts, seed {tolerant.seed}: a curve may have been missed, so a share may be larger",
+        "ends of ranges to some 0.5°; locked at another value, a joint takes the pose out of reach of these curves",
+    ]
+    if not found.complete:
+        notes.append("not every curve was followed to its end")
+    return Section(
+        "Self-motions of one tool pose", f"all configurations{where} that have the tool there", lines=lines,
+        columns=("", "joint", "the pose stays in reach if locked in", "share"), rows=rows, texts=(1, 2),
+        notes=tuple(notes),
+    )  # fmt: skip
+
+
+def locked_sentence(found: SelfMotions) -> str:
+    """The joint with the smallest share of values at which it may be locked, and those that may be locked anywhere."""
+    whole = [one.number for one in found.joints if one.share is not None and one.share >= 1.0 - _ZERO]
+    if whole:
+        anywhere = f"; {plural('joint', len(whole))} {numbers(whole)} may be locked anywhere"
+    else:
+        anywhere = ""
+    return (
+        f"With joint {found.weakest.number} locked the tool still reaches the pose at "
+        f"{_locked_share(found.weakest)} of its values, the least of all joints{anywhere}."
+    )
+
+
+def _locked_share(one: LockedJoint) -> str:
+    if one.share is None:
+        return "–"
+    return f"{100 * one.share:.3g} %"
+
+
+def _locked_ranges(one: LockedJoint, unit: str) -> str:
+    """The values at which a joint may be locked: "−125° … −7°, 7° … 125°", "any"."""
+    if one.share is not None and one.share >= 1.0 - _ZERO:
+        return "any value"
+    if unit == "rad":
+        parts = [f"{degrees(low):.1f}° … {degrees(high):.1f}°" for low, high in one.ranges]
+    else:
+        parts = [f"{low:.4g} … {high:.4g} m" for low, high in one.ranges]
+    return minus(", ".join(parts))
 
 
 def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> Iterator[tuple[str, ...]]:

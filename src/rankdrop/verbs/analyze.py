@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rankdrop.aspects.arm import count_of_arm, summary_of
-from rankdrop.distance.share import check_within, near_shares
+from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
@@ -229,7 +229,7 @@ def analyze(
     if unfinished is None and how.within is not None:
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
                            progress=partial(report, "shares"))  # fmt: skip
-    speeds, unmade = _speeds(region, rows, report, complete=unfinished is None)
+    speeds, slow, unmade = _speeds(region, rows, how.seed, report, complete=unfinished is None)
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
@@ -243,6 +243,7 @@ def analyze(
         exact=None if unfinished is not None else derivation,
         near=near,
         speeds=speeds,
+        slow=slow,
         aspects=_aspects(robot, resolved, asked=how.aspects),
     )
 
@@ -273,15 +274,16 @@ def _region(robot: Robot, task: Task, how: AnalyzeOptions) -> SpeedRegion | None
 
 
 def _speeds(
-    region: SpeedRegion | None, families: Sequence[Family], report: Progress, *, complete: bool
-) -> tuple[SpeedDistances | None, tuple[str, ...]]:
-    """The distances that keep a speed, and a note where Ctrl-C ended that work."""
+    region: SpeedRegion | None, families: Sequence[Family], seed: int, report: Progress, *, complete: bool
+) -> tuple[SpeedDistances | None, SlowShare | None, tuple[str, ...]]:
+    """The distances that keep a speed, the share of slower configurations, and a note where Ctrl-C ended that work."""
     if region is None or not complete:
-        return None, ()
+        return None, None, ()
     try:
-        return speed_distances(region, families, progress=partial(report, "speeds")), ()
+        slow = slower_than(Problem(region.robot, region.task), region.speed, seed=seed)
+        return speed_distances(region, families, progress=partial(report, "speeds")), slow, ()
     except KeyboardInterrupt:
-        return None, (SPEEDS_INTERRUPTED,)
+        return None, None, (SPEEDS_INTERRUPTED,)
 
 
 def speed_distances(

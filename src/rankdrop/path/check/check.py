@@ -31,7 +31,7 @@ from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
 from rankdrop.path.check.certificate import margin
 from rankdrop.path.check.follow import Followed, ToolBranch, follow
-from rankdrop.path.check.prove import prove
+from rankdrop.path.check.prove import Proof, prove
 from rankdrop.path.check.record import (
     CROSSING,
     FREE,
@@ -64,7 +64,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import as_numbers
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.paths import degrees_advice, reading_remarks
+from rankdrop.text.path_files import degrees_advice, reading_remarks
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -408,16 +408,21 @@ def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances
     if not len(branch.q):
         return 1.0
     arm, arm_task = in_metres(robot), task_in_metres(replace(task, length_scale=float(task.scale(robot))), robot)
-    rows = into_metres(robot, branch.q)
-    sigma = singular_values(arm, rows, arm_task)[:, generic_rank(arm, arm_task) - 1]
+    sigma = singular_values(arm, into_metres(robot, branch.q), arm_task)[:, generic_rank(arm, arm_task) - 1]
     if (sigma <= _AT_ONE).any():
         return float(branch.place[int((sigma <= _AT_ONE).argmax())])
-    proof = prove(arm, settings_for(arm, arm_task), curve(rows, None), singular=tolerances.singular,
-                  evaluations=_FOR_BRANCH)  # fmt: skip
+    proof = proof_of(robot, task, branch.q, tolerances, _FOR_BRANCH)
     if not proof.slivers:
         return 0.0
     (row, share), *_ = proof.slivers[0]
     return _pose_at(branch, 1.0 + row + share)
+
+
+def proof_of(robot: Robot, task: Task, q: Array, tolerances: Tolerances, evaluations: int) -> Proof:
+    """How far a straight joint path (K, n) is proven free of singularities."""
+    arm, arm_task = in_metres(robot), task_in_metres(replace(task, length_scale=float(task.scale(robot))), robot)
+    return prove(arm, settings_for(arm, arm_task), curve(into_metres(robot, q), None), singular=tolerances.singular,
+                 evaluations=evaluations)  # fmt: skip
 
 
 def followed_branch(

@@ -33,6 +33,7 @@ Pull = Callable[[Array], Array]
 
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step that the corrector may add to the predictor
+_GROWING, _KEPT = 2.0, 0.9  # a step is so many times as long as the last one at most, and of what it may be as long
 _SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
 _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
 _MOST = 4096  # poses passed over by one step
@@ -44,6 +45,7 @@ _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its r
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
+_CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
 
@@ -236,8 +238,10 @@ class _Progress:
             return float(int(ahead + 1e-9))
         return ahead
 
-    def keep(self, at: Array, q: Array, *, between: bool) -> None:
-        """Go on to the end of a step; its rows between poses are kept where they are wanted. The next is longer."""
+    def keep(self, at: Array, q: Array, *, between: bool, growth: float) -> None:
+        """Go on to the end of a step; its rows between poses are kept where they are wanted. The next is so many times
+        as long.
+        """
         if between:
             kept = np.ones(len(at), dtype=np.bool_)
         else:
@@ -245,7 +249,7 @@ class _Progress:
         self.rows.append(q[kept])
         self.places.append(at[kept])
         self.size += len(self.rows[-1])
-        self.length = min(max(2.0 * (at[-1] - self.place), _SHORTEST), float(_MOST))
+        self.length = min(max(growth * (at[-1] - self.place), _SHORTEST), float(_MOST))
         self.place, self.now = float(at[-1]), q[-1]
 
 
@@ -258,6 +262,7 @@ class _Walk:
     tolerance: tuple[float, float] | None
     through: bool = False
     passed: list[Passed] = field(default_factory=list)
+    growth: float = _GROWING  # of the next step, as the last one allows
 
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
@@ -282,6 +287,7 @@ class _Walk:
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
         step = None
+        self.growth = _GROWING
         if made.side != 0.0 or not self._singular(made.now):
             ahead = made.ahead(last)
             step = self._try(made.now, made.place, ahead, made.side)
@@ -296,7 +302,7 @@ class _Walk:
             return False
         if self.passed and self.passed[-1].place == made.place + 1.0 and not self.passed[-1].rest:
             made.rows, made.places, step = self._spanned(made.rows, made.places, step)
-        made.keep(*step, between=self.tolerance is not None)
+        made.keep(*step, between=self.tolerance is not None, growth=self.growth)
         if self.through:
             made.side = self._side(made.now)
         return True
@@ -363,6 +369,9 @@ class _Walk:
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, False, None
+        if len(self.passed) >= _CREEPS and place + 1.0 - self.passed[-_CREEPS].place < _CREPT:
+            del self.passed[-_CREEPS:]
+            return None, True, None
         found, folds = departures(self.aim, self.poses, place, now)
         for one in found:
             step = self._leap(now, place, one)
@@ -418,7 +427,7 @@ class _Walk:
         error = self.aim.error(target, now[None])
         if np.linalg.norm(error) > 1.0:  # Newton is not to be trusted so far
             return None
-        guess = now + self.aim.step(now[None], error)[0]
+        ahead_of_now = guess = now + self.aim.step(now[None], error)[0]
         first = float(np.linalg.norm((guess - now) / self.aim.joints))
         if first > _LONGEST:
             return None
@@ -431,7 +440,8 @@ class _Walk:
         if added > _BENT * first + 1e-9 or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
             return None
         at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
-        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9)
+        self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * _BENT * first / max(added, 1e-12))
+        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9, ahead_of_now - end)
 
     def _changed(self, end: Array, side: float, *, touch: bool) -> bool:
         """The determinant changed its sign; with `touch` zero is no change for a branch that may go on from there."""
@@ -441,14 +451,28 @@ class _Walk:
             return not touch
         return self.aim.side(end) != side
 
-    def _filled(self, at: Array, ends: Array, off: float) -> tuple[Array, Array] | None:
-        """Places and configurations of one step, solved from straight guesses, none farther than `off` from its guess.
+    def _filled(
+        self, at: Array, ends: Array, off: float, bend: Array | None = None
+    ) -> tuple[Array, Array] | None:
+        """Places and configurations of one step, solved from guesses between its ends, none farther than `off` from
+        its guess.
 
         With a tolerance more places are put in until the tip keeps it between all of them.
+
+        Args:
+            at: places, those of the ends first and last.
+            ends: (2, n) configurations there.
+            off: how far a guess may be off [rad; slides scaled].
+            bend: (n,) from the second end to where the tangent at the first one leads: guesses are on the parabola
+                with that tangent; None: they are on a straight line.
         """
         known, q = at[[0, -1]], ends
         for _ in range(_FILLS):
             line = np.stack([np.interp(at, known, column) for column in q.T], axis=1)
+            if bend is not None:
+                share = (at - at[0]) / (at[-1] - at[0])
+                line += (share * (1.0 - share))[:, None] * bend
+                bend = None
             solved, reached = self.aim.solve(poses_at(self.poses, at), line)
             apart = np.linalg.norm((solved - line) / self.aim.joints, axis=1)
             if not reached.all() or (apart > off).any():

@@ -15,7 +15,7 @@ from functools import cached_property
 from itertools import product
 from math import floor, pi
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -330,9 +330,9 @@ class ProgramCheck(Result):
         """The lines that are printed first."""
         return text.summary(self)
 
-    def sections(self, *, full: bool = False) -> tuple[Section, ...]:
-        """As sections of text; `full`: every move, and every line that was not read."""
-        return text.sections(self, full=full)
+    def sections(self, *, full: bool = False, remedies: Sequence[Any] = ()) -> tuple[Section, ...]:
+        """As sections of text; `full`: every move, and every line that was not read; `remedies` of its lines."""
+        return text.sections(self, full=full, remedies=remedies)
 
 
 def check_any_file(

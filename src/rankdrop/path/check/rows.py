@@ -19,7 +19,7 @@ from rankdrop.path.check.record import VERDICTS
 from rankdrop.path.check.survey import measures
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation import known_families
-from rankdrop.text.paths import COLUMNS
+from rankdrop.text.path_files import COLUMNS
 from rankdrop.units import in_metres, into_metres, task_in_metres
 from rankdrop.version import VERSION
 

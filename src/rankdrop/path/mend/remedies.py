@@ -50,7 +50,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.text import paths as text
+from rankdrop.text import remedies as text
 
 _CORNER = np.cos(np.radians(3.0))  # directions that differ by less are one
 _POINTS = 33  # of a parabola
@@ -74,7 +74,7 @@ slow-down all of the path and the time that the rest takes."""
 Progress = Callable[[str, int, int], None]
 """progress(kind, done, all)."""
 Failure = tuple[str, Any]
-"""A kind without a remedy, and what was tried: as `rankdrop.text.paths.remedy_note` reads it."""
+"""A kind without a remedy, and what was tried: as `rankdrop.text.remedies.remedy_note` reads it."""
 
 
 @dataclass(frozen=True, eq=False)

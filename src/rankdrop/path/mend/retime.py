@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from rankdrop.path.curve import Curve, halves, numbered
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.robot.model import Array
-from rankdrop.text.paths import BOUNDED
+from rankdrop.text.remedies import BOUNDED
 
 _STILL, _LEAST = 1e-3, 1e-9  # durations of stretches that no time and no rate holds back, at rest and moving [s]
 _PARTS = 200  # a straight path is cut into so many pieces at least, where accelerations are limited

@@ -44,7 +44,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.solve import newton
 from rankdrop.task import Task, resolve_task
-from rankdrop.text import paths as text
+from rankdrop.text import through as text
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 

@@ -27,7 +27,7 @@ from rankdrop.jobs.limited import CPU, MEMORY, run_limited
 from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged, checked_times
 from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
-from rankdrop.text.paths import BAG_MEND, BAG_NOTES, DAMAGES
+from rankdrop.text.path_files import BAG_MEND, BAG_NOTES, DAMAGES
 
 _STATE, _PLAN = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajectory"
 _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}

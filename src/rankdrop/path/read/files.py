@@ -12,7 +12,7 @@ import reprlib
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from math import isfinite, prod
 from pathlib import Path
@@ -36,6 +36,7 @@ from rankdrop.path.read.program_record import PROGRAMS, is_program
 from rankdrop.path.read.trajectory import (
     BAGS,
     UNITS,
+    Table,
     Trajectory,
     TrajectoryError,
     arranged,
@@ -64,7 +65,7 @@ from rankdrop.robot.files import (
 )
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.text.paths import MILLIMETRES
+from rankdrop.text.path_files import MILLIMETRES
 
 ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS, *PROGRAMS)
 """Files that are taken for paths in a folder; a single file of another ending is read as CSV."""
@@ -85,7 +86,7 @@ _ENTRY = 1024  # bytes of a member in the list of an archive
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsecs")
 _ENTRIES = {"q": "positions", "qd": "velocities", "qdd": "accelerations"}
-_QUATERNION, _ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
+QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
 _LENGTHS = {"x", "y", "z"}
 _OTHER = {
     **{f"{long}{letter}": f"q{letter}" for long in ("q_", "quat_", "orientation_", "orientation.")
@@ -93,11 +94,11 @@ _OTHER = {
     **{f"{long}{letter}": letter for long in ("p", "p_", "pos_", "position_", "position.", "t") for letter in "xyz"},
 }  # fmt: skip
 """Other names of columns."""
-_TURNS = {"orientation": _QUATERNION, "rpy": _ANGLES}
+_TURNS = {"orientation": QUATERNION, "rpy": ANGLES}
 _AXES = {"orientation": tuple("xyzw")}  # names of the numbers in an object
 _UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
 _FAR = 20.0  # reaches: positions beyond it look like millimetres
-_OBJECTS = (".json", ".yaml", ".yml")
+OBJECTS = (".json", ".yaml", ".yml")
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +160,7 @@ def read_trajectory(
     if ending in (".npy", ".npz"):
         return replace(read_arrays(file, robot, deg=deg), bare=True)
     text = _text_of(file)
-    if ending in _OBJECTS:
+    if ending in OBJECTS:
         return parse_message(text, name, robot, yaml=ending != ".json", deg=deg)
     return parse_trajectory(text, name, robot, deg=deg)
 
@@ -535,8 +536,8 @@ def holds_poses(path: Path, robot: Robot) -> bool:
         return False
     try:
         text = read_text(path)
-        if ending in _OBJECTS:
-            return _list_in(_loaded(text, str(path), yaml=ending != ".json")) is not None
+        if ending in OBJECTS:
+            return list_in(loaded_poses(text, str(path), yaml=ending != ".json")) is not None
         words = names_of(text)
     except RankdropError:
         return False
@@ -562,8 +563,8 @@ def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
     """
     file, name = Path(path), str(path)
     text, ending = _text_of(file), file.suffix.lower()
-    if ending in _OBJECTS:
-        return _poses_of_objects(_loaded(text, name, yaml=ending != ".json"), name, deg=deg)
+    if ending in OBJECTS:
+        return _poses_of_objects(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg)
     return _poses_of_rows(text, name, deg=deg)
 
 
@@ -603,28 +604,42 @@ def _column_name(word: str) -> str:
 def _measure(name: str) -> tuple[str, str] | None:
     """A column of a pose, and what it measures."""
     key = _column_name(name)
-    kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(_ANGLES, "angle"),
-             **dict.fromkeys(_QUATERNION, "number")}  # fmt: skip
+    kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(ANGLES, "angle"),
+             **dict.fromkeys(QUATERNION, "number")}  # fmt: skip
     if key in kinds:
         return (key, kinds[key])
     return None
 
 
-def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
+def pose_table(
+    text: str, name: str, *, deg: bool
+) -> tuple[Table, dict[Hashable, tuple[int, float]], int | None, tuple[str, ...]]:
+    """A table of poses; place and factor (to rad and m) of each of its columns; that of the time; those that turn.
+
+    Raises:
+        TrajectoryError: these are no columns of poses.
+    """
     table = read_table(text, name)
     if all(map(is_number, table.head)):
         raise TrajectoryError("the columns have no names", where=table.where,
                               allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
-    columns, time, unused = find_columns(table.head, table.where, _measure, deg=deg)
-    turn = next((keys for keys in (_QUATERNION, _ANGLES) if columns.keys() >= set(keys)), ())
+    columns, time, _ = find_columns(table.head, table.where, _measure, deg=deg)
+    turn = next((keys for keys in (QUATERNION, ANGLES) if columns.keys() >= set(keys)), ())
     if columns.keys() != {*_LENGTHS, *turn}:
         raise TrajectoryError(
             "poses need other columns", where=table.where, got=", ".join(table.head),
             allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
         )  # fmt: skip
+    return table, columns, time, turn
+
+
+def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
+    table, columns, time, turn = pose_table(text, name, deg=deg)
     places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
     values = table.block(places) * np.array(factors)
     matrices = _matrices(values, turn, table.place)
+    used = {place for place, _ in columns.values()} | {time}
+    unused = tuple(word for place, word in enumerate(table.head) if place not in used)
     return Poses(Path(name).name, matrices, table.times(time), bool(turn), unused, table.notes)
 
 
@@ -634,13 +649,13 @@ def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str])
     Raises:
         TrajectoryError: a length or an angle is beyond the range of all readers, a quaternion is not of length one.
     """
-    measures = ["length"] * 3 + ["angle" if turn == _ANGLES else "number"] * len(turn)
+    measures = ["length"] * 3 + ["angle" if turn == ANGLES else "number"] * len(turn)
     beyond = np.abs(values) > [RANGE[measure] for measure in measures]
     for i, column in np.argwhere(beyond)[:1].tolist():
         raise TrajectoryError("the value is too large", where=place(i), got=f"{values[i, column]:g}",
                               allowed=allowed_range(measures[column]))  # fmt: skip
     made = np.tile(np.eye(4), (len(values), 1, 1))
-    if turn == _QUATERNION:
+    if turn == QUATERNION:
         made[:, :3, :3] = turned_by(values[:, 3:], place)
     elif turn:
         made = np.array([from_xyz_rpy((0.0, 0.0, 0.0), row[3:].tolist()) for row in values])
@@ -648,23 +663,23 @@ def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str])
     return made
 
 
-def _loaded(text: str, name: str, *, yaml: bool) -> Any:
+def loaded_poses(text: str, name: str, *, yaml: bool) -> Any:
     """The first document with poses; None where there is none."""
-    return next((one for one in documents(text, name, yaml=yaml) if _list_in(one) is not None), None)
+    return next((one for one in documents(text, name, yaml=yaml) if list_in(one) is not None), None)
 
 
-def _list_in(found: Any) -> list[Any] | None:
+def list_in(found: Any) -> list[Any] | None:
     """The list of poses of an object, or the list itself; None where there is none."""
     if isinstance(found, dict):
         rows = found.get("poses")
     else:
         rows = found
-    if isinstance(rows, list) and rows and _pose(rows[0]) is not None:
+    if isinstance(rows, list) and rows and pose_in(rows[0]) is not None:
         return rows
     return None
 
 
-def _pose(row: Any) -> dict[str, Any] | None:
+def pose_in(row: Any) -> dict[str, Any] | None:
     """The object with the position: the entry itself, or its `pose` (PoseStamped); None where it is no pose."""
     if isinstance(row, dict) and "position" not in row:
         inner = row.get("pose", row)
@@ -676,21 +691,21 @@ def _pose(row: Any) -> dict[str, Any] | None:
 
 
 def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
-    rows = _list_in(found)
+    rows = list_in(found)
     if rows is None:
         raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
     if len(rows) > MOST_ROWS:
         raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
     about = found if isinstance(found, dict) else {}
     units = {
-        "position": _unit_of(about, "length", "m", ("m", "mm"), name), "orientation": 1.0,
-        "rpy": _unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name),
+        "position": unit_of(about, "length", "m", ("m", "mm"), name), "orientation": 1.0,
+        "rpy": unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name),
     }  # fmt: skip
 
     def place(row: int) -> str:
         return f"{name}, pose {row + 1}"
 
-    first = _pose(rows[0]) or {}
+    first = pose_in(rows[0]) or {}
     turn = next((key for key in _TURNS if key in first), "")
     values = np.array([_numbers_of_pose(entry, turn, units, place(row)) for row, entry in enumerate(rows)])
     listed = [_numbers([entry["time"]], "t", place(row), "time")[0] if "time" in entry else None
@@ -706,18 +721,19 @@ def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
 
 def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str) -> list[float]:
     """x, y, z [m] and what turns, of one pose."""
-    inner = _pose(entry)
+    inner = pose_in(entry)
     if inner is None:
         raise TrajectoryError("there is no position", where=where, got=reprlib.repr(entry))
     own = next((key for key in _TURNS if key in inner), "")
     if own != turn:
         raise TrajectoryError("the pose has another form than the first", where=where, got=own or "none",
                               allowed=turn or "a position alone")  # fmt: skip
-    keys = {"position": tuple("xyz"), **({turn: _AXES.get(turn, _ANGLES)} if turn else {})}
+    keys = {"position": tuple("xyz"), **({turn: _AXES.get(turn, ANGLES)} if turn else {})}
     return [number * units[key] for key, axes in keys.items() for number in _numbers(inner[key], axes, where, key)]
 
 
-def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+def unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+    """Metres or radians in the unit of length or angle that an object of poses states, or in its default."""
     unit = about.get(key, default)
     if unit not in allowed:
         raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))

@@ -19,7 +19,7 @@ from rankdrop.path.curve import Curve, curve
 from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, LONGEST_HEAD, MOST_ROWS, allowed_range
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
-from rankdrop.text.paths import DECIMAL_COMMAS, radians_hint
+from rankdrop.text.path_files import DECIMAL_COMMAS, radians_hint
 from rankdrop.text.words import MOST_TURNS, degrees_hint
 
 BAGS = (".bag", ".db3", ".mcap")
@@ -386,7 +386,7 @@ def _plain_table(text: str, name: str) -> Table | None:
     first, _, body = text.partition("\n")
     if '"' in text or "#" in text or not first.strip():
         return None
-    delimiter = _delimiter(first)
+    delimiter = delimiter_of(first)
     head = [word.strip() for word in first.split(delimiter)]
     named = not all(map(is_number, head))
     body = body if named else text
@@ -404,7 +404,7 @@ def _plain_table(text: str, name: str) -> Table | None:
 
 def _word_table(text: str, name: str) -> Table:
     """Word by word, so that errors name the line."""
-    reader = csv.reader(io.StringIO(text), delimiter=_delimiter(_first_line(text)), skipinitialspace=True)
+    reader = csv.reader(io.StringIO(text), delimiter=delimiter_of(_first_line(text)), skipinitialspace=True)
     lines, rows = [], []
     try:
         for words in reader:
@@ -443,10 +443,10 @@ def with_line_feeds(text: str) -> str:
 def names_of(text: str) -> list[str]:
     """Words of the first row."""
     line = _first_line(with_line_feeds(text))
-    return [word.strip() for word in next(csv.reader([line], delimiter=_delimiter(line), skipinitialspace=True), [])]
+    return [word.strip() for word in next(csv.reader([line], delimiter=delimiter_of(line), skipinitialspace=True), [])]
 
 
-def _delimiter(line: str) -> str:
+def delimiter_of(line: str) -> str:
     """What separates columns. Beside semicolons or tabs a cell may have one comma, that of its decimals."""
     for one in ";\t":
         if one in line and line.count(",") <= line.count(one) + 1:
@@ -460,7 +460,7 @@ def _with_decimal_points(text: str) -> str:
     It stays as it is where a point is in a row, too: 1.234,5 and 1,234.5 are then told apart by nobody.
     """
     first = _first_line(text)
-    delimiter = _delimiter(first)
+    delimiter = delimiter_of(first)
     if delimiter == ",":
         return text
     words = [_COMMA.sub(r"\1.\2", word.strip()) for word in first.split(delimiter)]

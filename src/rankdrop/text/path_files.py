@@ -1,0 +1,78 @@
+"""What a reader of a file of a path should know, and the columns of one that is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from rankdrop.options import advised
+from rankdrop.robot.model import Array
+
+COLUMNS = {
+    "row": "number of the sample, from 1",
+    "time_s": "of the sample",
+    "pose": "number of the pose, from 1, with the share of the way on",
+    "joint": "value of {0}",
+    "verdict": "worst on the way from this row to the next",
+    "family": "id of the nearest known family",
+    "family_name": "its name",
+    "distance_rad": "to the nearest singular configuration known or found; slides by the length scale",
+    "at_least_rad": "no singular configuration is nearer: proven",
+    "sigma": "σ{0}, translation divided by {1:.6g} m",
+    "speed_factor": "largest, at most 1, that keeps the velocity limits on its stretch",
+}
+"""Meanings of the columns of a checked path row by row."""
+MILLIMETRES = "positions up to {0:.4g} look like millimetres and are read as metres; write x [mm], y [mm], z [mm]"
+BAG_NOTES = {
+    "others": "{0} of {1} messages have none of this arm's joints and are passed over",
+    "recording": "headers have no times: those of the recording are taken",
+    "plans": "{0} plans follow each other; {1} points were replaced",
+    "repeated": "{0} rows are repeated word for word and count once",
+}
+"""What a reader of a bag should know."""
+BAG_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
+DAMAGES: dict[type[Exception], str] = {
+    OverflowError: "a record that is longer than any file",
+    AssertionError: "records that contradict each other",
+    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
+    UnicodeDecodeError: "a name that is no text",
+}
+"""What the errors of Python mean that a damaged bag raises; readers say the others themselves."""
+
+
+def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: Sequence[str]) -> Iterator[str]:
+    """What a reader of a file should know.
+
+    Args:
+        name: of the file.
+        hint: of a unit that looks wrong.
+        notes: of how it was read.
+        unused: its columns or joints that are ignored.
+    """
+    if hint is not None:
+        yield f"warning: {name}: {hint}"
+    yield from (f"{name}: {note}" for note in notes)
+    if unused:
+        yield f"{name}: not used: {', '.join(unused)}"
+
+
+def degrees_advice(hint: str) -> str:
+    """A hint that angles look like degrees, with what reads them so."""
+    return f"{hint}; {advised('deg')} reads them as degrees"
+
+
+DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"
+
+
+def radians_hint(angles: Array) -> str | None:
+    """A line of warning where angles that were read as degrees look like radians; None where they do not.
+
+    Args:
+        angles: (T, k) [rad].
+    """
+    typed = float(np.degrees(np.abs(angles).max(initial=0.0)))
+    moves = len(angles) > 0 and float(np.ptp(angles, axis=0).max(initial=0.0)) > 0.0
+    if moves and typed <= np.pi:
+        return f"angles up to {typed:.4g} look like radians and are read as degrees"
+    return None

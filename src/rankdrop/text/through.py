@@ -1,0 +1,57 @@
+"""Paths through a singularity in words. Records: `rankdrop.path.mend.time_law`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rankdrop.sections import Section
+from rankdrop.task import ROWS
+from rankdrop.text.places import joint_cells, joint_heads
+from rankdrop.text.words import minus
+
+_THROUGH = {
+    "regular": "Not singular: trackable with any smooth time law.",
+    "passes": "Trackable through the singularity with s = c t^{order}: the path stands still there for an instant; at "
+    "constant speed joint rates grow as |s|^(−{less}/{order}).",
+    "tangent": "Trackable through the singularity at any speed: the path is in the image of J to second order.",
+    "corner": "Trackable through the singularity with a stop at it, where the joints change direction: s = ± c "
+    "t^{twice}.",
+    "turns back": "Not trackable through: the path is within reach only {side}. With s = c t^{order} the arm reaches "
+    "the singularity and comes back on the path in another posture, at finite joint rates.",
+    "not trackable": "Not trackable: no joint motion from this configuration follows the path, on either side of it.",
+    "undecided": "Undecided: nothing is settled by terms up to order {highest}.",
+}
+"""Kind of a path through a singularity -> what it means."""
+
+
+def through_sentence(found: Any, highest: int) -> str:
+    """Whether a tool path leads through a singularity; `highest` is the order up to which terms are compared."""
+    order, side = found.order or 1, "ahead of it" if found.side > 0 else "before it"
+    return _THROUGH[found.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
+
+
+def through_sections(found: Any, *, deg: bool) -> Iterator[Section]:
+    """A tool path through a singularity: the verdict first and last."""
+    yield Section(found.sentence)
+    rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(found.task.rows, found.along, strict=True))
+    lines = [f"path along {rows} [m, rad], {100 * abs(found.outside):.3g} % of it lost to first order"]
+    if len(found.s):
+        ends = f"s = {found.s[0]:.4g} to {found.s[-1]:.4g}"
+        lines.append(f"followed from {ends}: off the path by {found.off:.1e} at most")
+        if found.kind == "tangent":
+            law = "at path speed 1"
+        else:
+            law = f"under the law, in {found.times[-1] * 2:.3g} s"
+        lines.append(f"joint rates {law}: {found.rate:.3g} rad/s at most")
+    if found.exponent:
+        lines.append(f"joint rates at constant path speed grow as |s|^{found.exponent:.3f} (measured)")
+    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(map(minus, lines)))
+    if len(found.s):
+        cells = tuple(
+            (minus(f"{found.times[i]:.3f}"), minus(f"{found.s[i]:.3e}"),
+             *joint_cells(found.robot, found.joints[i], deg=deg))
+            for i in range(0, len(found.s), max(1, len(found.s) // 8))
+        )  # fmt: skip
+        yield Section("The motion", columns=("t [s]", "s", *joint_heads(found.robot, deg=deg)), rows=cells, texts=())
+    yield Section(found.sentence)

@@ -1,0 +1,174 @@
+"""A mended file of poses is a file of poses: other rows stay byte for byte, and it is proven free when read back."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.cli import main
+from rankdrop.kinematics import pose
+from rankdrop.path.check.check import check_poses
+from rankdrop.path.mend.as_poses import NoPoses, mended_poses
+from rankdrop.path.mend.remedies import mend_path
+from rankdrop.path.read.files import read_poses
+from rankdrop.path.read.written_poses import poses_bytes
+from rankdrop.robot.model import Array
+from rankdrop.robot.open import open_robot
+
+HEAD = "time,x [mm],y [mm],z [mm],roll [deg],pitch [deg],yaw [deg],process"
+ARM = "planar3r"
+
+
+def led_beyond() -> tuple[Array, Array, Array]:
+    """Poses 0.3 mm beyond the reach of the first two of three links in the middle, times, and the first configuration.
+    """
+    arm, t = open_robot(ARM), np.linspace(0.0, 2.4, 60)
+    q = np.stack([0.2 + 0.1 * t, 0.5 * np.cos(np.pi * t / 2.4), 0.4 + 0.1 * t], axis=1)
+    poses = pose(arm, q)
+    out = poses[30, :3, 3] / np.linalg.norm(poses[30, :3, 3])
+    poses[:, :3, 3] += 3e-4 * np.exp(-(((t - 1.2) / 0.1) ** 2))[:, None] * out
+    return poses, t, q[0]
+
+
+def csv_of(poses: Array, t: Array) -> str:
+    """As text with Windows line ends, a comment, and a column of the process."""
+    yaw = np.degrees(np.arctan2(poses[:, 1, 0], poses[:, 0, 0]))
+    rows = [f"{when:.3f},{1e3 * p[0, 3]:.9f},{1e3 * p[1, 3]:.9f},0,0,0,{turn:.9f},weld"
+            for when, p, turn in zip(t, poses, yaw, strict=True)]  # fmt: skip
+    return "\r\n".join([HEAD, rows[0], "# the first pose is above", *rows[1:], ""])
+
+
+def start_of(q: Array) -> str:
+    return "--start=" + ",".join(f"{x:.9g}" for x in q)
+
+
+def read_text(file: Path) -> list[str]:
+    return file.read_bytes().decode().split("\r\n")
+
+
+@pytest.mark.slow
+def test_poses_led_around_are_written_as_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    poses, t, q = led_beyond()
+    file, out = tmp_path / "poses.csv", tmp_path / "fixed.csv"
+    file.write_bytes(csv_of(poses, t).encode())
+    command = ["path", ARM, str(file), start_of(q), "--quiet", "--remedy", "detour", "--fixed", str(out)]
+    assert main.run(command) == 3
+    said = capsys.readouterr().err
+    assert "mended by detour, " in said
+    assert f"rankdrop path {ARM} {out} --start " in said.replace("\n", " ")
+    before, after = read_text(file), read_text(out)
+    assert after[:3] == before[:3]
+    new = [line for line in after if line not in before]
+    assert 10 < len(new) < 400
+    assert all(line.endswith(",weld") for line in new)
+    gone = [line for line in before if line not in after]
+    assert 0 < len(gone) < 40
+    assert main.run(["path", ARM, str(out), start_of(q), "--quiet"]) == 0
+    rows = [[float(cell) for cell in row[:-1]] for row in csv.reader(new)]
+    off = [min(np.hypot(row[1] - 1e3 * p[0, 3], row[2] - 1e3 * p[1, 3]) for p in poses) for row in rows]
+    assert max(off) < 30.0  # millimetres, as in the file
+    assert main.run([*command, "--fixed-as", "joints"]) == 3
+    assert "[rad]" in out.read_text(encoding="utf-8").splitlines()[0]
+
+
+@pytest.mark.slow
+def test_poses_that_are_too_fast_get_more_time() -> None:
+    """Near the wrist of a UR5e, where joints 4 and 6 are too fast: the poses stay, their times are later."""
+    arm, t = open_robot("ur5e"), np.linspace(0.0, 2.0, 100)
+    q = np.radians(np.array([0.0, -80.0, 80.0, -60.0, 0.0, 0.0]) + np.outer(t, [2.0, 3.0, 4.0, 5.0, 0.0, 6.0]))
+    q[:, 4] = np.radians(20.0) * np.cos(np.pi * t / 2.0)
+    poses = pose(arm, q)
+    side = np.exp(-(((t - 1.0) / 0.2) ** 2))
+    poses[:, :3, :3] = _turned(0.004 * side) @ poses[:, :3, :3]
+    check = check_poses(arm, poses, t, start=q[0], branches=False)
+    assert check.verdict == "too fast"
+    (remedy,) = mend_path(check, kinds=("slow-down",)).remedies
+    made = mended_poses(check, remedy)
+    assert not isinstance(made, NoPoses)
+    assert made.times is not None
+    kept = made.given >= 0
+    assert np.array_equal(made.given[kept], np.arange(100))
+    assert np.array_equal(made.matrices[kept], poses)
+    early = made.times[kept] == t
+    assert 10 < early.sum() < 90
+    again = check_poses(arm, made.matrices, made.times, start=q[0], branches=False)
+    assert again.verdict == "free"
+    assert made.times[-1] > 2.0
+
+
+def _turned(angle: Array) -> Array:
+    """(N, 3, 3) turns about X."""
+    out = np.tile(np.eye(3), (len(angle), 1, 1))
+    out[:, 1, 1] = out[:, 2, 2] = np.cos(angle)
+    out[:, 2, 1] = np.sin(angle)
+    out[:, 1, 2] = -np.sin(angle)
+    return out
+
+
+@pytest.mark.parametrize("turn", ["quaternion", "rpy", "commas", "json"])
+def test_a_new_row_has_the_form_of_the_file(turn: str, tmp_path: Path) -> None:
+    """Written and read back: the poses to rounding, the rows of the file as they were."""
+    arm = open_robot("ur5e")
+    poses = pose(arm, np.array([[0.1, -1.0, 1.2, 0.3, 0.8, 0.2], [0.2, -1.1, 1.2, 0.3, 0.9, 0.2]]))
+    middle = pose(arm, np.array([[0.15, -1.05, 1.2, 0.3, 0.85, 0.2]]))
+    file = tmp_path / ("poses.json" if turn == "json" else "poses.csv")
+    file.write_text(_text(poses, turn), encoding="utf-8")
+    read = read_poses(file)
+    every = np.stack([read.matrices[0], middle[0], read.matrices[1]])
+    given = np.array([0, -1, 1])
+    made = poses_bytes(file, every, np.array([0.0, 0.5, 1.0]), given)
+    out = tmp_path / f"out{file.suffix}"
+    out.write_bytes(made)
+    again = read_poses(out)
+    assert np.abs(again.matrices - every).max() < 1e-12
+    assert again.times is not None
+    assert again.times.tolist() == [0.0, 0.5, 1.0]
+    if turn == "json":
+        was, now = (json.loads(one.read_text(encoding="utf-8")) for one in (file, out))
+        assert now["poses"][::2] == was["poses"]
+        assert (now["length"], now["frame"]) == ("mm", "table")
+    else:
+        lines = out.read_text(encoding="utf-8").splitlines()
+        assert [*lines[:2], lines[3]] == file.read_text(encoding="utf-8").splitlines()
+    later = poses_bytes(file, every, np.array([0.0, 0.5, 1.25]), given)
+    (tmp_path / f"later{file.suffix}").write_bytes(later)
+    last = read_poses(tmp_path / f"later{file.suffix}")
+    assert last.times is not None
+    assert last.times.tolist() == [0.0, 0.5, 1.25]
+    assert np.array_equal(last.matrices[2], read.matrices[1])
+
+
+def _text(poses: Array, turn: str) -> str:
+    from scipy.spatial.transform import Rotation
+
+    found = Rotation.from_matrix(poses[:, :3, :3])
+    if turn == "json":
+        rows = [{"time": float(i), "position": {k: 1e3 * float(x) for k, x in zip("xyz", p[:3, 3], strict=True)},
+                 "orientation": [-float(x) for x in one.as_quat()]}
+                for i, (p, one) in enumerate(zip(poses, found, strict=True))]  # fmt: skip
+        return json.dumps({"poses": rows, "length": "mm", "frame": "table"})
+    columns = [np.arange(2.0), *poses[:, :3, 3].T]
+    if turn == "rpy":
+        head, columns = "t,x,y,z,roll,pitch,yaw", [*columns, *found.as_euler("xyz").T]
+    else:
+        head, columns = "t,x,y,z,qx,qy,qz,qw", [*columns, *found.as_quat().T]
+    lines = [head, *(",".join(repr(float(x)) for x in row) for row in zip(*columns, strict=True))]
+    if turn == "commas":
+        lines = [line.replace(",", ";").replace(".", ",") for line in lines]
+    return "\n".join(lines) + "\n"
+
+
+def test_a_target_of_another_form_is_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "poses.csv"
+    file.write_text(_text(pose(open_robot("ur5e"), np.array([[0.1, -1.0, 1.2, 0.3, 0.8, 0.2]] * 2)), "quaternion"),
+                    encoding="utf-8")  # fmt: skip
+    assert main.run(["path", "ur5e", str(file), "--fixed", str(tmp_path / "out.npz")]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "poses are written in the form in which they were read" in said
+    assert "--fixed-as joints writes joint values" in said

@@ -164,8 +164,8 @@ def test_a_stanford_arm_has_its_wrist_centre_on_axis_2_or_its_slide_along_axis_1
 @pytest.mark.parametrize(
     ("robot", "expected"),
     [
-        (random_arm(6), "screws 1–6 dependent"),
-        (random_arm(7), "screws 1–7 of rank 5"),
+        (random_arm(6), "joints 1–6 dependent"),
+        (random_arm(7), "joints 1–7 of rank 5"),
         (random_arm(4, task="position"), "a line through the tip meets all axes"),
     ],
 )
@@ -254,7 +254,7 @@ def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName]
 def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
     sets = tuple(Dependence(Common.DEPENDENT_SCREWS, (i, i + 1, i + 2)) for i in range(59))
     (short,) = shortened([FamilyName(details=sets)])
-    assert str(short) == "screws 1, 2, 3 dependent; screws 2, 3, 4 dependent"
+    assert str(short) == "joints 1, 2, 3 dependent; joints 2, 3, 4 dependent"
 
 
 def test_an_angle_that_is_nearly_a_right_one_is_not_written_as_one() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -28,6 +30,28 @@ def test_an_arm_is_drawn_upright(name: str) -> None:
         sigma = singular_values(robot, q, task)
         assert (sigma[-family.corank :] <= 1e-9).all()
         assert sigma[-family.corank - 1] > 1e-3
+
+
+def test_a_member_inside_the_limits_is_drawn_where_round_starts_lead_to_none() -> None:
+    """The family enters the box of joint limits at one corner only: its middle is joined to members outside."""
+    found = shipped("ur5e")
+    family = next(one for one in found.families if one.coupled)
+    corner = np.array(family.witness)
+    bound = [number - 1 for number in family.coupled]
+    slope = family.system.linear(corner[None])[1][0, 0, bound]
+    low, high = found.robot.lower.copy(), found.robot.upper.copy()
+    step = np.sign(slope) * np.array([0.08, 0.01, 0.16])
+    low[bound] = corner[bound] + np.minimum(-0.004 * np.sign(slope), step)
+    high[bound] = corner[bound] + np.maximum(-0.004 * np.sign(slope), step)
+    joints = tuple(
+        replace(joint, lower=float(first), upper=float(last))
+        for joint, first, last in zip(found.robot.joints, low, high, strict=True)
+    )
+    arm = replace(found.robot, joints=joints)
+    away = replace(family, witness=tuple(corner + 1.0))
+    usual, drawn = (np.array(choose(arm, found.task, away).witness) for choose in (posed, upright))
+    assert ((usual < arm.lower) | (usual > arm.upper)).any()
+    assert ((drawn >= arm.lower) & (drawn <= arm.upper)).all()
 
 
 def test_lost_directions_are_those_of_the_new_posture() -> None:

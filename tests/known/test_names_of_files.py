@@ -47,7 +47,7 @@ WRIST = Detail(Geometry.ALIGNED, ((3, 5),))
             FamilyName(details=(Dependence(Common.PARALLEL, (0, 1, 2), (3, 4), SlideWay.NORMAL_TO_AXES),)),
             "axes 1, 2, 3 parallel, slides 4, 5 normal to them",
         ),
-        ("screws 1–7 of rank 5", FamilyName(details=(LowRank(7, 5, True),)), "screws 1–7 of rank 5"),
+        ("joints 1–7 of rank 5", FamilyName(details=(LowRank(7, 5, True),)), "joints 1–7 of rank 5"),
         (
             "elbow (q2 = −0.5 m or 0.3 m, second)",
             FamilyName((ArmPart.ELBOW,), values=(JointValues(Variable(2, True), (-0.5, 0.3)),), ordinal=2),

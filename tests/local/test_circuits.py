@@ -164,7 +164,7 @@ def test_six_dependent_axes_that_meet_no_line_are_only_dependent(rng: np.random.
     for direction, point in zip(rng.normal(size=(6, 2)), rng.normal(size=(6, 3)), strict=True):
         moment = point[0] * direction[1] - point[1] * direction[0]
         screws.append(revolute((*direction, -moment / 0.3), point))
-    assert [circuit.words for circuit in at_zero(screws)] == ["screws 1–6 dependent"]
+    assert [circuit.words for circuit in at_zero(screws)] == ["joints 1–6 dependent"]
 
 
 def test_circuits_of_a_family_hold_at_every_point_of_it(rng: np.random.Generator) -> None:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.families import table
+from rankdrop.families import pictured
+from rankdrop.families.pictured import _turned, posed
 from rankdrop.families.record import Family
-from rankdrop.families.table import _turned, posed
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.posture import fault, spine, start_posture
@@ -111,7 +111,7 @@ def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> 
     found = rankdrop.analyze(open_robot("planar2r"), task="vx", starts=200)
     family = found.families[0]
     assert found.generic_rank == family.corank == 1
-    monkeypatch.setattr(table, "_WORTH", -10.0)  # wherever it goes
+    monkeypatch.setattr(pictured, "_WORTH", -10.0)  # wherever it goes
     after = posed(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
     assert after.witness != (9.0, 9.0)
     assert singular_values(found.robot, after.witness, found.task)[0] <= 1e-9

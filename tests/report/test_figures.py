@@ -149,11 +149,28 @@ def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content
     assert angle_ticks(-3.3, 3.3) == [(k * np.pi / 2, f"{90 * k}°".replace("-", "−")) for k in range(-2, 3)]
     assert [word for _, word in angle_ticks(0.0, 0.2)][:3] == ["0°", "2°", "4°"]
     assert (axis_name("θ2", "rad"), axis_name("q3", "m")) == ("θ2", "q3 [m]")
-    plane = slice_figure(shown.analysis.robot, shown.slices[0], shown.colours)
+    plane = slice_figure(shown.analysis.robot, shown.slices[0], shown.colours, shown.labels)
     for drawn in (plane, workspace_figure(shown.workspace)):
         axes = drawn.axes[0]
         drawn.canvas.draw()
-        assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0
+        assert axes.get_legend().get_window_extent().x0 >= axes.get_window_extent().x1
+    told = plane.axes[0].get_legend().get_texts()
+    families = [trace.family for trace in shown.slices[0].traces]
+    assert [one.get_text().replace("\n", " ") for one in told] == [f"{id} {shown.labels[id]}" for id in families]
+
+
+def test_numbers_of_short_edges_do_not_stand_on_each_other() -> None:
+    """A stretched arm is a narrow box: numbers at its two short edges stood on the names of the axes."""
+    found = shipped("crx10ial")
+    family = next(one for one in found.families if one.id == "k2.f1")
+    drawn = arm_figure(found, upright(found.robot, found.task, family, found.families))
+    drawn.canvas.draw()
+    axes: Any = drawn.axes[0]
+    edges = (axes.xaxis, axes.yaxis, axes.zaxis)
+    words = [one for edge in edges for one in (edge.label, *edge.get_ticklabels()) if one.get_text()]
+    boxes = [one.get_window_extent() for one in (*words, *(one for one in drawn.texts if one.get_text().isdigit()))]
+    assert len(words) >= 6
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
 
 
 @pytest.mark.parametrize("name", ["pa10", "crx10ial", "yumi"])

@@ -1,8 +1,11 @@
+from .arm import count_of_arm as count_of_arm
 from .certificate import change_certificate as change_certificate
 from .certificate import posture_certificate as posture_certificate
 from .count import AspectCount as AspectCount
 from .count import SignCount as SignCount
 from .count import count_aspects as count_aspects
+from .picture import AspectMap as AspectMap
+from .picture import aspect_maps as aspect_maps
 from .posture_paths import CUSPIDAL as CUSPIDAL
 from .posture_paths import NOT_ASKED as NOT_ASKED
 from .posture_paths import NOT_CUSPIDAL as NOT_CUSPIDAL

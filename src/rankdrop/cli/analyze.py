@@ -142,7 +142,7 @@ def _brief(
         [*about, *(Text(note, style="bold yellow") for note in analysis.notes)],
     ]
     table = text.analysis_table(analysis)
-    lost = text.lost_section(analysis.robot, analysis.generic_rank, analysis.families)
+    lost = text.lost_section(analysis.robot, analysis.task, analysis.generic_rank, analysis.families)
     blocks += [table] if table.rows else []
     blocks += [lost] if lost is not None else []
     if own is not None:

@@ -206,7 +206,7 @@ def _brief(
     cut = [*answers[::-1], table]
     if table.rows:
         blocks.append(table)
-    lost = text.lost_section(model, found.generic_rank, found.families)
+    lost = text.lost_section(model, found.task, found.generic_rank, found.families)
     if lost is not None:
         blocks.append(lost)
     if found.left:

@@ -18,6 +18,7 @@ from rankdrop import distance, families, local, results, text
 from rankdrop import path as paths
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
+    DRAWN,
     NO_OPTIONS,
     OUTPUT,
     PROGRESS,
@@ -293,6 +294,9 @@ class AspectsOutput(MotionOutput):
         str | None, option("Write the proof that the arm is cuspidal, or that it is not, to this file, for "
                     "`rankdrop verify`", writes=())
     ] = None  # fmt: skip
+    figure: Annotated[
+        str | None, option("Draw the regions in the joints that separate them: .svg, .png or .pdf", writes=DRAWN)
+    ] = None  # fmt: skip
 
 
 def _with_path(
@@ -335,10 +339,12 @@ def aspects(
         rankdrop verify cuspidal.json --robot crx10ia
         rankdrop aspects ur5e --certificate ur5e.json
         rankdrop aspects irb120 --limits
+        rankdrop aspects ur5e --figure aspects.svg
 
     Exit code 0: a path was found, or it is proven that there is none; 3: no
     change of posture was found, which is no proof, or the number of aspects is not
-    proven where only that is asked, or no certificate could be written; 2: bad input.
+    proven where only that is asked, or no certificate or figure could be written;
+    2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -356,6 +362,8 @@ def aspects(
     else:
         decided = found.verdict != postures.NOT_FOUND
     done = _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
+    if output.figure is not None:
+        done = _with_figure(found, done, output.figure)
     if output.certificate is None:
         return done
     try:
@@ -364,6 +372,19 @@ def aspects(
         refused = partial(say, f"{output.certificate} is not written: {error.what}")
         return replace(done, holds=False, last=partial(_both, done.last, refused))
     return replace(done, files={**done.files, "certificate": lambda: record})
+
+
+def _with_figure(found: postures.Postures, done: Done, path: str) -> Done:
+    """Finished work with a picture of the aspects, or why there is none."""
+    from rankdrop.report.aspects_figure import aspects_figure
+    from rankdrop.report.figures import rendered
+
+    try:
+        drawn = aspects_figure(found)
+    except OptionError as error:
+        refused = partial(say, f"{path} is not written: {error.what}")
+        return replace(done, holds=False, last=partial(_both, done.last, refused))
+    return replace(done, files={**done.files, "figure": lambda: rendered(drawn, path.rpartition(".")[2].lower())})
 
 
 def _both(first: Callable[[], object] | None, second: Callable[[], object]) -> None:

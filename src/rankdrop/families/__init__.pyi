@@ -5,6 +5,7 @@ from .name import FamilyName as FamilyName
 from .pictured import TALL as TALL
 from .pictured import VIEW as VIEW
 from .pictured import height as height
+from .pictured import posed as posed
 from .pictured import upright as upright
 from .pictured import upright_start as upright_start
 from .points import Walk as Walk
@@ -30,4 +31,3 @@ from .slices import solids as solids
 from .slices import sweeps as sweeps
 from .slices import telling_slices as telling_slices
 from .summary import Verdict as Verdict
-from .table import posed as posed

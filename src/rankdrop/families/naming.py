@@ -77,7 +77,7 @@ def name_family(
     4. What the facts leave open: joints that other conditions bind ("with a condition on θ3–θ6"), and values that tell
        the posture: those that are no simple angles, and those of joints that break none of the facts. Without any fact:
        "all axes meet one line" where the blocked wrench is a pure force, else the smallest dependent sets of joint
-       screws ("screws 2–6 dependent").
+       screws ("joints 2–6 dependent").
 
     What a name states is true at every sample point. Names are not unique, and may be long:
     `distinct_names` mends both.

@@ -1,8 +1,8 @@
-"""The posture in which a family is drawn: upright where the family has such a member, inside the limits.
+"""The posture in which a family is shown: a member that people would choose, and in pictures one that stands.
 
-`posed` chooses a witness that nothing speaks against. In a picture that is not enough: an arm that
-lies along the floor is a thin line in a wide frame. Of the members near round configurations the one is drawn that
-stands up, and is no worse in `fault`.
+`posed` chooses the witness of a table: a member that nothing speaks against (`rankdrop.local.fault`). In a picture that
+is not enough: an arm that lies along the floor is a thin line in a wide frame. `upright` draws the member that stands
+up, among those that are no worse in `fault`, and searches longer for one inside the joint limits.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from rankdrop.families.equation import System
 from rankdrop.families.naming import lost_motions
 from rankdrop.families.record import Family, family_in_metres
-from rankdrop.families.table import posed
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot
@@ -31,19 +31,55 @@ TALL = 0.55
 _WIDE = 0.4  # seen narrower than this, an arm points at the reader [reach]
 _ACROSS = np.array([-np.sin(VIEW), np.cos(VIEW), 0.0])
 _CANDIDATES = 256
+_LONGER = 2000  # further starts for a picture of an arm that would stand outside the joint limits
+_WORTH = 0.15  # the witness stays unless another member is better by this much of `fault`
+_SLACK = 0.15  # of `fault` that a taller posture may cost
+_TALLER = 0.05  # of `_poor` that another member has to gain for a picture
 _POINTS = 24  # members from which the frame of the words is chosen
 _ROOM = 1e-3  # the singular value that is kept is at least this [1]: not on a more special family
-_SHARED = 1.0  # added for a member that lies on another family too: it is an example of both
-_SLACK = 0.15  # of `fault` that a taller posture may cost
+_SHARED = 1.0  # added to `fault` of a member that lies on another family too: it is an example of both
 
 
-def height(robot: Robot, q: Array) -> Array:
-    """(N,) height of the highest point of the links over the base at configurations (N, n) [reach]."""
-    return np.asarray(spine(robot, np.asarray(q))[:, :, 2].max(axis=1) / max(reach(robot), 1e-9))
+def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
+    """The family with its witness in a good posture: inside the limits, above the base, not self-folded.
+
+    The equations are solved from round configurations inside the limits; of the members found, each checked in the
+    Jacobian itself (σ ≤ 1e-9, of exactly the corank), the one with the least `fault` becomes the witness. Lost
+    directions are computed there anew. Everything else stays, and so does the witness where no member is
+    clearly better, or where the family has no equations.
+
+    Args:
+        robot, task: the arm.
+        family: of this arm and task.
+        others: all families of the arm; a member that lies on none of these of the same corank is preferred.
+
+    Example:
+        >>> from rankdrop.results.known import shipped
+        >>> from rankdrop.local import fault
+        >>> found = shipped("ur5")
+        >>> before = found.families[0]
+        >>> after = posed(found.robot, found.task, before)
+        >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
+        True
+    """
+    choice = _Choice(robot, task, family, others)
+    least = choice.against(choice.own[None])[0] - _WORTH
+    if least < 0.0:
+        return family
+    found, gap = choice.members(candidates(choice.problem.robot, choice.problem.task, _CANDIDATES, 0))
+    if not len(found):
+        return family
+    against = choice.against(found)
+    best = int((against + _plainness(choice.problem.robot, found, gap)).argmin())
+    if against[best] > least:
+        return family
+    return choice.moved(found, best)
 
 
 def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
     """The family as `posed` gives it, with its witness upright where a member is, not worse in any other way.
+
+    A witness outside the joint limits is drawn only where 2,256 starts lead to no member inside them.
 
     Args:
         robot, task: the arm.
@@ -54,33 +90,36 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
         The family with its witness and the directions lost there.
     """
     family = posed(robot, task, family, others)
-    here = in_metres(robot)
-    own = into_metres(robot, family.witness)[None]
-    if _poor(here, own)[0] == 0.0 or not family.named or not family.equations:
+    choice = _Choice(robot, task, family, others)
+    here, own = choice.problem.robot, choice.own[None]
+    poor, outside = _poor(here, own)[0], _outside(here, own)[0]
+    if poor == 0.0 and not outside:
         return family
-    problem = Problem(here, task_in_metres(task, robot), family.corank)
-    found = _members(problem, family_in_metres(family, robot))
-    rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
-    systems = [family_in_metres(one, robot).system for one in rest]
-
-    def against(q: Array) -> Array:
-        on = [(np.abs(one.values(q)) <= DEFAULT.explained).all(axis=1) for one in systems]
-        return np.asarray(fault(here, q) + _SHARED * np.any(np.stack([np.zeros(len(q), bool), *on]), axis=0))
-
-    if not len(found):
-        return family
-    gap = problem.sigma(found)[:, problem.rank - 1] if problem.rank else np.ones(len(found))
-    worse = against(found) > against(own)[0] + _SLACK
-    kept = (gap > _ROOM) & ~worse & (_poor(here, found) < _poor(here, own)[0] - 0.05)
+    found, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
+    if outside and not (_outside(here, found) == 0).any():
+        found, gap = choice.members(_inside(choice.problem))
+    kept = choice.against(found) <= choice.against(own)[0] + _SLACK
+    kept &= (_poor(here, found) < poor - _TALLER) | (_outside(here, found) < outside)
     found, gap = found[kept], gap[kept]
     if not len(found):
         return family
-    turned = np.where(here.periodic, np.abs(found) / np.pi, 0.0).sum(axis=1)
-    cost = _poor(here, found) + against(found) - 0.3 * gap / gap.max() + 0.1 * turned
-    best = found[int(cost.argmin())]
-    directions, lost = lost_motions(problem, best, found[:_POINTS])
-    witness = tuple(float(x) for x in out_of_metres(robot, best))
-    return replace(family, witness=witness, lost_directions=directions, lost_freedoms=lost)
+    cost = _poor(here, found) + choice.against(found) + _plainness(here, found, gap)
+    return choice.moved(found, int(cost.argmin()))
+
+
+def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:
+    """Up to `count` members of a family of exactly its corank, each near a round configuration inside the limits.
+
+    Returns:
+        (M, n) lengths in metres [rad, m].
+    """
+    choice = _Choice(robot, task, family, ())
+    return choice.members(candidates(choice.problem.robot, choice.problem.task, count, 0))[0]
+
+
+def height(robot: Robot, q: Array) -> Array:
+    """(N,) height of the highest point of the links over the base at configurations (N, n) [reach]."""
+    return np.asarray(spine(robot, np.asarray(q))[:, :, 2].max(axis=1) / max(reach(robot), 1e-9))
 
 
 def upright_start(robot: Robot, task: Task) -> Array:
@@ -96,18 +135,85 @@ def upright_start(robot: Robot, task: Task) -> Array:
     return np.asarray(q[int(cost.argmin())])
 
 
+class _Choice:
+    """A family and the members that may stand for it, lengths in metres.
+
+    Attributes:
+        problem: the arm, and the corank of the family.
+        own: (n,) its witness [rad, m].
+    """
+
+    def __init__(self, robot: Robot, task: Task, family: Family, others: Sequence[Family]) -> None:
+        self._robot, self._family = robot, family
+        self.problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
+        self.own = np.asarray(into_metres(robot, family.witness))
+        rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
+        self._beside = [family_in_metres(one, robot).system for one in rest]
+
+    def against(self, q: Array) -> Array:
+        """(N,) what speaks against showing members (N, n): `fault`, and being on another family too."""
+        return np.asarray(fault(self.problem.robot, q) + _SHARED * _shared(self._beside, q))
+
+    def members(self, starts: Array) -> tuple[Array, Array]:
+        """Members near starts (N, n), free joints exactly at these, turned into the limits.
+
+        Returns:
+            (M, n) members of exactly the corank, and (M,) the smallest singular value that is kept.
+        """
+        family, problem = self._family, self.problem
+        if not family.named or not family.equations:
+            return np.empty((0, problem.n)), np.empty(0)
+        bound = {number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))}
+        system = family_in_metres(family, self._robot).system
+        points, solved = system.solve(starts, along=np.eye(problem.n)[:, sorted(bound)])
+        points = wrapped(problem.robot, points[solved])
+        points = into_limits(problem.robot, points[problem.singular(points)])
+        if problem.rank and len(points):
+            gap = problem.sigma(points)[:, problem.rank - 1]
+        else:
+            gap = np.ones(len(points))
+        return points[gap > _ROOM], gap[gap > _ROOM]
+
+    def moved(self, found: Array, best: int) -> Family:
+        """The family with one of its members (M, n) as the witness."""
+        directions, lost = lost_motions(self.problem, found[best], found[:_POINTS])
+        witness = tuple(float(x) for x in out_of_metres(self._robot, found[best]))
+        return replace(self._family, witness=witness, lost_directions=directions, lost_freedoms=lost)
+
+
+def _plainness(robot: Robot, q: Array, gap: Array) -> Array:
+    """(N,) of members that are equally good otherwise: less for those far from other families and little turned."""
+    return np.asarray(-0.3 * gap / gap.max() + 0.1 * _turned(robot, q))
+
+
+def _shared(systems: Sequence[System], q: Array) -> Array:
+    """(N,) 1 where a configuration solves one of the systems, else 0."""
+    on = np.zeros(len(q))
+    for system in systems:
+        on[(np.abs(system.values(q)) <= DEFAULT.explained).all(axis=1)] = 1.0
+    return on
+
+
+def _turned(robot: Robot, q: Array) -> Array:
+    """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
+    away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
+    return np.asarray(away.sum(axis=1) + away[:, 0])
+
+
+def _outside(robot: Robot, q: Array) -> Array:
+    """(N,) how many joints are beyond their limits at configurations (N, n)."""
+    return np.asarray(((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).sum(axis=1))
+
+
+def _inside(problem: Problem) -> Array:
+    """(2000, n) random configurations inside the limits, a seed of their own."""
+    low, high = sampling_box(problem.robot, problem.task, limits=True)
+    return np.asarray(np.random.default_rng(1).uniform(low, high, (_LONGER, problem.n)))
+
+
 def _poor(robot: Robot, q: Array) -> Array:
     """(N,) 0 … 2.6: how much of its height, and of its width as the reader sees it, an arm lacks at q (N, n)."""
     across = spine(robot, q) @ _ACROSS / max(reach(robot), 1e-9)
     lying = np.clip(TALL - height(robot, q), 0.0, None) / TALL
     thin = np.clip(_WIDE - np.ptp(across, axis=1), 0.0, None) / _WIDE
     return np.asarray(2.0 * lying + 0.6 * thin)
-
-
-def _members(problem: Problem, family: Family) -> Array:
-    """(≤ 256, n) members near round configurations, free joints exactly at these, inside the limits."""
-    bound = {number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))}
-    starts = candidates(problem.robot, problem.task, _CANDIDATES, 0)
-    points, solved = family.system.solve(starts, along=np.eye(problem.n)[:, sorted(bound)])
-    points = wrapped(problem.robot, points[solved])
-    return into_limits(problem.robot, points[problem.singular(points)])

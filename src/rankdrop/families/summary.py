@@ -7,7 +7,7 @@ is read off the equations: at witnesses of the catalogue's arms they are below 1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
@@ -130,8 +130,9 @@ class FamilySummary:
 
 
 def summarised(
-    arm: str, generic_rank: int, families: Sequence[Summarised], evidence: Evidence = Evidence.NONE, tests: int = 0
-) -> FamilySummary:
+    arm: str, generic_rank: int, families: Sequence[Summarised], evidence: Evidence = Evidence.NONE, tests: int = 0,
+    label: Callable[[Summarised], str] | None = None,
+) -> FamilySummary:  # fmt: skip
     """Count the families of an arm by rank.
 
     Args:
@@ -139,6 +140,7 @@ def summarised(
         generic_rank: rank of the task Jacobian almost everywhere.
         families: of every corank, in their order.
         evidence, tests: how they were verified.
+        label: a family of the highest rank in a word or two; None: its short name.
 
     Example:
         >>> from rankdrop.results.known import shipped
@@ -156,7 +158,10 @@ def summarised(
         mine = [one for one in families if one.corank == corank]
         names: dict[str, int] = {}
         for one in mine:
-            name = one.called.short
+            if label is None or corank > coranks[0]:
+                name = one.called.short
+            else:
+                name = label(one)
             names[name] = names.get(name, 0) + 1
         if corank == coranks[0]:
             combined = 0

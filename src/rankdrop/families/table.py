@@ -12,8 +12,6 @@ Both kinds of rows are tested in the same way. Soundness: the equations are solv
 taken; a fitted row that fails there is dropped. Then they are solved at special places (`solve_at_special_values`);
 solutions there that are regular are counted, and make the row unsound for everyone to see. Completeness: fresh points
 from another seed, none of which was used before, lie on the rows or are listed as a family without a name.
-
-Last the posture in which a family is shown: one of its members that people would choose, see `rankdrop.local.fault`.
 """
 
 from __future__ import annotations
@@ -25,7 +23,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.equation import SOLVED, Mask, System, pretty_angle
+from rankdrop.families.equation import SOLVED, Mask, pretty_angle
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
 from rankdrop.families.name import FamilyName
@@ -36,7 +34,6 @@ from rankdrop.families.record import (
     CorankSummary,
     Family,
     Pin,
-    family_in_metres,
     family_in_units,
     family_out_of_units,
     numbered,
@@ -54,12 +51,9 @@ from rankdrop.families.row import (
     witness,
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
-from rankdrop.local.posture import candidates, fault
-from rankdrop.problem import Problem, into_limits, wrapped
-from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
-from rankdrop.tolerances import DEFAULT
-from rankdrop.units import in_metres, in_units, into_metres, into_units, out_of_metres, task_in_metres, task_in_units
+from rankdrop.problem import Problem
+from rankdrop.robot.model import Array
+from rankdrop.units import in_units, into_units, task_in_units
 
 FRESH = 1000  # independent points wanted for completeness
 MOST_FRESH = 20_000  # starts spent on them at most
@@ -445,83 +439,3 @@ def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
     linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
     found = linear.combinations(q, np.ones(len(q)), 1e-5)
     return tuple(sorted(values[0] for values in found)[:VALUES])
-
-
-_CANDIDATES = 256
-_WORTH = 0.15  # the witness stays unless another member is better by this much of `fault`
-_POINTS = 24  # members from which the frame of the words is chosen
-_ROOM = 1e-3  # the singular value that is kept is at least this [1]: not on a more special family
-_SHARED = 1.0  # added to `fault` of a member that lies on another family too: it is an example of both
-
-
-def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
-    """The family with its witness in a good posture: inside the limits, above the base, not self-folded.
-
-    The equations are solved from round configurations inside the limits; of the members found, each checked in the
-    Jacobian itself (σ ≤ 1e-9, of exactly the corank), the one with the least `fault` becomes the witness. Lost
-    directions are computed there anew. Everything else stays, and so does the witness where no member is
-    clearly better, or where the family has no equations.
-
-    Args:
-        robot, task: the arm.
-        family: of this arm and task.
-        others: all families of the arm; a member that lies on none of these of the same corank is preferred.
-
-    Example:
-        >>> from rankdrop.results.known import shipped
-        >>> from rankdrop.local import fault
-        >>> found = shipped("ur5")
-        >>> before = found.families[0]
-        >>> after = posed(found.robot, found.task, before)
-        >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
-        True
-    """
-    own = into_metres(robot, family.witness)
-    problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
-    here = problem.robot
-    rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
-    beside = [family_in_metres(one, robot).system for one in rest]
-    least = fault(here, own[None])[0] + _SHARED * _shared(beside, own[None])[0] - _WORTH
-    if least >= 0.0:
-        found = _members(problem, family_in_metres(family, robot))
-    else:
-        found = np.empty((0, robot.n))
-    if problem.rank and len(found):
-        gap = problem.sigma(found)[:, problem.rank - 1]
-    else:
-        gap = np.ones(len(found))
-    found, gap = found[gap > _ROOM], gap[gap > _ROOM]
-    if not len(found):
-        return family
-    faults = fault(here, found) + _SHARED * _shared(beside, found)
-    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(here, found)).argmin())
-    if faults[best] > least:
-        return family
-    directions, lost = lost_motions(problem, found[best], found[:_POINTS])
-    witness = tuple(float(x) for x in out_of_metres(robot, found[best]))
-    return replace(family, witness=witness, lost_directions=directions, lost_freedoms=lost)
-
-
-def _shared(systems: Sequence[System], q: Array) -> Array:
-    """(N,) 1 where a configuration solves one of the systems, else 0."""
-    on = np.zeros(len(q))
-    for system in systems:
-        on[(np.abs(system.values(q)) <= DEFAULT.explained).all(axis=1)] = 1.0
-    return on
-
-
-def _members(problem: Problem, family: Family) -> Array:
-    """(≤ 256, n) members near round configurations, free joints exactly at these, turned into the limits."""
-    if not family.named or not family.equations:
-        return np.empty((0, problem.n))
-    bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
-    starts = candidates(problem.robot, problem.task, _CANDIDATES, 0)
-    points, solved = family.system.solve(starts, along=np.eye(problem.n)[:, sorted(set(bound))])
-    points = wrapped(problem.robot, points[solved])
-    return into_limits(problem.robot, points[problem.singular(points)])
-
-
-def _turned(robot: Robot, q: Array) -> Array:
-    """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
-    away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
-    return np.asarray(away.sum(axis=1) + away[:, 0])

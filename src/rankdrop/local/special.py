@@ -8,6 +8,8 @@ Each part has one condition, measured as an angle that is 0 where the condition 
 - shoulder: W lies in the plane through axis 1 along axis 2 (distance to the plane over the distance of W from axis 2);
   with seven axes, the directions of the first three lie in one plane.
 
+Of more than seven axes the last seven are the arm, and those before are the base that carries it.
+
 An arm of ideal geometry satisfies such a condition exactly. An arm with offsets has one long condition instead, whose
 sheets pass near those of the ideal arm: the smallest angle says which sheet is at hand. `text/special.py` words it.
 """
@@ -69,6 +71,8 @@ class Special:
 
 EXACT = 1e-6
 """An angle up to this is 0 [rad]."""
+ARM_AXES = 7
+"""Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
 _STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
 _FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
 
@@ -133,8 +137,8 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     ends = []
     if turns and len(axes) >= 5:
         ends.append((Part.WRIST, len(axes) - 2))
-    if len(axes) >= 7:
-        ends.append((Part.SHOULDER, 1))
+    if len(axes) >= ARM_AXES:
+        ends.append((Part.SHOULDER, len(axes) - ARM_AXES + 1))
     for part, middle in ends:
         turn = arm.turn(middle)
         if turn is not None:
@@ -169,10 +173,12 @@ class _Axes:
 
     @property
     def elbow(self) -> int:
-        """Number from 0 of the elbow among the axes: second in a planar arm, fourth of seven, else third."""
+        """Number from 0 of the elbow among the axes: second in a planar arm, fourth of the last seven, else third."""
+        if len(self.z) >= ARM_AXES:
+            return len(self.z) - 4
         if len(self.z) <= 3 or _parallel(self.z[0], self.z[1]):
             return 1
-        return 3 if len(self.z) >= 7 else 2
+        return 2
 
     def aligned(self, i: int, j: int) -> bool:
         """Whether two axes are one line; False where there is no second."""

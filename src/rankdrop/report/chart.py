@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from math import ceil, degrees, floor, pi, radians
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -135,7 +136,7 @@ class Chart:
         return ""
 
     def draw(self, axes: Any) -> None:
-        """Draw the chart on axes of matplotlib, its legend above them."""
+        """Draw the chart on axes of matplotlib, its legend at the right of them."""
         if self.image is not None:
             axes.imshow(self.image.T, origin="lower", extent=(*self.x, *self.y), cmap="Greys", vmin=0, vmax=1,
                         aspect="auto")  # fmt: skip
@@ -148,7 +149,18 @@ class Chart:
         for ticks, set_ticks in zip(self.ticks, (axes.set_xticks, axes.set_yticks), strict=True):
             set_ticks([value for value, _ in ticks], [word for _, word in ticks])
         if any(label for *_, label in self.marks):
-            axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
+            legend_outside(axes)
+
+
+def legend_outside(axes: Any) -> None:
+    """A legend at the right of axes of matplotlib, where it covers no data, its dots as large as those of curves."""
+    legend = axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, frameon=False)
+    for handle in legend.legend_handles:
+        handle.set_markersize(max(handle.get_markersize(), _DOT))
+
+
+_DOT = 5.0  # smallest marker of a legend [point]
+_WIDE = 26  # characters of a line of a legend
 
 
 def _draw_mark(axes: Any, lines: Sequence[Array], look: str, radius: float, label: str) -> None:
@@ -160,7 +172,7 @@ def _draw_mark(axes: Any, lines: Sequence[Array], look: str, radius: float, labe
     for line in lines:
         axes.plot(*line.T, color=colour, rasterized=len(line) > _MANY, **style)
     if label and lines:
-        axes.lines[-1].set_label(label)
+        axes.lines[-1].set_label(fill(label, _WIDE))
 
 
 def joint_axes(robot: Robot, joints: Sequence[int], ends: Sequence[tuple[float, float]]) -> tuple[Any, Any]:
@@ -173,16 +185,16 @@ def joint_axes(robot: Robot, joints: Sequence[int], ends: Sequence[tuple[float, 
     return names, ticks
 
 
-def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> Chart:
-    """σ_r as a grey map (dark: small), the families as curves and dots."""
+def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int], labels: dict[str, str]) -> Chart:
+    """σ_r as a grey map (dark: small), the families as curves and dots, with their id and label."""
     ends = ((plane.x[0], plane.x[-1]), (plane.y[0], plane.y[-1]))
     names, ticks = joint_axes(robot, plane.joints, ends)
     marks: list[Mark] = []
     for trace in plane.traces:
-        look = look_of(colours[trace.family])
-        marks.append((trace.curves, look, 0.0, trace.family if trace.curves else ""))
+        look, label = look_of(colours[trace.family]), f"{trace.family} {labels[trace.family]}"
+        marks.append((trace.curves, look, 0.0, label if trace.curves else ""))
         if len(trace.points):
-            marks.append(([trace.points], look, 4.0, "" if trace.curves else trace.family))
+            marks.append(([trace.points], look, 4.0, "" if trace.curves else label))
     dark = 0.75 * (1 - plane.sigma[::2, ::2] / max(float(plane.sigma.max()), 1e-12)) ** 3
     return Chart(*ends, marks, names, ticks, dark)
 
@@ -205,8 +217,8 @@ def pieces(line: Array) -> list[Array]:
     return [piece for piece in np.split(inside, jumps) if len(piece) > 1]
 
 
-def workspace_chart(section: Workspace, size: float, family: str = "", index: int = 0) -> Chart:
-    """Where the tip can be (grey), with the walls as dots, or the image of one family."""
+def workspace_chart(section: Workspace, size: float, family: str = "", index: int = 0, label: str = "") -> Chart:
+    """Where the tip can be (grey), with the walls as dots, or the image of one family with its id and label."""
     x, y = ((float(edges[0]), float(edges[-1])) for edges in (section.x, section.y))
     wide, high = size * np.array([x[1] - x[0], y[1] - y[0]]) / max(x[1] - x[0], y[1] - y[0])
     few = [max(2, round(side / 70)) for side in (wide, high)]
@@ -215,7 +227,7 @@ def workspace_chart(section: Workspace, size: float, family: str = "", index: in
     passed, barred = section.walls[~section.one_sided], section.walls[section.one_sided]
     marks: list[Mark] = [([passed], "pass", 0.9, "passed in another posture"), ([barred], "wall", 1.1, "not crossed")]
     if family:
-        marks = [([dict(section.images)[family]], look_of(index), 1.0, family)]
+        marks = [([dict(section.images)[family]], look_of(index), 1.0, f"{family} {label}".strip())]
     ticks = (plain_ticks(*x, few[0]), plain_ticks(*y, few[1]))
     return Chart(x, y, marks, section.section.labels, ticks, dark, size=(float(wide), float(high)))
 

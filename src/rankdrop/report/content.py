@@ -58,6 +58,7 @@ from rankdrop.text import (
     JOINT,
     columns,
     conditions_of,
+    family_label,
     inside_limits,
     joint_symbol,
     lost_note,
@@ -151,6 +152,12 @@ class Content:
         """Id of each family -> the part of the arm that is special where it is drawn: "elbow: arm stretched"."""
         robot, task = self.analysis.robot, self.analysis.task
         return {family.id: place_name(robot, task, family) for family in self.analysis.families}
+
+    @cached_property
+    def labels(self) -> dict[str, str]:
+        """Id of each family -> the parts of the arm that it is about: "shoulder, elbow or wrist"."""
+        robot, task = self.analysis.robot, self.analysis.task
+        return {family.id: family_label(robot, task, family) for family in self.analysis.families}
 
     @property
     def verdict(self) -> Verdict:

@@ -23,7 +23,7 @@ from rankdrop.families import VIEW, Family, Slice, Solid, Sweep
 from rankdrop.kinematics import link_poses
 from rankdrop.local import Drawn, drawn_at
 from rankdrop.report.chart import COLOURS, joint_axes, pieces, slice_chart, sweep_chart, workspace_chart
-from rankdrop.report.content import Content
+from rankdrop.report.content import Content, standing
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, reach
 from rankdrop.text import place_name
@@ -96,7 +96,9 @@ def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
     figure = axes.figure
     figure.canvas.draw()
     dot = figure.dpi / 72
-    taken: list[Array] = []
+    ticks = [one for axis in (axes.xaxis, axes.yaxis, axes.zaxis) for one in axis.get_ticklabels() if one.get_text()]
+    boxes = [one.get_window_extent() for one in ticks]
+    taken = [np.array([(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]) for box in boxes]
     placed = []
     tries = [np.zeros(2)]
     for ring in _RINGS[1:]:
@@ -165,12 +167,13 @@ def every_figure(content: Content) -> dict[str, Callable[[], Figure]]:
     """Name of each figure -> what draws it."""
     analysis, colours, section = content.analysis, content.colours, content.workspace
     robot, families = analysis.robot, analysis.families
-    titles = content.titles
+    titles, labels = content.titles, content.labels
     arms = {f"arm-{family.id}": partial(arm_figure, analysis, family, blamed)
             for family, blamed in zip(families, content.blamed, strict=True)}  # fmt: skip
-    slices = {f"slice-{one.family}": partial(slice_figure, robot, one, colours) for one in content.slices}
-    solids = {f"solid-{one.family}": partial(solid_figure, robot, one, colours[one.family]) for one in content.solids}
-    images = {f"image-{one}": partial(workspace_figure, section, one, colours[one])
+    slices = {f"slice-{one.family}": partial(slice_figure, robot, one, colours, labels) for one in content.slices}
+    solids = {f"solid-{one.family}": partial(solid_figure, robot, one, colours[one.family], labels[one.family])
+              for one in content.solids}  # fmt: skip
+    images = {f"image-{one}": partial(workspace_figure, section, one, colours[one], labels[one])
               for one, points in section.images if len(points)}  # fmt: skip
     lines = {f"lines-{family.id}": partial(lines_figure, analysis, family, swept, titles[family.id])
              for family, swept in zip(families, content.sweeps, strict=True)}  # fmt: skip
@@ -231,14 +234,14 @@ def figure(content: Content, name: str) -> Figure:
     return every_figure(content)[name]()
 
 
-def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
-    """σ_r shaded, the families as curves and points."""
+def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int], labels: dict[str, str]) -> Figure:
+    """σ_r shaded, the families as curves and points, the legend at the right of them."""
     drawn = new_figure((3.6, 3.4))
-    slice_chart(robot, plane, colours).draw(drawn.add_subplot())
+    slice_chart(robot, plane, colours, labels).draw(drawn.add_subplot())
     return drawn
 
 
-def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
+def solid_figure(robot: Robot, solid: Solid, index: int, label: str = "") -> Figure:
     """A family in the cube of three joints (AM Figure 5b)."""
     drawn = new_figure((4.2, 4.0))
     axes: Any = drawn.add_subplot(projection="3d")
@@ -251,17 +254,18 @@ def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
     names, _ = joint_axes(robot, solid.joints, [(-pi, pi)] * 3)
     for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), names, strict=True):
         axis.set_label_text(name)
-        axis.set_ticks([-pi, 0, pi], ["−180°", "0°", "180°"])
+        axis.set_ticks([-pi / 2, 0, pi / 2], ["−90°", "0°", "90°"])  # at ±180° two axes share a corner
     axes.set(xlim=(-pi, pi), ylim=(-pi, pi), zlim=(-pi, pi))
     axes.set_box_aspect((1, 1, 1), zoom=0.85)
+    axes.set_title(fill(f"{solid.family} {label}", _TITLE), fontsize=8)
     return drawn
 
 
-def workspace_figure(section: Workspace, family: str = "", index: int = 0) -> Figure:
+def workspace_figure(section: Workspace, family: str = "", index: int = 0, label: str = "") -> Figure:
     """The workspace in section with its walls, or with the image of one family."""
     drawn = new_figure((3.8, 4.4))
     axes = drawn.add_subplot()
-    workspace_chart(section, 320.0, family, index).draw(axes)
+    workspace_chart(section, 320.0, family, index, label).draw(axes)
     axes.set_aspect("equal")
     return drawn
 
@@ -294,6 +298,10 @@ ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 """Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
 _ARROW, _SHARE = 0.32, 0.25  # length per reach, and at most per size of the arm as it stands
 _ELEVATION, _TITLE = 20.0, 58  # of the view [°]; characters of a line of the title
+_OUTSIDE = {
+    "outside": " (outside the joint limits)", "none found": " (no member found inside the joint limits)",
+}  # fmt: skip
+_SHORT = 0.4  # an edge of the box shorter than this has no numbers: those of two edges would stand on each other
 _FILLED = (0.93, 0.97)  # width and height of the box about the arm, per those of the picture; the rest is for numbers
 
 
@@ -325,8 +333,7 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     _framed(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
     words_apart(axes, numbers)
     title = f"{family.id}: {place_name(robot, analysis.task, family)}"
-    if ((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).any():
-        title += " (outside the joint limits)"
+    title += _OUTSIDE.get(standing(analysis, family), "")
     top = drawn.get_tightbbox().y1 / drawn.get_figheight() + 0.01
     drawn.suptitle(fill(title, _TITLE), fontsize=8, y=top, va="bottom")
     return drawn
@@ -353,6 +360,11 @@ def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
     wide, tall = 2 * np.abs(axes.transAxes.inverted().transform(axes.transData.transform(flat)) - 0.5).max(axis=0)
     axes.set_box_aspect(half, zoom=min(_FILLED[0] / wide, _FILLED[1] / tall))
     axes.tick_params(labelsize=6, pad=-2)
-    for name, bins, away in zip("xyz", np.ceil(4 * half / half.max()).astype(int), (-7, -7, 0), strict=True):
-        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(nbins=max(2, int(bins))))
+    axes.tick_params(axis="z", pad=4)
+    for name, share, away in zip("xyz", half / half.max(), (-7, -7, 9), strict=True):
+        axis = getattr(axes, f"{name}axis")
+        axis.set_major_locator(MaxNLocator(nbins=max(2, int(np.ceil(4 * share)))))
+        if share < _SHORT:
+            axis.set_ticklabels([])
+            away = -13
         getattr(axes, f"set_{name}label")(f"{name} [m]", fontsize=7, labelpad=away)

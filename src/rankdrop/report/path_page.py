@@ -13,6 +13,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
 from rankdrop.path import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
+from rankdrop.report.chart import legend_outside
 from rankdrop.report.content import LIVE, first_view, robot_data
 from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
@@ -72,7 +73,7 @@ def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
                       label=label)  # fmt: skip
             seen.add(one.verdict)
     if legend and seen:
-        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False)
+        legend_outside(axes)
 
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")

@@ -267,14 +267,15 @@ def slice_section(content: Content) -> str:
 
 
 def _slice_svg(content: Content, plane: Slice) -> str:
-    chart = slice_chart(content.analysis.robot, plane, content.colours)
+    chart = slice_chart(content.analysis.robot, plane, content.colours, content.labels)
     seen = ", ".join(trace.family for trace in plane.traces) or "no family"
     return chart.svg(f"Slice of joint space, {chart.names[0]} across and {chart.names[1]} up: curves or dots of {seen}")
 
 
 def _slice_words(content: Content, plane: Slice) -> str:
     robot = content.analysis.robot
-    keys = " ".join(_key(content, trace.family) for trace in plane.traces)
+    keys = ", ".join(f"{_key(content, trace.family)} {escape(content.labels[trace.family])}" for trace in plane.traces)
+    keys = f"{keys}." if keys else ""
     held = _held(robot, plane.q, plane.joints)
     filled = "".join(f" The whole slice lies in {one}." for one in plane.filled)
     return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
@@ -311,7 +312,8 @@ def solid_section(content: Content) -> str:
         figures.append(
             f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {one.family} in the '
             f'cube of {axes}: {what}. Arrow keys turn it."></canvas>'
-            f"<figcaption>{_key(content, one.family)} in ({axes}): {what}, up to whole turns"
+            f"<figcaption>{_key(content, one.family)} {escape(content.labels[one.family])}, in ({axes}): {what}, "
+            "up to whole turns"
             f"{'; held: ' + escape(held) if held else ''}.<span class='screen'> Drag to turn.</span></figcaption>"
             "</figure>"
         )
@@ -343,7 +345,6 @@ def workspace_section(content: Content) -> str:
             "</figcaption>"
             "</figure>"
         )
-    names = {family.id: family.name for family in content.analysis.families}
     for family, points in section.images:
         if not len(points):
             continue
@@ -357,7 +358,7 @@ def workspace_section(content: Content) -> str:
         )
         figures.append(
             f"<figure>{chart}<figcaption>{_key(content, family)} "
-            f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
+            f"{escape(content.labels[family])}: {words} ({len(points):,} members).</figcaption></figure>"
         )
     if not figures:
         return ""
@@ -381,7 +382,8 @@ def line_section(content: Content) -> str:
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
         drawn = [sweep_chart(analysis.robot, one, family.corank) for one in swept]
         charts = "".join(one.svg(f"Singular values as {one.title} moves through the witness") for one in drawn)
-        parts.append(f"<h3>{family.id}&ensp;<small>{escape(family.name)}</small></h3><div class='lines'>{charts}</div>")
+        title = escape(content.titles[family.id])
+        parts.append(f"<h3>{family.id}&ensp;<small>{title}</small></h3><div class='lines'>{charts}</div>")
     return (
         '<section id="lines"><h2>σ along lines</h2><p>Each joint turns in full, or slides its travel, through the '
         f'witness of a family (dashed line). <b class="bad">Bold</b>: the singular values that vanish there, '

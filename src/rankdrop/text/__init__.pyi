@@ -69,6 +69,8 @@ from .paths import free_words as free_words
 from .paths import many_section as many_section
 from .remedies import NO_POSES as NO_POSES
 from .remedies import poses_written as poses_written
+from .special import family_label as family_label
+from .special import family_title as family_title
 from .special import place_name as place_name
 from .words import angle as angle
 from .words import angle_below as angle_below

@@ -84,6 +84,34 @@ def aspects_number(found: Any) -> str:
     return f"{name} has {least} {plural('aspect', least)} (proven){how}."
 
 
+def region_words(count: Any, factors: Sequence[int], region: Any) -> str:
+    """A region of a picture: the signs of its factors, and how many regions have them: "elbow +, wrist −: 2 regions".
+
+    Args:
+        count: of the aspects.
+        factors: indices of the factors of the region.
+        region: from `rankdrop.aspects.picture`.
+    """
+    signs = ", ".join(
+        f"{factor_words(count, i)} {'+' if sign > 0 else '−'}" for i, sign in zip(factors, region.signs, strict=True)
+    )
+    if region.number:
+        return f"{signs}, region {region.number}"
+    if not region.parts:
+        return signs
+    least = "" if count.exact else "at least "
+    return f"{signs}: {least}{region.parts} {plural('region', region.parts)}"
+
+
+def factor_words(count: Any, index: int) -> str:
+    """A factor by the part of the arm: "elbow"; "det J" where it is the only one, else "factor 2"."""
+    if count.roles[index]:
+        return str(count.roles[index])
+    if len(count.factors) == 1:
+        return "det J"
+    return f"factor {index + 1}"
+
+
 _NOT_WITHIN = _NOT_COUNTED | {
     "joints": "conditions that share joints depend on more than three of them",
     "slide": "a condition depends on a slide",

@@ -34,6 +34,7 @@ from rankdrop.text.families import (
     within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
+from rankdrop.text.special import family_label, family_title
 from rankdrop.text.words import listing
 
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
@@ -70,7 +71,8 @@ def analysis_table(analysis: Any) -> Section:
         if failed:
             asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}"
         rank = str(analysis.generic_rank - family.corank)
-        rows.append((rank, family.name, asked, *((shares.get(family.id, ""),) if near else ())))
+        name = family_title(robot, analysis.task, family)
+        rows.append((rank, name, asked, *((shares.get(family.id, ""),) if near else ())))
     if not letters:
         return _table(robot, rows, {}, "", near)
     return _table(robot, rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
@@ -84,7 +86,8 @@ def conditions_table(conditions: Any) -> Section:
         short = len(text) <= _SHORT
         letters |= short and bool(family.conditions)
         rank = str(conditions.generic_rank - family.corank)
-        rows.append((rank, family.name, text if short else _of_joints(conditions.robot, family)))
+        name = family_title(conditions.robot, conditions.task, family)
+        rows.append((rank, name, text if short else _of_joints(conditions.robot, family)))
     angles = angles_text(conditions.robot, conditions.shifts)
     return _table(conditions.robot, rows, conditions.letters if letters else {}, angles, None)
 
@@ -141,13 +144,17 @@ def _of_joints(robot: Robot, family: ExactFamily) -> str:
     return "; ".join([*parts, _function(names[joint - 1] for joint in coupled)] if coupled else parts)
 
 
-def lost_section(robot: Robot, generic_rank: int, families: Sequence[Family | ExactFamily]) -> Section | None:
+def lost_section(
+    robot: Robot, task: Task, generic_rank: int, families: Sequence[Family | ExactFamily]
+) -> Section | None:
     """What is lost on the families of the highest rank; None where there is none."""
     first = min((one.corank for one in families), default=0)
     mine = [one for one in families if one.corank == first]
     if not mine:
         return None
-    lines = tuple(f"{one.called.short}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine)
+    lines = tuple(
+        f"{family_label(robot, task, one)}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine
+    )
     freedoms: list[LostFreedom] = [lost for one in mine for lost in one.lost_freedoms]
     note = lost_note(robot, freedoms)
     return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
@@ -239,7 +246,7 @@ def speed_section(analysis: Any) -> Section | None:
     told = analysis.speeds
     if told is None:
         return None
-    names = {family.id: family.called.short for family in analysis.families}
+    names = {family.id: family_label(analysis.robot, analysis.task, family) for family in analysis.families}
     pace = f"{1000 * told.tool_speed:.4g} mm/s"
     middle = degrees_text(told.around, (joint.unit for joint in analysis.robot.variables))
     notes = [

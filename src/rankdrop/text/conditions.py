@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from functools import partial
 from html import escape
 from math import degrees
 from typing import Any
@@ -41,6 +42,7 @@ from rankdrop.sections import Formula, Section, html
 from rankdrop.text.code import Code
 from rankdrop.text.families import share_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
+from rankdrop.text.special import family_label
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
@@ -485,13 +487,15 @@ def summary_of_analysis(analysis: Any) -> FamilySummary:
     """Facts of an analysis: families by rank, and how they were verified."""
     tests = sum(one.completeness.tested for one in analysis.coranks)
     evidence = _EVIDENCE[of_analysis(analysis).claims]
-    return summarised(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests)
+    label = partial(family_label, analysis.robot, analysis.task)
+    return summarised(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests, label)
 
 
 def summary_of_conditions(derived: Any) -> FamilySummary:
     """Facts of an exact derivation: families by rank, and how they were verified."""
     tests, evidence = derived.explained.tested, _EVIDENCE[of_conditions(derived).claims]
-    return summarised(derived.robot.name, derived.generic_rank, derived.families, evidence, tests)
+    label = partial(family_label, derived.robot, derived.task)
+    return summarised(derived.robot.name, derived.generic_rank, derived.families, evidence, tests, label)
 
 
 def of_analysis(analysis: Any, derived: Any = None) -> Verdict:

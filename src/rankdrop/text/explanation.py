@@ -10,6 +10,7 @@ in tables as well, heading and cell.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
@@ -37,7 +38,7 @@ from rankdrop.task import BASE, TIP, Task
 from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
-from rankdrop.text.special import parts_words, special_words
+from rankdrop.text.special import family_title, parts_words, special_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
     MORE_NEAREST,
@@ -401,7 +402,7 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
             of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})"
         else:
             of = ""
-        lines.append(f"{family.name}{of}")
+        lines.append(f"{family_title(explanation.robot, explanation.task, family)}{of}")
         lines.append(Formula(f"{'    ' * full}{'; '.join(conditions)}"))
     if full:
         lines += _listed("lies on", (one.family.name for one in met if one not in own))
@@ -543,7 +544,8 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 def _dependencies(explanation: Explanation) -> str:
     usual = explanation.robot.n - explanation.rank.generic_rank
-    text = "smallest sets of joints with dependent screws"
+    place = special_words(explanation.summary.place, [joint.name for joint in explanation.robot.variables])
+    text = "; ".join(filter(None, (place, "smallest sets of joints with dependent screws")))
     if usual:
         if explanation.met:
             corank = explanation.met[0].family.corank
@@ -690,7 +692,8 @@ def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
         rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
     for one in far.families[: None if full else 2]:
         moves = _deltas(one.delta, units) if full else ()
-        rows.append((angle(one.distance), one.family.name + f" (corank {one.family.corank})" * full, *moves))
+        name = family_title(explanation.robot, explanation.task, one.family)
+        rows.append((angle(one.distance), name + f" (corank {one.family.corank})" * full, *moves))
     if lines or rows:
         joints = tuple(f"{number}" for number in range(1, explanation.robot.n + 1)) if full else ()
         columns = ("distance", "family", *joints) if rows else ()
@@ -718,7 +721,8 @@ def _nearest(explanation: Explanation, full: bool) -> Iterator[Section]:
         if moved:
             lines += [MOTION_TO_IT.format(", ".join(moved))]
     lines += _certified_words(explanation)
-    rows = tuple((angle(one.distance), f"{one.family.name} (corank {one.family.corank})") for one in far.families)
+    title = partial(family_title, explanation.robot, explanation.task)
+    rows = tuple((angle(one.distance), f"{title(one.family)} (corank {one.family.corank})") for one in far.families)
     if lines or rows:
         columns = ("distance", "family") if rows else ()
         more = MORE_NEAREST.format(advised("full"))
@@ -735,7 +739,7 @@ def _nearest_words(explanation: Explanation, full: bool) -> Iterator[str]:
         if far.nearest_family is None:
             name = ""
         else:
-            name = f" ({far.nearest_family.family.name})"
+            name = f" ({family_title(explanation.robot, explanation.task, far.nearest_family.family)})"
         if far.nearest.within_limits:
             limits = ""
         else:

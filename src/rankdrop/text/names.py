@@ -89,11 +89,8 @@ def _detail(detail: Detail | LowRank | Dependence, shorter: Shorter) -> str:
     if isinstance(detail, Dependence):
         return dependence_words(detail, whole=Shorter.FIRST_OF_TWO not in shorter)
     if isinstance(detail, LowRank):
-        return f"{_MEMBERS[detail.full]} 1–{detail.joints} of rank {detail.rank}"
+        return f"joints 1–{detail.joints} of rank {detail.rank}"
     return _relation(detail, shorter)
-
-
-_MEMBERS = {True: "screws", False: "joints"}
 
 
 def _relation(detail: Detail, shorter: Shorter) -> str:
@@ -162,7 +159,7 @@ def dependence_words(found: Dependence, *, whole: bool = True) -> str:
 
 _SENTENCES = {
     Common.MOVES_NOTHING: "joint {} moves nothing",
-    Common.DEPENDENT_SCREWS: "screws {} dependent",
+    Common.DEPENDENT_SCREWS: "joints {} dependent",
     Common.DEPENDENT_JOINTS: "joints {} dependent",
     Common.IN_ONE_PLANE_WITH_TIP: "axes {} and the tip in one plane",
 }

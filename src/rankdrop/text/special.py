@@ -7,11 +7,13 @@ from math import degrees, radians
 
 import numpy as np
 
+from rankdrop.exact.family import ExactFamily
+from rankdrop.families.parts import parts_of
 from rankdrop.families.record import Family
 from rankdrop.local.special import Shape, Special, specials_at
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-from rankdrop.text.words import joint_word, short
+from rankdrop.text.words import joint_word, listing, short
 
 _NEAR = radians(20.0)
 """Up to this angle a condition is nearly satisfied; the angle itself is stated beyond it."""
@@ -78,3 +80,28 @@ def place_name(robot: Robot, task: Task, family: Family) -> str:
     q = np.asarray(family.witness, dtype=np.float64)
     names = [joint.name for joint in robot.variables]
     return special_words(specials_at(robot, task, q, family.corank), names) or family.name
+
+
+def family_label(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+    """A family in a word or two: the parts of the arm, else its short name.
+
+    "shoulder and elbow", "base and wrist", or for one condition near several places "shoulder, elbow or wrist".
+    """
+    return _parts(robot, task, family) or family.called.short
+
+
+def family_title(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+    """The name of a family with the parts of the arm in front: "elbow: axes 3 and 5 aligned"."""
+    parts = "" if family.called.parts else _parts(robot, task, family)
+    if not parts:
+        return family.name
+    return f"{parts}: {family.name}"
+
+
+def _parts(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+    """The parts of the arm that a family is about in words; "" where none is known."""
+    found = parts_of(robot, task, family.as_family(robot) if isinstance(family, ExactFamily) else family)
+    words = [part.value for part in found.parts]
+    if found.either:
+        words = [f"{', '.join(words[:-1])} or {words[-1]}"]
+    return listing(["base"] * found.base + words)

@@ -12,6 +12,7 @@ from rankdrop.distance.share import SlowShare, check_within, near_shares, slower
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.inspection import DIGITS, FOLLOWED
+from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
     AGREES,
     DIFFERS,
@@ -25,7 +26,7 @@ from rankdrop.families.record import (
     family_out_of_units,
 )
 from rankdrop.families.searching import search
-from rankdrop.families.table import families, posed
+from rankdrop.families.table import families
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.options import takes

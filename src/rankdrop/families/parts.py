@@ -1,0 +1,89 @@
+"""The parts of the arm that a family is about, measured at its members: for names that hold axes alone.
+
+The name of a family has a part where a fact about the axes belongs to one (`rankdrop.families.naming`). An arm with
+offsets has long conditions instead, with sheets that pass near the special places of the ideal arm, and an arm on a
+mobile base has axes of the base among its own. Both are read off the special places of members
+(`rankdrop.local.special`).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.families.name import ArmPart
+from rankdrop.families.pictured import members_of
+from rankdrop.families.record import Family
+from rankdrop.local.axes import Scene
+from rankdrop.local.special import ARM_AXES, specials_at
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+from rankdrop.units import in_metres, task_in_metres
+
+_MEMBERS = 48
+_RARE = 0.1  # a part that is nearest at fewer of the members is not named
+
+
+@dataclass(frozen=True, slots=True)
+class FamilyParts:
+    """Which parts of the arm a family is about.
+
+    Attributes:
+        parts: from the base to the tool; empty where nothing is known.
+        either: the family is one condition, and each of its members is near the special place of one of the parts;
+            else all of them are special at every member.
+        base: the family binds a joint of the base that carries the arm: one before its last seven axes.
+    """
+
+    parts: tuple[ArmPart, ...]
+    either: bool = False
+    base: bool = False
+
+
+def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
+    """The parts of the arm that a family is about: those of its name, else those that are special at its members.
+
+    A part is special where its condition holds exactly at every member. Without one, and with one freedom lost, the
+    parts nearest to their conditions at a tenth of the members or more are listed, as alternatives.
+
+    Args:
+        robot, task: the arm.
+        family: of this arm and task.
+
+    Example:
+        >>> from rankdrop.results.known import shipped
+        >>> found = shipped("crx10ial")
+        >>> parts = parts_of(found.robot, found.task, found.families[0])
+        >>> [part.value for part in parts.parts], parts.either
+        (['shoulder', 'elbow', 'wrist'], True)
+    """
+    base = _binds_base(robot, family)
+    if family.called.parts or family.called.given or family.called.unnamed:
+        return FamilyParts(family.called.parts, base=base)
+    here, rows = in_metres(robot), task_in_metres(task, robot)
+    members = members_of(robot, task, family, _MEMBERS)
+    seen = [specials_at(here, rows, q, family.corank) for q in members]
+    if not seen:
+        return FamilyParts((), base=base)
+    exact = set.intersection(*({one.part.value for one in found if one.exact} for found in seen))
+    if exact:
+        return FamilyParts(tuple(part for part in ArmPart if part.value in exact), base=base)
+    if family.corank > 1:
+        return FamilyParts((), base=base)
+    nearest = Counter(one.part.value for found in seen for one in found if not one.exact)
+    often = {part for part, count in nearest.items() if count >= _RARE * len(seen)}
+    parts = tuple(part for part in ArmPart if part.value in often)
+    return FamilyParts(parts, len(parts) > 1, base)
+
+
+def _binds_base(robot: Robot, family: Family) -> bool:
+    """Whether a family binds a joint before the last seven axes of an arm that has more joints than these."""
+    if robot.n <= ARM_AXES:
+        return False
+    axes = Scene(robot, np.zeros((1, robot.n))).axes
+    if len(axes) < ARM_AXES:
+        return False
+    bound = {*(one.number for one in family.pinned), *family.coupled}
+    return min(bound, default=robot.n) <= axes[-ARM_AXES]

@@ -9,7 +9,6 @@ import numpy as np
 
 from papers.am_method import pa10
 from papers.item import Sheet, Shown, listed, rounded
-from rankdrop.distance import most_tolerant
 from rankdrop.families import Curve, Family, Outcome, refine, search, singular_curves
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local import (
@@ -25,6 +24,7 @@ from rankdrop.local import (
 from rankdrop.results import Analysis, known_analysis
 from rankdrop.robot import Array, from_dh, open_robot, reach
 from rankdrop.task import resolve_task
+from rankdrop.verbs import most_tolerant
 
 TABLE_1 = [("sqrt(2)", "pi/2", "0"), ("sqrt(2)", "-pi/2", "1"), ("sqrt(2)", "pi/2", "-1"), ("sqrt(3)/2", "0", "1/2")]
 TABLE_2 = [("0", "-pi/2", "0"), ("0", "pi/2", "0"), ("0", "-pi/2", "0.45"), ("0", "pi/2", "0"), ("0", "-pi/2", "0.5"),

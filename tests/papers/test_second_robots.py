@@ -28,7 +28,6 @@ from rankdrop import (
     search,
     singular_values,
 )
-from rankdrop.distance import most_tolerant
 from rankdrop.exact import METHODS, Distances, decouple, derive, exact_chain, suppress
 from rankdrop.families import Outcome, refine, singular_curves
 from rankdrop.kinematics import task_jacobian
@@ -60,7 +59,7 @@ from rankdrop.results import known_analysis
 from rankdrop.robot import from_dh
 from rankdrop.robot.numbers import reach
 from rankdrop.task import BODY, SPACE, Frame, Task, resolve_task
-from rankdrop.verbs import link_jacobian
+from rankdrop.verbs import link_jacobian, most_tolerant
 
 H = 1e-6  # of central differences [rad]
 SMALL = 1e-9

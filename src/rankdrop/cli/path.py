@@ -31,8 +31,7 @@ from rankdrop.questions import PathOptions, RemedyOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    from rankdrop.robot import Robot
-    from rankdrop.task import Task
+    pass
 
 
 @dataclass(frozen=True)
@@ -210,18 +209,13 @@ def path(
         write_text(f"{jobs.progress_of(many.status).sentence}\n", STDOUT)
         return exits.FINE
     if output.example is not None:
-        if robot is None:
-            raise OptionError("no arm is named", where="ROBOT", mend="rankdrop path ROBOT --example FILE")
-        return _example(robot, files, output.example, open_arm(robot, arm, source), quiet=output.quiet)
+        return _example(robot, files, arm, source, output.example, quiet=output.quiet)
     near = model_tolerance(output.model_tolerance)
     if output.rows is not None:
         paths.check_format(output.rows)
     name, named = _files(robot, files)
-    if any(map(paths.is_program, named)):
-        _check_program(output, mend)
     several = len(named) > 1 or many.out is not None or many.scheduler is not None
-    if several:
-        _check_several(output, mend)
+    _check_asked(named, several, output, mend)
     model, task = open_arm(name, arm, source)
     start = []
     if source.start is not None:
@@ -280,14 +274,25 @@ def _mended(
     return remedies
 
 
+def _check_asked(named: list[Path], several: bool, output: PathOutput, mend: Remedies) -> None:
+    """Refuse outputs and remedies that programs, or several files, do not have."""
+    if any(map(paths.is_program, named)):
+        _check_program(output, mend)
+    if several:
+        _check_several(output, mend)
+
+
 def _example(
-    name: str, files: tuple[str, ...], target: str, opened: tuple[Robot, Task], *, quiet: bool
+    name: str | None, files: tuple[str, ...], arm: ArmOptions, source: Input, target: str, *, quiet: bool
 ) -> int:
     """Write a path to try.
 
     Raises:
-        OptionError: files are named as well, or the ending names no format.
+        OptionError: no arm is named, files are named as well, or the ending names no format.
     """
+    if name is None:
+        raise OptionError("no arm is named", where="ROBOT", mend="rankdrop path ROBOT --example FILE")
+    opened = open_arm(name, arm, source)
     if files:
         raise OptionError("no file is checked with this option", where="--example", got=files[0],
                           mend=f"rankdrop path {name} --example {target}")  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from rankdrop import aspects as postures
-from rankdrop import distance, families, local, results, text
+from rankdrop import families, local, results, text, verbs
 from rankdrop import path as paths
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
@@ -461,7 +461,7 @@ def tolerant(
     model, task = open_arm(robot, arm)
     if isinstance(options.q, str):
         options = replace(options, q=tuple(parse_configuration(options.q, model, deg=deg)))
-    found = distance.most_tolerant(model, task, options, progress=partial(report, "climb"))
+    found = verbs.most_tolerant(model, task, options, progress=partial(report, "climb"))
     lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
     return Done(
         lambda: [text.tolerant_lines(found), arm_section(model, task, found.generic_rank, lines),

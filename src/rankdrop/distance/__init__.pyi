@@ -6,6 +6,5 @@ from .monitor import Sighting as Sighting
 from .share import NearShare as NearShare
 from .share import SlowShare as SlowShare
 from .share import slow_share as slow_share
-from .tolerant import most_tolerant as most_tolerant
 from .workspaces import Workspace as Workspace
 from .workspaces import workspace as workspace

@@ -11,22 +11,19 @@ starts with all of them in view. What is found are local maxima; of the relative
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from rankdrop import _core
-from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import Progress
-from rankdrop.kinematics import check_robot, one_configuration, task_jacobian
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
 from rankdrop.local.minimax import Evaluate, Lowest, descend
-from rankdrop.options import takes
 from rankdrop.problem import Mask, Problem, whole_turns
 from rankdrop.questions import TolerantOptions
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, out_of_units, task_in_units
 
@@ -153,45 +150,25 @@ class Tolerant:
         return bool(self.done == self.starts or self.crucial)
 
 
-@takes(TolerantOptions)
-def most_tolerant(
+def climb_to_tolerant(
     robot: Robot,
-    task: Task | str | None = None,
-    options: TolerantOptions | None = None,
+    task: Task,
+    how: TolerantOptions,
     *,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
-    **given: Any,
 ) -> Tolerant:
-    """Find the configurations whose worst single joint failure leaves most.
+    """The maxima of what the worst single failure leaves, by climbing from random starts; without self-motions.
 
     Args:
         robot: the arm.
-        task: name, `Task`, or None for the task the arm is made for.
-        options: the measure, the starts and how many maxima to keep; or its fields as keywords.
+        task: the task.
+        how: the measure, the starts and how many maxima to keep.
         progress: called now and then with (done, total).
         tolerances: σ ≤ `singular` is zero.
-        given: fields of the options.
-
-    Raises:
-        OptionError: starts, seed or show outside what is allowed; a configuration without `self_motion`; self-motions
-            of an arm with none, or with more than one joint to spare.
-        ConfigurationError: `q` is not one configuration of this arm, or is outside the limits that count.
-        RobotError: not a Robot.
-        TaskError: there is no such task.
-
-    Example:
-        >>> from rankdrop.robot.open import open_robot
-        >>> arm = open_robot("almarkhi4")
-        >>> found = most_tolerant(arm, resolve_task("position", arm, length_scale=1.0), relative=True, starts=50)
-        >>> round(found.places[0].value, 6), found.bound, found.optimal, found.free
-        (0.5, 0.5, True, (1,))
     """
-    check_robot(robot)
-    how = TolerantOptions.of(options, given)
-    resolved, done = resolve_task(task, robot), 0
-    problem = Problem(in_units(robot), task_in_units(resolved, robot), 0, tolerances, how.limits)
-    start = _pose_asked(problem, robot, how)
+    done = 0
+    problem = Problem(in_units(robot), task_in_units(task, robot), 0, tolerances, how.limits)
     crucial, free = _crucial(problem), _free(problem)
     places: tuple[Place, ...] = ()
     if not crucial:
@@ -201,57 +178,13 @@ def most_tolerant(
         best = _polished(problem, model, climbed, box, how.show, free)
         at = [(out_of_units(robot, q), value, slope) for q, value, slope in best if value > tolerances.singular]
         places = tuple(
-            Place(q, value, slope, failures_at(robot, q, resolved, tolerances=tolerances)) for q, value, slope in at
+            Place(q, value, slope, failures_at(robot, q, task, tolerances=tolerances)) for q, value, slope in at
         )
     numbers = tuple(int(j) + 1 for j in np.flatnonzero(free))
-    motions = _self_motions(robot, resolved, places, start, how)
     return Tolerant(
-        robot, resolved, problem.generic_rank, how.relative, how.limits, how.seed, how.starts, tolerances, done, places,
-        numbers, crucial, motions,
+        robot, task, problem.generic_rank, how.relative, how.limits, how.seed, how.starts, tolerances, done, places,
+        numbers, crucial, None,
     )  # fmt: skip
-
-
-def _pose_asked(problem: Problem, robot: Robot, how: TolerantOptions) -> Array | None:
-    """The configuration that gives the pose of the self-motions; None for the best one found.
-
-    Raises:
-        OptionError, ConfigurationError: as `most_tolerant`.
-    """
-    if how.q is not None and not how.self_motion:
-        raise OptionError("a configuration is for the self-motions of its pose", where="q", got=how.q,
-                          mend="ask for self_motion as well")  # fmt: skip
-    if how.self_motion and robot.n != problem.generic_rank + 1:
-        raise OptionError(
-            "self-motions are followed as curves, which arms with one joint to spare have", where="self_motion",
-            got=f"{robot.name}: {robot.n} joints, rank {problem.generic_rank}", allowed="one joint more than the rank",
-            mend="take a task with one row less than the arm has joints",
-        )  # fmt: skip
-    if how.q is None:
-        return None
-    if isinstance(how.q, str):
-        raise OptionError("a configuration is a list of joint values", where="q", got=how.q,
-                          allowed="[q1, q2, …] [rad, m]")  # fmt: skip
-    q = one_configuration(robot, how.q)
-    outside = np.flatnonzero((q < robot.lower - _SAME) | (q > robot.upper + _SAME)) + 1
-    if how.limits and len(outside):
-        raise ConfigurationError(
-            "the configuration is outside the joint limits", where="q", got=q.tolist(),
-            mend=f"change joints {', '.join(map(str, outside))}, or leave the limits out",
-        )  # fmt: skip
-    return q
-
-
-def _self_motions(
-    robot: Robot, task: Task, places: tuple[Place, ...], start: Array | None, how: TolerantOptions
-) -> SelfMotions | None:
-    """The self-motions of the pose at a configuration, else at the best place; None where there is none."""
-    if start is None and places:
-        start = places[0].q
-    if not how.self_motion or start is None:
-        return None
-    from rankdrop.distance.self_motions import self_motions  # with the inverse, which no failure needs
-
-    return self_motions(robot, start, task, relative=how.relative, limits=how.limits, seed=how.seed)
 
 
 def _crucial(problem: Problem) -> tuple[int, ...]:

@@ -12,8 +12,7 @@ from rankdrop.aspects import AspectMap, Postures, aspect_maps, count_of_arm
 from rankdrop.report.chart import COLOURS, joint_axes
 from rankdrop.report.figures import new_figure
 from rankdrop.robot import Robot
-from rankdrop.text import joint_symbol
-from rankdrop.text.aspects import aspects_number, region_words
+from rankdrop.text import aspects_number, joint_symbol, region_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

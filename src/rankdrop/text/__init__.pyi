@@ -1,6 +1,8 @@
 from .aspects import aspects_cell as aspects_cell
 from .aspects import aspects_line as aspects_line
+from .aspects import aspects_number as aspects_number
 from .aspects import no_certificate as no_certificate
+from .aspects import region_words as region_words
 from .brief import analysis_table as analysis_table
 from .brief import arm_line as arm_line
 from .brief import assumed_line as assumed_line

@@ -11,3 +11,4 @@ from .ideal_vs_actual import moved_section as moved_section
 from .ideal_vs_actual import nearby as nearby
 from .ideal_vs_actual import there_section as there_section
 from .jacobian_in_frame import link_jacobian as link_jacobian
+from .tolerant import most_tolerant as most_tolerant

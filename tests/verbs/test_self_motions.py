@@ -10,8 +10,6 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text, record_of
-from rankdrop.distance.self_motions import merged, self_motions
-from rankdrop.distance.tolerant import most_tolerant
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.failures import worst_case
@@ -21,6 +19,8 @@ from rankdrop.schema import load_schema
 from rankdrop.sections import text
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.words import tolerant_lines, tolerant_sections
+from rankdrop.verbs.self_motions import merged, self_motions
+from rankdrop.verbs.tolerant import most_tolerant
 
 Q = np.array([0.3, 0.8, 0.9])
 

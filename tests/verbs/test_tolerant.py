@@ -10,7 +10,6 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text, record_of
 from rankdrop.distance import tolerant
-from rankdrop.distance.tolerant import most_tolerant
 from rankdrop.errors import OptionError
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
@@ -19,6 +18,7 @@ from rankdrop.schema import load_schema
 from rankdrop.sections import text
 from rankdrop.task import resolve_task
 from rankdrop.text.words import tolerant_sections, tolerant_sentence
+from rankdrop.verbs.tolerant import most_tolerant
 
 
 @pytest.fixture(scope="module")

@@ -129,7 +129,7 @@ STRUCTURES = {
 }
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("1, 2 meet", "without offsets")
 @pytest.mark.slow
 @pytest.mark.slow_at("without offsets", "1, 2 meet", "2, 3 meet")

@@ -93,6 +93,7 @@ def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
     assert "Corank 1 (rank 3 of 4)" in text
 
 
+@pytest.mark.spread(19)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("argv", "words"),

@@ -33,7 +33,7 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at(
     "$R analyze nosuch 2>&--2-", "$R analyze nosuch 2>/dev/full-2-", "$R robots <&- >/dev/null-0-",
     "$R robots fanuc 2>&- >/dev/null-0-", "$R robots nosuch >&- 2>&- <&--2-",
@@ -252,7 +252,7 @@ WITHOUT = {
 """Option -> the commands that do not have it: every other one has."""
 
 
-@pytest.mark.spread(5)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("option", WITHOUT)
 def test_an_option_is_had_by_every_command_that_it_makes_sense_for(option: str) -> None:

@@ -24,7 +24,7 @@ def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
     assert process(COLUMNS="80").out == process("help", COLUMNS="80").out == text
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("analyze", "explain", "path")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)

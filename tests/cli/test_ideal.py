@@ -114,6 +114,7 @@ def test_a_tolerance_within_which_nothing_is_moved_is_told(run) -> None:
     assert ended.code == exits.FINE
 
 
+@pytest.mark.spread(18)
 @pytest.mark.slow
 @pytest.mark.parametrize("typed", ["1", "-1mm", "0mm", "1mm,2mm", "9deg", "1m"])
 @pytest.mark.parametrize("command", [("analyze",), ("conditions",), ("explain", "--q", "0,0,0,0,0,0"), ("report",)])

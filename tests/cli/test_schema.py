@@ -117,7 +117,7 @@ def test_a_broken_explanation_is_refused(explained: dict[str, dict[str, Any]], n
     assert not validator(kind).is_valid(record)
 
 
-@pytest.mark.spread(13)
+@pytest.mark.spread(9)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_schemas_are_schemas(name: str) -> None:

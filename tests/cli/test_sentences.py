@@ -71,6 +71,7 @@ def printed() -> dict[str, str]:
     return {}
 
 
+@pytest.mark.spread(11)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("remarks", "conditions", "ideal")
 @pytest.mark.parametrize("key", OUTPUTS)

@@ -233,6 +233,7 @@ def test_a_forked_child_has_threads_of_its_own() -> None:
     )
 
 
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.slow_at("1")
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")

@@ -74,6 +74,7 @@ def test_no_ball_reaches_a_singularity_that_is_known(name):
             assert certified > 0.9999 * distance(row)
 
 
+@pytest.mark.spread(3)
 @pytest.mark.slow_at("mimics", "panda", "puma560", "ur5")
 @pytest.mark.parametrize(
     "name", ["puma560", "ur5", "anthropomorphic", "panda", "stanford", "scara", "almarkhi4", "mimics"]
@@ -97,7 +98,7 @@ def test_no_ball_holds_a_singular_point(name):
         assert found.radius < distances(robot, row, everything, setting.scale, setting.matters).min()
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["anthropomorphic", "puma560", "ur5"])
 def test_one_enclosure_reaches_half_the_distance(name):

@@ -385,7 +385,7 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.by_hand_at("canadarm2-None", "fetch-vx,vy", "xarm5-None")
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "task"), [

@@ -41,7 +41,7 @@ def configurations(robot, count, seed):
     return np.concatenate([quarter, rng.uniform(-np.pi, np.pi, (count, robot.n))])
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("task", ["pose", "position", "orientation"])

@@ -42,7 +42,7 @@ def corners(n, count, seed):
     return np.concatenate([rng.choice([-1.0, 1.0], (count, n)), rng.uniform(-1, 1, (count, n))])
 
 
-@pytest.mark.spread(8)
+@pytest.mark.spread(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_nothing_in_a_box_exceeds_the_bound(name):
@@ -59,7 +59,7 @@ def test_nothing_in_a_box_exceeds_the_bound(name):
     assert checked >= 9
 
 
-@pytest.mark.spread(8)
+@pytest.mark.spread(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_nothing_in_a_ball_exceeds_the_bound(name):
@@ -85,6 +85,7 @@ def coefficients(robot, setting, q, pattern, h=1e-3):
     return terms, (found[3][0], found[4][0], found[5][0])
 
 
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["puma560", "panda", "random slides", "random screws", "almarkhi4"])
 def test_first_and_second_order_are_those_of_the_arm_and_no_more(name):
@@ -112,7 +113,7 @@ def test_first_and_second_order_are_those_of_the_arm_and_no_more(name):
     assert seen > 30
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["puma560", "panda", "random slides", "pa10"])
 @pytest.mark.parametrize("size", [1e-4, 1e-2])

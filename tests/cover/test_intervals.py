@@ -62,7 +62,7 @@ def middles(found):
     return (low.T + high.T) / 2, (high.T - low.T) / 2
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.by_hand_at(
     "False-0.3-mimics", "False-0.3-panda", "True-0.02-mimics", "True-0.02-panda", "True-0.3-mimics", "True-0.3-panda",
 )

@@ -16,6 +16,7 @@ CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.item
 LATE = {"iiwa": pytest.mark.by_hand}  # offsets of 0.436 mm: a minute
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("irb140.xacro", "puma560.xacro", "ur5", "irb140", "panda", "xarm7")
 @pytest.mark.slow
 @pytest.mark.slow_at("ur5", "xarm7", "panda", "puma560.xacro", "irb140.xacro")

@@ -73,6 +73,7 @@ def test_a_spent_budget_and_a_region_out_of_reach_leave_the_bounds_open() -> Non
     assert not beyond.covered
 
 
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "task", "rpy"), [
     ("planar3r", "planar-position", None), ("anthropomorphic", "position", None), ("ur5", "pose", None),

@@ -61,7 +61,7 @@ def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
         assert [record.distance for record in records] == sorted(record.distance for record in records)
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("canadarm2", "panda", "ur5")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(a, marks=pytest.mark.slow if a == "canadarm2" else ()) for a in ARMS])

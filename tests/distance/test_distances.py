@@ -30,7 +30,7 @@ def compared(name: str, count: int, seed: int) -> np.ndarray:
     return far / searched
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_distances_agree_with_the_search(name: str) -> None:

@@ -64,6 +64,7 @@ def test_the_scaling_is_that_of_its_equation(name: str, rng: np.random.Generator
     assert slowed >= 2
 
 
+@pytest.mark.spread(9)
 @pytest.mark.by_hand_at("sawyer")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)

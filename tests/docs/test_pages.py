@@ -36,7 +36,7 @@ def outputs() -> dict[str, str]:
 
 
 @pytest.mark.slow_at("postures-11")
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("from-a-pose-7", "postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("index-0", "start-1", "postures-6", "start-2")

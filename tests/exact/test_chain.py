@@ -64,7 +64,7 @@ def assert_exact(robot, task=None, *, tolerance: float = 1e-8, **options) -> Non
         assert_same_row_space(numeric(chain, q), task_jacobian(robot, q, chain.task), tolerance)
 
 
-@pytest.mark.spread(40)
+@pytest.mark.spread(28)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("lengths", ["auto", "numbers"])
@@ -72,7 +72,7 @@ def test_every_arm_of_the_catalogue(name: str, lengths: str) -> None:
     assert_exact(open_robot(name), lengths=lengths)
 
 
-@pytest.mark.spread(23)
+@pytest.mark.spread(16)
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kinds", ["rrrrrr", "rprrrr", "rrrrrrr", "prrprrrr"])

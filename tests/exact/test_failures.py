@@ -31,7 +31,7 @@ def failing(*_: Any, **__: Any) -> Any:
     raise ArithmeticError("a common divisor with long coefficients")
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(("module", "name"), PLACES, ids=lambda x: x if isinstance(x, str) else "")
 def test_an_error_in_the_derivation_is_an_incomplete_result(module, name, monkeypatch: pytest.MonkeyPatch) -> None:

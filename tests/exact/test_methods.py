@@ -99,7 +99,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
-@pytest.mark.spread(8)
+@pytest.mark.spread(5)
 @pytest.mark.slow
 @pytest.mark.by_hand_at(
     "planar3r-determinant", "puma560-singular_vector", "scara-determinant", "canadarm2-cofactors", "scara-cofactors",
@@ -123,7 +123,7 @@ def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, me
     assert holds_modulo(found, points) == singular
 
 
-@pytest.mark.spread(21)
+@pytest.mark.spread(14)
 @pytest.mark.slow
 @pytest.mark.by_hand_at(
     "canadarm2-determinant", "canadarm2-reciprocity", "canadarm2-singular_vector", "pa10-singular_vector",

@@ -136,6 +136,7 @@ class TestEveryArm:
         assert (seen > 0) == (found.chain.n > 6)
 
 
+@pytest.mark.spread(13)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK + LONG)
 def test_a_thousand_starts_leave_nothing_unexplained(name):

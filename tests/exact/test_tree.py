@@ -39,7 +39,7 @@ def tree_of(robot, task=None, seconds: float = 60.0, **options):
     return chain, rank_tree(chain, Work(seconds))
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.slow_at("irb140", "anthropomorphic")
 @pytest.mark.parametrize("name", [*FAST[:7], *slow(*FAST[7:])])
 def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None:
@@ -50,7 +50,7 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at(
     "panda", "gen3", "fetch8", "almarkhi4", "fetch", "iiwa14", "pa10", "puma560", "ur10e", "xarm6", "z1",
 )
@@ -68,7 +68,7 @@ def test_conditions_hold_at_singular_configurations_only(name: str) -> None:
         assert sigma[:, found.generic_rank - family.corank].max() < 1e-4, family.texts
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.by_hand_at(
     "xarm7", "canadarm2", "sawyer", "z1", "fetch8", "almarkhi4", "anthropomorphic", "fetch", "gen3", "iiwa14",
     "pa10", "panda", "puma560", "ur10e", "ur5", "vx300s", "xarm6",
@@ -81,7 +81,7 @@ def test_families_explain_a_thousand_configurations(name: str) -> None:
     assert found.verified, (found.left, found.disagreements)
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow_at("anthropomorphic")
 @pytest.mark.parametrize("name", ["anthropomorphic", "stanford", *slow("ur5", "irb140")])
 def test_families_explain_some_configurations_of_every_corank(name: str) -> None:

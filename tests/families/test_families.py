@@ -93,6 +93,7 @@ def test_ur5_conditions_have_the_coefficients_of_its_determinant():
     assert pins(wrist) == {5: STRAIGHT}
 
 
+@pytest.mark.spread(5)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "corank", "dimensions"),
@@ -162,6 +163,7 @@ def test_generic_redundant_arms_run_to_an_honest_end(n):
     assert all(family.soundness.holds for family in found.families if family.named)
 
 
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2), ("canadarm2", 2)])
 def test_every_row_stands_up_to_an_independent_check(name, corank, rng):

@@ -16,7 +16,7 @@ from rankdrop.results.known import shipped
 EACH = 5
 
 
-@pytest.mark.spread(13)
+@pytest.mark.spread(9)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("tiago", "gen3", "sawyer", "xarm6", "yumi")
 @pytest.mark.parametrize("name", KINDS)

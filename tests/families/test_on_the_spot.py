@@ -74,7 +74,7 @@ def same_name(found: Family, whole: FamilyName) -> bool:
     return same and valued <= {one.joint.number for one in found.called.values}
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.by_hand_at("canadarm2", "iiwa14", "kr16", "tiago", "yumi")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)

@@ -27,7 +27,7 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("canadarm2", "almarkhi4", "pa10", "puma560", "stanford")
 @pytest.mark.by_hand_at("panda")

@@ -33,7 +33,7 @@ def random_polynomial(ring, rng, terms, most):
     return f
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.by_hand_at("8")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))

@@ -139,6 +139,7 @@ def run(code, q, letters):
     return float(eval(code, {}, {**space, **letters}))
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("15", "45 and 30", "45 and 60", "60", "j2n6s300", "m1n6s200", "ur5e")
 @pytest.mark.slow_at("45 and 30", "j2n6s300", "m1n6s200", "45 and 60", "crx10ia", "ur5e", "60", "15", "wrist at 60")
 @pytest.mark.parametrize("name", [*ROWS, *CATALOGUE])

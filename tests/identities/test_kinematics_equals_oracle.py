@@ -98,6 +98,7 @@ def test_the_input_is_not_changed(rng: np.random.Generator) -> None:
     np.testing.assert_array_equal(q, before)
 
 
+@pytest.mark.spread(21)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*task_names(), "vz", "vx,wy,wz"])
 @pytest.mark.parametrize("scale", [None, 1.0, 0.25])

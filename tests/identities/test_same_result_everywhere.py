@@ -204,7 +204,7 @@ def test_a_monitor_sees_the_same_on_any_number_of_threads(threads: int) -> None:
         np.testing.assert_array_equal(getattr(many, name), getattr(one, name))
 
 
-@pytest.mark.spread(11)
+@pytest.mark.spread(8)
 @pytest.mark.slow
 @pytest.mark.parametrize(("kinds", "rank", "limits"), WALKS)
 @pytest.mark.parametrize("name", SETS)

@@ -106,7 +106,7 @@ def check_same(name: str, unit: str, starts: int) -> None:
     assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
 
 
-@pytest.mark.spread(5)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("puma560-\\xb5m")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
@@ -148,6 +148,7 @@ def check_exact(name: str, unit: str) -> None:
         assert other.letters[letter] == pytest.approx(value * 10.0**power, rel=1e-12)
 
 
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("puma560-\\xb5m")
 @pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
@@ -163,7 +164,7 @@ def test_exact_conditions_of_other_kinds_of_arms_do_not_depend_on_the_unit(name:
     check_exact(name, unit)
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_arm_in_its_own_unit_is_the_same_to_the_last_bit(unit: str) -> None:
@@ -231,7 +232,7 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     assert len(found.exact.families) == 1
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("ends", [(-1e6, 1e6), (-np.inf, np.inf), (0.0, 1e6), (0.3, np.inf)])
 def test_limits_far_beyond_the_arm_change_no_row(ends: tuple[float, float]) -> None:
@@ -275,7 +276,7 @@ def explained(robot: Robot, q: np.ndarray, power: int) -> list[Any]:
     ]  # fmt: skip
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
 @pytest.mark.parametrize("name", ["stanford", "puma560", "scara"])

@@ -61,7 +61,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.spread(26)
+@pytest.mark.spread(18)
 @pytest.mark.slow
 @pytest.mark.parametrize("line", LINES, ids=" ".join)
 def test_one_line_says_what_to_type(line: tuple[str, ...], folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -56,7 +56,7 @@ def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
     assert sum(len(item.read_bytes()) for item in files) < 5_000_000
 
 
-@pytest.mark.spread(30)
+@pytest.mark.spread(21)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
@@ -73,7 +73,7 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert known == replace(found, aspects=catalogue_aspects()[name])
 
 
-@pytest.mark.spread(103)
+@pytest.mark.spread(72)
 @pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", robot_names())
@@ -146,7 +146,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
-@pytest.mark.spread(22)
+@pytest.mark.spread(15)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("tiago", "gen3", "sawyer", "yumi")
 @pytest.mark.parametrize("name", KINDS)

@@ -74,7 +74,7 @@ def unexplained(found, rng) -> int:
     return len(explained(met, [family.equations for family in found.families])[1])
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("a1 = d4", "offsets cancel")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)

@@ -56,6 +56,7 @@ def coranks(name: str) -> list[int]:
     return sorted({one.corank for one in shipped(name).families})
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("almarkhi4", "puma560")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)

@@ -118,7 +118,7 @@ def test_an_arm_that_is_always_singular() -> None:
     assert found.certified_radius == 0.0
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_records_are_valid_and_lost_motions_are_lost(name: str) -> None:

@@ -26,6 +26,7 @@ def named(families):
     return [(one.id, one.name, one.corank, one.dimension) for one in families]
 
 
+@pytest.mark.spread(143)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", conditions_names())
 def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):

@@ -34,6 +34,7 @@ def asked(robot: Robot, q: Array, **options: int) -> Nearest:
     return found
 
 
+@pytest.mark.spread(1)
 @pytest.mark.by_hand_at("2-60")
 @pytest.mark.slow
 @pytest.mark.parametrize(("corank", "count"), [(1, 250), (2, 60), (3, 40)])
@@ -101,6 +102,7 @@ def test_wrist_partitioned_arms_against_brute_force(name: str, rng: np.random.Ge
     assert min(reached.values()) > 3
 
 
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur5", "panda", "canadarm2", "puma560", "gen3"])
 def test_no_singular_point_of_a_large_sample_is_nearer(name: str, rng: np.random.Generator) -> None:

@@ -205,7 +205,7 @@ def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
     assert sum(len(item.read_bytes()) for item in files) < 8_000_000  # 1.3 MB each for two Kinova wrists at 60°
 
 
-@pytest.mark.spread(141)
+@pytest.mark.spread(99)
 @pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", SHIPPED)

@@ -39,7 +39,7 @@ def test_the_answer_names_a_part_of_the_arm(name: str) -> None:
     check(name, 1)
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.by_hand_at("yumi", "canadarm2", "tiago", "fetch8")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MORE)

@@ -112,7 +112,7 @@ def test_nothing_that_dense_search_finds_beats_the_best_direction(name: str, q: 
     assert np.linalg.norm(np.array(found.delta) / scale) == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "corank"), [("ur5", 2), ("ur5", 3), ("canadarm2", 2), ("canadarm2", 3)])
 def test_the_best_direction_is_found_where_singular_values_tie(name: str, corank: int) -> None:

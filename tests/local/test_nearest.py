@@ -63,7 +63,7 @@ def test_the_result_is_singular_and_a_minimum(name: str, rng: np.random.Generato
 STEPPED = ("pa10", "ur5", "puma560", "panda", "gen3", "canadarm2", "fetch8", "iiwa14", "sawyer", "rizon4")
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "count"), [
     *((name, 40) for name in STEPPED), *(pytest.param(name, 1000, marks=pytest.mark.by_hand) for name in STEPPED),

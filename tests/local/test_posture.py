@@ -35,7 +35,7 @@ def test_each_fault_counts_and_limits_count_most() -> None:
     assert outside >= 6.0
 
 
-@pytest.mark.spread(108)
+@pytest.mark.spread(76)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_an_arm_begins_regular_inside_its_limits_and_no_lower_than_it_must(name: str) -> None:

@@ -35,7 +35,7 @@ def check(robot: Robot, traced: SelfMotion, step: float = 0.05) -> None:
     assert traced.sigma_min.shape == traced.task_error.shape
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pa10", "panda", "iiwa14", "canadarm2", "rcrrrr"])
 def test_seven_joints_go_round_and_come_back(name: str) -> None:

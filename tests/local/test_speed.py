@@ -38,6 +38,7 @@ def speed_along(arm: Robot, q: Array, direction: Array) -> float:
     return float(-found.fun)
 
 
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["gen3", "ur5e", "fetch8"])
 def test_the_slowest_motion_is_the_minimum_of_a_linear_programme(name: str, rng: np.random.Generator) -> None:

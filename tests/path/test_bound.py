@@ -43,7 +43,7 @@ def changes(along: Along, found, i: int, middle: np.ndarray, moved: np.ndarray) 
     return np.abs(region.change(along.robot, middle, along.setting, moved / along.setting.scale, *parts))
 
 
-@pytest.mark.spread(8)
+@pytest.mark.spread(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_nothing_along_a_curve_exceeds_the_bound(name: str) -> None:

@@ -275,6 +275,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.spread(12)
 @pytest.mark.slow
 @pytest.mark.parametrize("said", REFUSED)
 def test_bad_input_is_one_line(tmp_path: Path, run, said: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,7 +84,7 @@ def test_no_free_stretch_holds_a_singular_configuration_put_on_the_path(name: st
     assert seen >= 100
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda"])
 def test_no_free_stretch_holds_one_that_the_path_only_touches(name: str) -> None:

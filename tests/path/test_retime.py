@@ -43,6 +43,7 @@ def instants(times: np.ndarray, each: int = 41) -> np.ndarray:
     return (times[:-1, None] + share * np.diff(times)[:, None]).reshape(-1)
 
 
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 @pytest.mark.parametrize("seed", range(2))

@@ -40,6 +40,7 @@ def test_dense_starts_find_nothing_that_was_missed(name: str) -> None:
     assert len(solved) <= 16
 
 
+@pytest.mark.spread(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GENERIC)
 def test_each_solution_is_substituted_back(name: str) -> None:

@@ -37,7 +37,7 @@ def test_the_table_has_every_branch_once(across) -> None:
     assert "the verdict is about this one" in text
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 2, 5])
 def test_each_branch_has_its_own_verdict(across, number: int) -> None:

@@ -12,7 +12,7 @@ from rankdrop.results.known import shipped
 LARGEST = 15_000_000
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at(
     "yumi", "tiago", "fr3", "z1", "hc10", "mycobot280", "anthropomorphic", "fetch", "irb140", "irb6640", "kr16",
     "kr210l150", "m1013", "puma560", "rcrrrr",

@@ -63,7 +63,7 @@ def name(request: pytest.FixtureRequest, browser: Browser, pages: dict[str, Path
     return str(request.param)
 
 
-@pytest.mark.spread(2)
+@pytest.mark.spread(1)
 def test_the_kinematics_of_the_page_are_those_of_rankdrop(name: str, browser: Browser) -> None:
     analysis = shipped(name)
     q = sample(analysis.robot, analysis.task, 20, 7)

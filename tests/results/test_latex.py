@@ -36,7 +36,7 @@ def compiled(text: str, folder: Path) -> str:
     return done.stdout
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @needs_latex
 @pytest.mark.parametrize("name", ["pa10", "ur5", "stanford", "planar2r", "panda", "canadarm2"])

@@ -110,6 +110,7 @@ def refused(path: Path) -> str:
     return line
 
 
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("cloth", "keys", "replicate", "replicate once")
 @pytest.mark.slow_at("height field", "memory", "user data")
 @pytest.mark.slow_at("replicate once", "replicate", "cloth", "keys")
@@ -138,6 +139,7 @@ def test_included_files_count(tmp_path: Path) -> None:
     assert "too many bodies" in line or "processor time" in line
 
 
+@pytest.mark.spread(2)
 @pytest.mark.by_hand_at("macros", "power")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", EXPANSIONS)

@@ -42,7 +42,7 @@ def test_the_corpus_is_read_or_refused(name: str) -> None:
     assert any(taken)
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.by_hand_at("mjcf", "certificate")
 @pytest.mark.parametrize("name", FUZZ.NAMES)
@@ -53,7 +53,7 @@ def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
         FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
 
 
-@pytest.mark.spread(10)
+@pytest.mark.spread(7)
 @pytest.mark.by_hand_at("tolerance")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FUZZ.NAMES)

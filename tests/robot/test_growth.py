@@ -151,7 +151,7 @@ def calls_of(work: Callable[[], object]) -> int:
     return count
 
 
-@pytest.mark.spread(10)
+@pytest.mark.spread(7)
 @pytest.mark.parametrize(
     "case", [case if case == "robot: followers" else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
 )
@@ -164,7 +164,7 @@ def test_ten_times_the_size_takes_ten_times_the_calls(tmp_path: Path, case: str)
     assert many <= MOST * max(few, 200)
 
 
-@pytest.mark.spread(6)
+@pytest.mark.spread(4)
 @pytest.mark.by_hand_at(
     "path: aliases", "path: comments", "path: empty lines", "program: moves of KRL", "program: names of RAPID",
     "program: names of URScript", "robot: rows of a table",

@@ -84,7 +84,7 @@ def test_a_length_beyond_a_tenth_of_the_arm_makes_another_arm() -> None:
     assert "up to" in str(caught.value)
 
 
-@pytest.mark.spread(26)
+@pytest.mark.spread(18)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.random.Generator) -> None:

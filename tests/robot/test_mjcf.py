@@ -173,7 +173,7 @@ def test_a_ball_joint_is_refused_with_the_base_below_it(tmp_path: Path) -> None:
     assert open_robot(path, base="upper").n == 1
 
 
-@pytest.mark.spread(4)
+@pytest.mark.spread(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "words"),

@@ -82,7 +82,7 @@ def test_every_arm_of_the_list_is_in_the_catalogue_and_every_file_is_used() -> N
     assert files == {Path(row["file"]).stem for row in ROWS.values() if row["file"].startswith("catalogue/")}
 
 
-@pytest.mark.spread(50)
+@pytest.mark.spread(35)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_the_tip_is_where_the_file_puts_it(name: str, rng: np.random.Generator) -> None:
@@ -100,7 +100,7 @@ def test_the_tip_is_where_the_file_puts_it(name: str, rng: np.random.Generator) 
         assert off[:3, :3].max() < allowed
 
 
-@pytest.mark.spread(58)
+@pytest.mark.spread(41)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_it_is_the_arm_that_the_reader_makes_of_the_file(name: str, rng: np.random.Generator) -> None:

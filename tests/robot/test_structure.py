@@ -55,7 +55,7 @@ def carried_screw(transform: Array, screw: Array) -> Array:
     return np.concatenate([turn @ screw[:3] + np.cross(shift, omega), omega])
 
 
-@pytest.mark.spread(87)
+@pytest.mark.spread(60)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_an_exact_arm_is_left_alone(name: str) -> None:
@@ -65,7 +65,7 @@ def test_an_exact_arm_is_left_alone(name: str) -> None:
     assert changes == ()
 
 
-@pytest.mark.spread(26)
+@pytest.mark.spread(18)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:
@@ -93,6 +93,7 @@ def same_turn(one: float, other: float, *, exact: bool) -> bool:
     return abs((one - other + pi) % (2 * pi) - pi) < (1e-14 if exact else 1e-4)
 
 
+@pytest.mark.spread(24)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_the_arm_moves_by_no_more_than_its_noise_allows(name: str, rng: np.random.Generator) -> None:

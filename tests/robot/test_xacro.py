@@ -173,7 +173,7 @@ def test_a_file_of_macros_alone_is_told(macros: Path) -> None:
         open_robot(macros / "urdf" / "macro.xacro")
 
 
-@pytest.mark.spread(3)
+@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["arm.urdf", "arm.xml", "arm", "arm.URDF.txt"])
 def test_what_does_not_end_in_xacro_is_expanded_on_request_only(

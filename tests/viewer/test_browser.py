@@ -104,6 +104,7 @@ def test_the_page_says_what_the_numbers_say(laptop: tuple[Viewer, Tab]) -> None:
     assert tab.page.get_by_text("joints 4, 6").count() >= 1
 
 
+@pytest.mark.spread(1)
 @pytest.mark.parametrize("dark", [False, True])
 def test_axe_finds_nothing_at_any_width(dark: bool, browser: Any) -> None:
     program = axe_program()
@@ -226,6 +227,7 @@ def test_a_slice_is_drawn(laptop: tuple[Viewer, Tab]) -> None:
     viewer.slice.clear()
 
 
+@pytest.mark.spread(1)
 @pytest.mark.parametrize("dark", [False, True])
 def test_it_fits_a_phone(browser: Any, dark: bool) -> None:
     for viewer, tab in opened(browser, PHONE, dark=dark):

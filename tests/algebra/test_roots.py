@@ -176,6 +176,15 @@ def test_slices_find_no_product_irreducible(place: int) -> None:
     assert len(factor(f)) == 2
 
 
+def test_a_factor_that_is_a_number_modulo_the_primes_is_no_number() -> None:
+    """Its slices have lower degrees than it, and are not taken."""
+    x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
+    large = prod(polynomial._SMALL)
+    f = reduced_roots((x * y + a * w + 1) * (large * (x + y + a) + 1))
+    assert not polynomial._slices_irreducible(f)
+    assert len(factor(f)) == 2
+
+
 def test_variables_that_divide_a_polynomial_are_factors_and_roots_are_not() -> None:
     x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
     found = {str(one): power for one, power in factor(reduced_roots(w * a * x**3 * (x + w * y + 1)))}

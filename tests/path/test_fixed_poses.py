@@ -172,3 +172,13 @@ def test_a_target_of_another_form_is_refused_before_the_work(
     said = " ".join(capsys.readouterr().err.split())
     assert "poses are written in the form in which they were read" in said
     assert "--fixed-as joints writes joint values" in said
+
+
+@pytest.mark.slow
+def test_poses_that_break_a_limit_are_not_given() -> None:
+    poses, t, q = led_beyond()
+    check = check_poses(open_robot(ARM), poses, t, start=q, branches=False)
+    remedy = mend_path(check, kinds=("detour",)).best
+    assert remedy is not None
+    assert not isinstance(mended_poses(check, remedy), NoPoses)
+    assert mended_poses(check, remedy, acceleration=1e-3) is NoPoses.UNPROVEN

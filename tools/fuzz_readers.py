@@ -26,9 +26,8 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -325,15 +324,20 @@ def serve(name: str, seed: int, first: int, end: int) -> None:
                 return  # the most memory of a process never falls: the next cases get a new one
 
 
+def _pass_on(output: Iterable[str], lines: queue.SimpleQueue[str]) -> None:
+    """Put each line of a process into the queue, and "" after the last."""
+    for line in output:
+        lines.put(line)
+    lines.put("")
+
+
 def answers(name: str, seed: int, first: int, end: int) -> Iterator[list[Any]]:
-    """What came of the cases, in their order; one that kills or stops the process has failed, and the next get another."""
+    """What came of the cases, in their order; one that ends or stops its process has failed, the next get another."""
     while first < end:
         command = [sys.executable, __file__, name, "--seed", str(seed), "--numbers", str(first), str(end)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-            assert process.stdout is not None
-            output = process.stdout
-            threading.Thread(target=lambda: [lines.put(line) for line in (*output, "")], daemon=True).start()
+            threading.Thread(target=_pass_on, args=(process.stdout, lines), daemon=True).start()
             while first < end:
                 try:
                     line = lines.get(timeout=PATIENCE)

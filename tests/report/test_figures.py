@@ -18,6 +18,7 @@ from rankdrop.local import drawn_at
 from rankdrop.report.chart import angle_ticks, axis_name
 from rankdrop.report.content import Content, content
 from rankdrop.report.figures import (
+    _HALF,
     arm_figure,
     check_figures,
     figure_names,

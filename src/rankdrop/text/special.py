@@ -89,7 +89,7 @@ def place_words(robot: Robot, task: Task, q: Array, corank: int = 1) -> str:
 
 
 def place_parts(robot: Robot, task: Task, q: Array, corank: int) -> str:
-    """The parts of the arm that are special at a singular configuration q (n,), without what is special about them."""
+    """The parts of the arm that are special at a singular configuration q (n,) alone."""
     return parts_words(specials_at(robot, task, q, corank))
 
 

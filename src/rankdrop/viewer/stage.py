@@ -29,7 +29,7 @@ _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
 FOV = np.radians(40.0)
-"""Angle of view of the page from top to bottom: wider ones make large what is near the camera [rad]."""
+"""Angle of view of the page from top to bottom: wider ones enlarge near parts [rad]."""
 FREE = {True: (0.64, 1.0), False: (1.0, 0.5)}
 """Width and height of what the panel leaves of the window, which is wide or upright: left of it, or above it."""
 _ASPECT = 1.55  # of a window that is wide, until it is known

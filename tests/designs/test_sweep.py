@@ -485,7 +485,7 @@ def test_the_share_of_slow_configurations_is_that_of_analyze_with_its_interval()
     assert (slow["share"], tuple(slow["interval"])) == (expected.share.share, expected.share.interval)
     assert (slow["tool_speed"], slow["turn_speed"], slow["seed"]) == (0.25, 0.0, 5)
     low, high = (100 * end for end in expected.share.interval)
-    assert f"({low:.2g} … {high:.2g} %)" in measure_cell("slow", record)
+    assert f"({low:.3g} … {high:.3g} %)" in measure_cell("slow", record)
     said = error_text([record], "slow")
     assert said == f" (slower than 250 mm/s); 95 % intervals up to {high - low:.2g} % wide"
     assert error_text([{**record, "slow": {**slow, "turn_speed": 0.5}}], "slow").startswith(

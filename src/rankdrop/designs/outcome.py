@@ -349,10 +349,8 @@ def _slow_error(records: Sequence[Mapping[str, Any]]) -> str:
         return missing
     ends = [_slow_interval(one) for one in slow]
     wide = max(high - low for low, high in ends)
-    speeds = slow_note(slow[0].get("tool_speed"), slow[0].get("turn_speed"), wide)
-    if any(one["bound"] for one in slow):
-        return f"{speeds}; the shares may be larger{missing}"
-    return f"{speeds}{missing}"
+    bound = any(one["bound"] for one in slow)
+    return slow_note(slow[0].get("tool_speed"), slow[0].get("turn_speed"), wide, bound=bound) + missing
 
 
 def _slow_interval(slow: Mapping[str, Any]) -> tuple[float, float]:
@@ -393,7 +391,7 @@ def _slow_cell(text: str, record: Mapping[str, Any]) -> str:
 
 def _with_interval(text: str, interval: Sequence[float]) -> str:
     low, high = (100 * end for end in interval)
-    return f"{text} ({low:.2g} … {high:.2g} %)"
+    return f"{text} ({low:.3g} … {high:.3g} %)"
 
 
 def _slow_poses_cell(text: str, record: Mapping[str, Any]) -> str:

@@ -42,7 +42,7 @@ class Reason:
         structure: how the arm decouples, or why it does not; "" where the method was asked for.
         terms: of the rank tree's longest condition, where that decided against methods by cases; else 0.
         not_run: these methods, which may end all the same.
-        unfactored: minors whose factors were not found in time; where they vanish is known all the same.
+        unfactored: minors that were not factored in time; where they vanish is known all the same.
         unfinished: the method that was tried and did not finish; "" where there was none.
         interrupted: whether the user stopped before a method was tried.
     """

@@ -137,7 +137,7 @@ def _minors(builder: Derivation) -> list[_MinorOfAll]:
 
 
 def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None:
-    """Conditions that all minors vanish. What is not factored in time stands as it is, and is noted: the conditions
+    """Conditions that all minors vanish. A minor that is not factored in time stands as it is, and is noted: the conditions
     hold where the rank drops and nowhere else, whether it has factors or not.
     """
     found = []
@@ -159,7 +159,7 @@ def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None
 def _degree(builder: Derivation, p: Polynomial) -> int:
     """Degree of a trigonometric polynomial in the sines, cosines and slides."""
     moving = 2 * builder.ring.angles + len(builder.ring.prismatic)
-    return max(sum(int(power) for power in powers[:moving]) for powers in p.monoms())
+    return max(sum(map(int, powers[:moving])) for powers in p.monoms())
 
 
 def zero_of(chain: Chain, p: Polynomial) -> tuple[float, ...] | None:

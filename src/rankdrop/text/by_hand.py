@@ -53,7 +53,7 @@ def reason_text(reason: Reason) -> str:
             names = f"{', '.join(others)} and {last} were"
         else:
             names = f"{last} was"
-        parts.append(f"conditions have up to {reason.terms:,} terms: {names} not run (--method {last} runs it)")
+        parts.append(f"conditions have up to {reason.terms:,} terms: {names} not run; each can be asked for")
     if reason.unfactored:
         parts.append(f"minors that were not factored in time, and stand as they are: {reason.unfactored}")
     if reason.unfinished:

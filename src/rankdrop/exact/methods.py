@@ -137,8 +137,8 @@ def _minors(builder: Derivation) -> list[_MinorOfAll]:
 
 
 def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None:
-    """Conditions that all minors vanish. A minor that is not factored in time stands as it is, and is noted: the conditions
-    hold where the rank drops and nowhere else, whether it has factors or not.
+    """Conditions that all minors vanish. A minor that is not factored in time stands as it is, and is noted: the
+    conditions hold where the rank drops and nowhere else, whether it has factors or not.
     """
     found = []
     for choice, minor in minors:

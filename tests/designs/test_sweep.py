@@ -16,17 +16,20 @@ from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.cli import main
+from rankdrop.cli.design import CompareOptions
 from rankdrop.codec import json_text
 from rankdrop.designs import Designs, compare, write_tables
 from rankdrop.designs.measure import families_of, measured, nominal_conditions, with_lengths_of
-from rankdrop.designs.outcome import error_text
+from rankdrop.designs.outcome import error_text, measure_cell
 from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
-from rankdrop.designs.spec import spec_of
+from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
+from rankdrop.distance.share import slower_than
 from rankdrop.errors import OptionError
 from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
@@ -467,3 +470,35 @@ def test_the_note_of_an_arm_without_rate_limits_says_what_is_missing() -> None:
     assert [one["measures"]["slow"] is None for one in records] == [True, False]
     assert "–: too few joints have a rate limit, state `velocity`" in error_text(records, "slow")
     assert "rate limit" not in error_text(records[1:], "slow")
+
+
+def test_the_share_of_slow_configurations_is_that_of_analyze_with_its_interval() -> None:
+    """The same record, interval and seed; the note names the speed and the widest interval, and no ± error."""
+    arm = rankdrop.open_robot("irb120")
+    task = resolve_task(None, arm)
+    others = ("families", "aspects", "near", "region", "paths", "certified")
+    asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 300}} | dict.fromkeys(others)
+    record = measured(arm, task, asks, None, limits=False, seed=5)
+    expected = slower_than(Problem(arm, task), 0.25, samples=300, seed=5)
+    assert expected is not None
+    slow = record["slow"]
+    assert (slow["share"], tuple(slow["interval"])) == (expected.share.share, expected.share.interval)
+    assert (slow["tool_speed"], slow["turn_speed"], slow["seed"]) == (0.25, 0.0, 5)
+    low, high = (100 * end for end in expected.share.interval)
+    assert f"({low:.3g} … {high:.3g} %)" in measure_cell("slow", record)
+    said = error_text([record], "slow")
+    assert said == f" (slower than 250 mm/s); 95 % intervals up to {high - low:.2g} % wide"
+    assert error_text([{**record, "slow": {**slow, "turn_speed": 0.5}}], "slow").startswith(
+        " (slower than 250 mm/s or 28.6°/s); "
+    )
+    earlier = {key: slow[key] for key in ("share", "error", "bound", "samples", "hits")}
+    assert error_text([{**record, "slow": earlier}], "slow") == f"; 95 % intervals up to {high - low:.2g} % wide"
+    assert error_text([{**record, "slow": {**slow, "bound": True}}], "slow").endswith("; the shares may be larger")
+
+
+def test_compare_by_speed_counts_translations_alone_as_analyze_does() -> None:
+    _, asked = question_of(CompareOptions(speed="250mm/s").document())
+    assert asked.slow is not None
+    assert (asked.slow["speed"], asked.slow["turn_speed"]) == (0.25, 0.0)
+    with pytest.raises(OptionError, match="0 or more"):
+        question_of({"slow": {"turn_speed": -0.1}})

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
+from time import process_time
 
 import numpy as np
 import pytest
@@ -20,20 +22,22 @@ from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on
+from rankdrop.exact.derivation import Reason
 from rankdrop.exact.methods import METHODS, _choices, derive
 from rankdrop.families.points import cloud
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.text.by_hand import Words, notes_of
+from rankdrop.text.by_hand import Words, notes_of, reason_text
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
 WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}
 SLOW = {
-    ("canadarm2", "singular_vector"), ("canadarm2", "determinant"), ("ur5", "singular_vector"),
-    ("pa10", "singular_vector"),
+    ("canadarm2", "singular_vector"), ("ur5", "singular_vector"), ("pa10", "singular_vector"),
 }  # fmt: skip
 PAIRS = [
     pytest.param(name, method, marks=pytest.mark.slow) if (name, method) in SLOW else (name, method)
@@ -188,12 +192,12 @@ def test_puma_has_elbow_shoulder_and_wrist() -> None:
     assert {str(f) for f in found.assumptions} == {"a2"}
 
 
-@pytest.mark.slow
-def test_the_determinant_of_canadarm2_is_one_irreducible_sum_of_squares_of_13273_terms() -> None:
+def test_the_determinant_of_a_redundant_arm_is_its_minors_that_vanish_together() -> None:
+    """det(J Jᵀ) is the sum of their squares: over the reals no more is needed, and nothing is left."""
     found = derived("canadarm2", "determinant")
-    assert found.sizes["half-angle terms"] == 13273
-    assert len(found.conditions) == 1
-    assert any("one irreducible polynomial" in note for note in notes_of(found))
+    assert found.complete
+    assert found.conditions == derived("canadarm2", "cofactors").conditions
+    assert any("the sum of the squares of 7 minors" in note for note in notes_of(found))
     assert any("without a change of sign" in note for note in notes_of(found))
 
 
@@ -290,10 +294,32 @@ def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
 
 def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rankdrop.algebra.ring.Ring.factors_within", lambda *_: None)
-    found = derive(chain_of("canadarm2"), "determinant", 10.0)
-    assert not found.complete
-    points, singular = strata("canadarm2")
+    found = derive(chain_of("puma560"), "determinant", 10.0)
+    assert found.left == ["factors of 1 polynomial"]
+    points, singular = strata("puma560")
     assert holds_modulo(found, points) == singular
+
+
+@pytest.mark.slow
+def test_minors_that_are_not_factored_are_conditions_with_a_zero_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The set is complete without factors; what is open is said: terms, degree, and where a minor vanishes."""
+    monkeypatch.setattr("rankdrop.algebra.ring.Ring.factors_within", lambda *_: None)
+    chain = chain_of("canadarm2")
+    found = derive(chain, "determinant", 10.0)
+    points, singular = strata("canadarm2", 30)
+    assert holds_modulo(found, points) == singular
+    assert found.complete
+    facts = [note for what, note in found.notes if what == "unfactored"]
+    minors = {six: chain.ring.determinant([[chain.columns[j - 1][i] for j in six] for i in range(6)])
+              for six in combinations(range(1, 8), 6)}  # fmt: skip
+    assert [one["choice"][1] for one in facts] == [six for six, minor in minors.items() if minor != 0]
+    for one in facts:
+        columns = task_jacobian(chain.robot, np.array(one["zero"]), chain.task)[:, [j - 1 for j in one["choice"][1]]]
+        assert abs(np.linalg.det(columns)) < 1e-9
+        assert abs(np.linalg.det(columns / np.linalg.norm(columns, axis=0))) < 1e-9
+    said = [line for line in notes_of(found) if "was not factored" in line]
+    assert len(said) == len(facts)
+    assert said[0].startswith(f"|$1 $2 $3 $4 $5 $6| = 0, of {facts[0]['terms']} terms and degree {facts[0]['degree']} ")
 
 
 def test_long_polynomials_are_not_factored_where_little_work_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -403,11 +429,31 @@ def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> 
     assert chain.ring.factors_within(chain.ring.reduce(long), 30.0) is None
 
 
+def general_7r(*twists: float) -> Robot:
+    """Seven turning joints, every offset there; twists [°]."""
+    rows = [(0.11 + 0.03 * i, np.deg2rad(twist), 0.2 + 0.07 * i, 0) for i, twist in enumerate(twists)]
+    return from_dh(rows, convention="standard")
+
+
+RIGHT = (-90, 90, -90, 90, -90, 90, -90)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("twists", [RIGHT, (60, -45, 90, -30, 60, -90, 0)])
+def test_the_determinant_of_a_general_7r_ends_with_seven_minors(twists: tuple[float, ...]) -> None:
+    """Multiplied out it has 169,524 terms, and whether these have factors remained open."""
+    before = process_time()
+    found = derive(exact_chain(general_7r(*twists)), "determinant", 30.0)
+    assert process_time() - before < 8.0
+    assert found.complete
+    assert [len(one.equal) for one in found.conditions] == [7]
+    assert not any(what == "unfactored" for what, _ in found.notes)
+
+
 @pytest.mark.by_hand
-@pytest.mark.parametrize("method", ["cofactors", "reciprocity"])
+@pytest.mark.parametrize("method", ["determinant", "cofactors", "reciprocity"])
 def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
-    rows = [(0.11 + 0.03 * i, (-1) ** (i + 1) * np.pi / 2, 0.2 + 0.07 * i, 0) for i in range(7)]
-    arm = from_dh(rows, convention="standard")
+    arm = general_7r(*RIGHT)
     found = conditions(arm, coranks=1, method=method, points=100, special=False, seconds=300.0)  # reciprocity needs 90
     assert len(found.families) == 1
     assert found.verified
@@ -418,3 +464,31 @@ def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
 def test_a_link_frame_that_is_none_or_of_some_rows_is_refused(task: str, frame: int) -> None:
     with pytest.raises(OptionError, match="no such link frame"):
         derive(exact_chain(open_robot("puma560"), task), "reciprocity", frame=frame)
+
+
+@pytest.mark.slow
+def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where conditions are long it compares the minors, which end, and claims nothing of the methods by cases."""
+    arm = from_dh([(0, np.pi / 2, 0.3, 0), (0.4, 0, 0, 0), (0.3, 0, 0, 0), (0.2, 0, 0, 0)], convention="standard")
+    monkeypatch.setattr("rankdrop.exact.derivation._LONG", 1)
+    found = conditions(arm, "position", points=0, coranks=1)
+    assert (found.method, found.complete) == ("determinant", True)
+    assert re.search(
+        r"; conditions have up to \d+ terms: reciprocity and singular-vector were not run; each can be asked for$",
+        found.reason,
+    )
+    assert derive(exact_chain(arm, "position"), "singular_vector").complete
+
+
+def test_a_reason_says_what_is_open() -> None:
+    why = "not square"
+    assert reason_text(Reason()) == "asked for"
+    assert reason_text(Reason(why, 500, ("singular-vector",))) == (
+        f"{why}; conditions have up to 500 terms: singular-vector was not run; each can be asked for"
+    )
+    assert reason_text(Reason(why, unfactored=2)) == (
+        f"{why}; minors that were not factored in time, and stand as they are: 2"
+    )
+    assert reason_text(Reason(why, unfinished="suppression")) == (
+        f"{why}; the method suppression was tried and did not finish"
+    )

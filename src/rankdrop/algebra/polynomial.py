@@ -653,11 +653,14 @@ def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) 
 def factor(f: Polynomial) -> list[tuple[Polynomial, int]]:
     """Irreducible factors with their multiplicities; over the roots they are primitive.
 
-    Over the roots most polynomials are irreducible already on slices in two variables, which costs least.
+    Most long polynomials are irreducible already on slices in two variables, which costs least: flint takes from 0.1 to
+    11 s for minors of 3,500 terms that are alike.
     Over the roots a multiplicity is that modulo a prime of 61 bits: the factors are known to divide.
     """
     _look()
     if not roots_in(f):
+        if len(f) > _SLICED_FROM and _slices_irreducible(f):
+            return [(primitive(f), 1)]
         return [(one, int(power)) for one, power in f.factor()[1]]
     variables, f = _without_variables(f)
     if is_number(f):
@@ -774,6 +777,7 @@ def _stays_irreducible(f: Polynomial) -> bool:
 
 
 _SLICED = 10_000  # slices are at random whole numbers below this
+_SLICED_FROM = 500  # terms from which slices are taken first where there are no roots
 
 
 def _slices_irreducible(f: Polynomial) -> bool:

@@ -198,7 +198,7 @@ class CompareOptions(Options):
             "near": {"within": self.within},
         }  # fmt: skip
         if self.speed is not None:
-            asked["slow"] = {"speed": self.speed}
+            asked["slow"] = {"speed": self.speed, "turn_speed": 0.0}  # straight lines alone, as analyze --speed
         if self.lower is not None or self.upper is not None:
             region = {"lower": _three(self.lower, "--lower"), "upper": _three(self.upper, "--upper")}
             if self.rpy is None:

@@ -248,7 +248,9 @@ def _slow(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Meas
                             seed=seed)  # fmt: skip
     if slow is None:
         return {"slow": None}, {"slow": None}
-    entry = {"share": slow.share, "error": slow.error, "bound": slow.bound, "samples": slow.samples}
+    entry = {"share": slow.share, "error": slow.error, "bound": slow.bound, "samples": slow.samples,
+             "interval": list(slow.interval), "tool_speed": asked["speed"], "turn_speed": asked["turn_speed"],
+             "seed": seed}  # fmt: skip
     return {"slow": entry | {"hits": bits_to_text(hits)}}, {"slow": slow.share}
 
 

@@ -26,6 +26,7 @@ from rankdrop.codec import Result
 from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, UNRANKED, Parameter, Spec
 from rankdrop.disk import replace_file
+from rankdrop.distance.share import NearShare
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.options import advised
 from rankdrop.results.aspect_summary import AspectSummary
@@ -35,7 +36,7 @@ from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.aspects import aspects_cell, aspects_line
-from rankdrop.text.brief import NO_RATE_LIMITS, compared_arms, compared_sentence, sigma_note, slow_poses_note
+from rankdrop.text.brief import NO_RATE_LIMITS, compared_arms, compared_sentence, sigma_note, slow_note, slow_poses_note
 from rankdrop.text.words import sweep_next
 
 SHOWN = 20
@@ -322,22 +323,40 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     if measure == "sigma":
         wide_bounds = sum(not one.get("narrow") for one in regions)
         return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
+    if measure == "slow":
+        return _slow_error(records)
     shares = []
     if measure == "near":
         shares = [one["near"]["any"] for one in records if one.get("near")]
-    elif measure == "slow":
-        shares = [one["slow"] for one in records if one.get("slow")]
-    missing = ""
-    if measure == "slow" and any("slow" in one and one["slow"] is None for one in records):
-        missing = NO_RATE_LIMITS
     most = max((float(one["error"]) for one in shares), default=0.0)
     if any(one["bound"] for one in shares):
         larger = " or more"
     else:
         larger = ""
     if most:
-        return f", by samples: ± {APART * 100 * most:.2g} %{larger}{missing}"
-    return missing
+        return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
+    return ""
+
+
+def _slow_error(records: Sequence[Mapping[str, Any]]) -> str:
+    """The speeds below which the tool is slow, the widest interval of the shares, and why some have none."""
+    if any("slow" in one and one["slow"] is None for one in records):
+        missing = NO_RATE_LIMITS
+    else:
+        missing = ""
+    slow = [one["slow"] for one in records if one.get("slow")]
+    if not slow:
+        return missing
+    ends = [_slow_interval(one) for one in slow]
+    wide = max(high - low for low, high in ends)
+    bound = any(one["bound"] for one in slow)
+    return slow_note(slow[0].get("tool_speed"), slow[0].get("turn_speed"), wide, bound=bound) + missing
+
+
+def _slow_interval(slow: Mapping[str, Any]) -> tuple[float, float]:
+    """95 % interval of a share by its samples, which files of earlier versions do not hold."""
+    share = NearShare("", round(slow["share"] * slow["samples"]), slow["samples"], slow["bound"])
+    return share.interval
 
 
 def _slow_poses_error(regions: Sequence[Mapping[str, Any]]) -> str:
@@ -363,13 +382,24 @@ def _aspects_cell(text: str, record: Mapping[str, Any]) -> str:
     return text
 
 
+def _slow_cell(text: str, record: Mapping[str, Any]) -> str:
+    """The share of slow configurations with its interval."""
+    if not record.get("slow"):
+        return text
+    return _with_interval(text, _slow_interval(record["slow"]))
+
+
+def _with_interval(text: str, interval: Sequence[float]) -> str:
+    low, high = (100 * end for end in interval)
+    return f"{text} ({low:.3g} … {high:.3g} %)"
+
+
 def _slow_poses_cell(text: str, record: Mapping[str, Any]) -> str:
     """The share of slow poses with its interval."""
     region = record.get("region") or {}
     if not region.get("slow"):
         return text
-    low, high = (100 * end for end in region["slow"]["interval"])
-    return f"{text} ({low:.2g} … {high:.2g} %)"
+    return _with_interval(text, region["slow"]["interval"])
 
 
 def _sigma_cell(text: str, record: Mapping[str, Any]) -> str:
@@ -382,7 +412,7 @@ def _sigma_cell(text: str, record: Mapping[str, Any]) -> str:
 
 
 _CELLS: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
-    "aspects": _aspects_cell, "slow_poses": _slow_poses_cell, "sigma": _sigma_cell,
+    "aspects": _aspects_cell, "slow": _slow_cell, "slow_poses": _slow_poses_cell, "sigma": _sigma_cell,
 }  # fmt: skip
 """Measures with bounds -> their cell, from the measure as text and the record."""
 

@@ -80,7 +80,7 @@ class Asks:
         families: starts, fresh and exact.
         aspects: no keys; joint limits are ignored.
         near: within [rad] and samples.
-        slow: speed [m/s], turn_speed [rad/s] and samples.
+        slow: speed [m/s], turn_speed [rad/s], 0 where rotations do not count, and samples.
         region: lower, upper [m], rpy [rad] or None, points, starts, budget of each proven bound of σ, and
             speed [m/s] or None.
         paths: name of each file -> its poses (P, 4, 4) [m] and times (P,) [s] or None.
@@ -287,6 +287,12 @@ def _speed(value: Any, where: str, measure: str) -> float:
     return speed
 
 
+def _turn_speed(value: Any, where: str, measure: str) -> float:
+    speed = quantity(value, measure, where=where, rate=True)
+    _require(speed >= 0.0, OptionError(f"{_key(where)} is out of range", where=where, got=speed, allowed="0 or more"))
+    return speed
+
+
 def _region_speed(value: Any, where: str, measure: str) -> float | None:
     if value is None:
         return None
@@ -357,7 +363,7 @@ TABLES: dict[str, dict[str, Entry]] = {
         "samples": (_whole_number, 2000, 100, 1_000_000),
     },
     "slow": {
-        "speed": (_speed, "25 mm/s", "length"), "turn_speed": (_speed, "5 deg/s", "angle"),
+        "speed": (_speed, "25 mm/s", "length"), "turn_speed": (_turn_speed, "5 deg/s", "angle"),
         "samples": (_whole_number, 2000, 100, 1_000_000),
     },
     "region": {

@@ -66,10 +66,10 @@ class Distances:
         if isinstance(f, Atom) and f.f is None:
             found = 2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2))
         else:
-            value, scale = values_of(chain, f, theta)
-            steps = STEP * np.eye(chain.n)
-            ends = ((values_of(chain, f, theta + one)[0], values_of(chain, f, theta - one)[0]) for one in steps)
-            slope = np.stack([(above - below) / (2 * STEP) for above, below in ends], axis=1)
+            steps = STEP * np.eye(chain.n)[:, None]
+            values, scales = values_of(chain, f, np.concatenate([theta[None], theta + steps, theta - steps]))
+            value, scale = values[0], scales[0]
+            slope = (values[1 : chain.n + 1] - values[chain.n + 1 :]).T / (2 * STEP)
             size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
             ratio = size / np.maximum(steep, 1e-300)
             found = np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size)))
@@ -77,14 +77,23 @@ class Distances:
 
 
 def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:
-    """(value, size of the terms), both (N,), less the same number, lengths in the arm's own unit, at θ (N, n).
+    """(value, size of the terms), both (...), less the same number, lengths in the arm's own unit, at θ (..., n).
 
     Of an atom it is the homogeneous value, which is finite at θ = π; angles enter sizes as 1, slides as 1 at least.
     """
     p = chain.own_polynomial(f.f if isinstance(f, Atom) else f)
-    terms, powers = [*numeric_terms(p, chain.own_numbers)], chain.ring.powers_at(p, theta)
+    powers = chain.ring.powers_at(p, theta)
+    numbers: dict[tuple[int, ...], float] = {}  # terms that differ in lengths alone are one
+    amounts: dict[tuple[int, ...], float] = {}
+    for number, exponents in numeric_terms(p, chain.own_numbers):
+        moving = exponents[: len(powers)]
+        numbers[moving] = numbers.get(moving, 0.0) + number
+        amounts[moving] = amounts.get(moving, 0.0) + abs(number)
     sizes = [[np.maximum(np.abs(x), 1.0) for x in one] for one in powers]
-    return add_terms(terms, powers), add_terms([(abs(number), es) for number, es in terms], sizes)
+    return (
+        add_terms(((number, exponents) for exponents, number in numbers.items()), powers),
+        add_terms(((amount, exponents) for exponents, amount in amounts.items()), sizes),
+    )
 
 
 ZERO = 1e-5
@@ -294,16 +303,21 @@ class Derivation:
             piece = piece.without(atom)
         return found
 
-    def equality(self, p: Polynomial) -> Equality:
+    def factored(self, p: Polynomial) -> Equality:
         """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
-        if self.remaining > 0:
+        try:
             atoms = self.atoms(p)
-        else:
+        except OutOfTime:
             atoms = None
         if atoms is None:
-            self._whole += 1
             return Equality((), p)
         return Equality(atoms)
+
+    def equality(self, p: Polynomial) -> Equality:
+        """`factored`; a polynomial that stays whole is counted as not finished."""
+        found = self.factored(p)
+        self._whole += found.whole is not None
+        return found
 
 
 def conjunctions(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,11 +27,32 @@ METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-")
 """What can be asked for."""
 CHOOSING = ("suppression", "reciprocity")
 """Methods for which basic screws and a frame can be chosen."""
-_LONG = 400  # terms of a condition beyond which the methods done by hand take minutes
+_LONG = 400  # terms of a condition from which on "auto" takes minors that vanish together, not cases
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
 Chosen = tuple[tuple[int, ...] | None, int | None]  # basic screws, and the link in whose frame they are
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why corank 1 was derived by one method, and what was not tried.
+
+    Attributes:
+        structure: how the arm decouples, or why it does not; "" where the method was asked for.
+        terms: of the rank tree's longest condition, where that decided against methods by cases; else 0.
+        not_run: these methods, which may end all the same.
+        unfactored: minors that were not factored in time; where they vanish is known all the same.
+        unfinished: the method that was tried and did not finish; "" where there was none.
+        interrupted: whether the user stopped before a method was tried.
+    """
+
+    structure: str = ""
+    terms: int = 0
+    not_run: tuple[str, ...] = ()
+    unfactored: int = 0
+    unfinished: str = ""
+    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -46,7 +67,7 @@ class CorankOne:
     """
 
     method: str
-    reason: str
+    reason: Reason
     derived: Decoupling | Suppression | Derivation | Tree | None
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
@@ -94,8 +115,9 @@ def corank_one(
     Args:
         chain: the arm.
         method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
-            all six rows and at most `WIDE` joints, the determinant for other square Jacobians, else the tree. Where
-            joints follow others neither of the first two, which need one screw for each column.
+            all six rows and at most `WIDE` joints, the determinant for other square Jacobians and where the tree's
+            conditions are long, else the tree. Where joints follow others neither of the first two, which need one
+            screw for each column.
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
@@ -112,19 +134,14 @@ def corank_one(
         found = None
     if found is not None:
         return _decoupled(chain, found, tree)
-    longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
     if method == "auto":
-        reason = why_not(chain)
+        reason = _too_long(chain, tree, Reason(why_not(chain)))
+        name = _chosen(chain, tree, reason)
     else:
-        reason = "asked for"
-    if method == "auto" and tree.complete and longest > _LONG:
-        return _by_tree(tree, f"{reason}. With conditions of {longest} terms no second method comes to an end")
-    if method == "auto":
-        name = _chosen(chain, tree)
-    else:
+        reason = Reason()
         name = method
     if name == "tree":
-        return _by_tree(tree, reason)
+        return CorankOne("tree", reason, tree)
     if name == "suppression":
         derived = _suppressed(chain, reason, tree, work, chosen)
     else:
@@ -132,12 +149,35 @@ def corank_one(
     return _by_tree_if_open(derived, method, tree)
 
 
-def _chosen(chain: Chain, tree: Tree) -> str:
+def _too_long(chain: Chain, tree: Tree, reason: Reason) -> Reason:
+    """A reason with the methods by cases that are not run, where a condition of a complete tree is long."""
+    longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
+    if chain.n == chain.task.m or not (_has_full_rank(chain, tree) and tree.complete and longest > _LONG):
+        return reason
+    not_run = []
+    if _is_for_suppression(chain):
+        not_run.append("suppression")
+    if chain.n > chain.task.m:
+        not_run.append("reciprocity")
+    return replace(reason, terms=longest, not_run=(*not_run, "singular-vector"))
+
+
+def _has_full_rank(chain: Chain, tree: Tree) -> bool:
+    return tree.generic_rank == min(chain.n, chain.task.m)
+
+
+def _is_for_suppression(chain: Chain) -> bool:
+    return chain.task.m == 6 and 6 < chain.n <= WIDE and not chain.coupled
+
+
+def _chosen(chain: Chain, tree: Tree, reason: Reason) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
-    if chain.task.m == 6 and 6 < chain.n <= WIDE and tree.generic_rank == 6 and not chain.coupled:
-        return "suppression"
-    if chain.n == chain.task.m == tree.generic_rank:
+    if not _has_full_rank(chain, tree):
+        return "tree"
+    if chain.n == chain.task.m or reason.terms:
         return "determinant"
+    if _is_for_suppression(chain):
+        return "suppression"
     return "tree"
 
 
@@ -145,13 +185,7 @@ def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne
     """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
     if asked != "auto" or not derivation.left or derivation.disagreements or not tree.complete:
         return derivation
-    return CorankOne(
-        "tree", f"{derivation.reason}; the method {derivation.method} was tried and did not finish", derivation.derived
-    )
-
-
-def _by_tree(tree: Tree, reason: str) -> CorankOne:
-    return CorankOne("tree", reason, tree)
+    return CorankOne("tree", replace(derivation.reason, unfinished=derivation.method), derivation.derived)
 
 
 def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
@@ -161,8 +195,9 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
     return CorankOne(
-        "decoupling", decoupling.form.reason, decoupling, (), _differences(chain, "decoupling", missing, surplus, tree)
-    )
+        "decoupling", Reason(decoupling.form.reason), decoupling, (),
+        _differences(chain, "decoupling", missing, surplus, tree),
+    )  # fmt: skip
 
 
 def _differences(
@@ -191,7 +226,7 @@ def _describe_missed(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
 
 
 def _suppressed(
-    chain: Chain, reason: str, tree: Tree, work: Work, chosen: Chosen
+    chain: Chain, reason: Reason, tree: Tree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
@@ -217,7 +252,7 @@ def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree,
 def _compared(
     chain: Chain,
     method: str,
-    reason: str,
+    reason: Reason,
     families: Sequence[ExactFamily],
     work: Work,
     chosen: Chosen,
@@ -236,4 +271,5 @@ def _compared(
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
     left = tuple(f"{method}: {one}" for one in found.left)
-    return CorankOne(method, reason, found, left, tuple(different))
+    unfactored = sum(what == "unfactored" for what, _ in found.notes)
+    return CorankOne(method, replace(reason, unfactored=unfactored), found, left, tuple(different))

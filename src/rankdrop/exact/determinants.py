@@ -501,7 +501,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
     minors: list[Minor] = []
     left: list[str] = []
     shifts = tuple(map(float, chain.shifts))
-    chosen = list(_chosen(chain))
+    chosen = list(maximal_minors(chain))
     for of, joints, rows in chosen[:MOST]:
         words = tuple(ROWS[r] for r in rows)
         place = [chain.task.rows.index(r) for r in rows]
@@ -540,7 +540,12 @@ def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
     return 1
 
 
-def _chosen(chain: Chain) -> Iterator[tuple[MinorOf, tuple[int, ...], tuple[int, ...]]]:
+MinorChoice = tuple[MinorOf, tuple[int, ...], tuple[int, ...]]
+"""The kind of a minor, its joints, numbered from 1, and its rows, numbers 0 … 5 of (v; ω)."""
+
+
+def maximal_minors(chain: Chain) -> Iterator[MinorChoice]:
+    """The determinant of a square Jacobian, else its minors of the highest order; in the order of `combinations`."""
     joints, rows = tuple(range(1, chain.n + 1)), chain.task.rows
     if chain.n == len(rows):
         yield MinorOf.BLOCK, joints, rows

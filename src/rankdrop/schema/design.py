@@ -125,6 +125,11 @@ ARMS_SLOW = table(
     error=(num("1", ge=0), "standard error"),
     bound=(bool, "true: the share may be larger"),
     samples=Positive,
+    interval=(optional(row(num("1"), 2)), "95 %, by Wilson's rule; since 0.3"),
+    tool_speed=(optional(num("m/s", gt=0)), "of straight translations; since 0.3"),
+    turn_speed=(optional(num("rad/s", ge=0)), "of rotations about the tool point, 0 where they do not count; since "
+        "0.3"),
+    seed=(optional(Count), "of the configurations, uniform in each joint inside its limits; since 0.3"),
     hits=(str, "which configurations are slow, as those of near"),
 )
 SLOW_POSES = table(

@@ -248,6 +248,31 @@ def sigma_note(variants: int, wide: int, uncovered: int) -> str:
 NO_RATE_LIMITS = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
 
 
+def slow_note(speed: float | None, turn_speed: float | None, width: float, *, bound: bool) -> str:
+    """The speeds [m/s, rad/s] below which the tool is slow, and the widest 95 % interval of the shares.
+
+    Args:
+        speed: of straight translations; None where a file of an earlier version does not hold it.
+        turn_speed: of rotations about the tool point; 0 or None for none.
+        width: of the interval [1].
+        bound: whether a share is a lower bound.
+    """
+    limits = []
+    if speed is not None:
+        limits.append(f"{1000 * speed:.4g} mm/s")
+    if turn_speed:
+        limits.append(f"{degrees(turn_speed):.3g}°/s")
+    if limits:
+        slower = f" (slower than {' or '.join(limits)})"
+    else:
+        slower = ""
+    if bound:
+        larger = "; the shares may be larger"
+    else:
+        larger = ""
+    return f"{slower}; 95 % intervals up to {100 * width:.2g} % wide{larger}"
+
+
 def slow_poses_note(speed: float, width: float) -> str:
     """The speed [m/s] below which the tool is slow, and the widest 95 % interval of the shares."""
     return f" (slower than {speed:.4g} m/s); 95 % intervals up to {100 * width:.2g} % wide"

@@ -10,7 +10,8 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import listed, structure_of, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
-from rankdrop.exact.determinants import Decoupling
+from rankdrop.exact.derivation import Reason
+from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Proof, Suppression
 from rankdrop.exact.tree import Tree
@@ -39,6 +40,25 @@ def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree
     how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
     lines = () if derived is None else (f"{derived.visited} irreducible sets were derived: {how}",)
     return (Step("Rank tree", lines),) if lines else ()
+
+
+def reason_text(reason: Reason) -> str:
+    """Why corank 1 was derived by its method, and which methods were not run."""
+    if reason.interrupted:
+        return "interrupted before another method was tried"
+    parts = [reason.structure or "asked for"]
+    if reason.terms:
+        *others, last = reason.not_run
+        if others:
+            names = f"{', '.join(others)} and {last} were"
+        else:
+            names = f"{last} was"
+        parts.append(f"conditions have up to {reason.terms:,} terms: {names} not run; each can be asked for")
+    if reason.unfactored:
+        parts.append(f"minors that were not factored in time, and stand as they are: {reason.unfactored}")
+    if reason.unfinished:
+        parts.append(f"the method {reason.unfinished} was tried and did not finish")
+    return "; ".join(parts)
 
 
 def _decoupling(found: Decoupling) -> Iterator[str]:
@@ -253,11 +273,10 @@ def _method(found: Derivation) -> Step:
 
 _NOTES = {
     "factors": "terms of det J: {terms}; different factors: {factors}",
-    "squares": "det({product}) is the sum of the squares of {minors} minors, {terms} terms: never negative, it "
-    "vanishes without a change of sign",
-    "irreducible": "it is one irreducible polynomial, of {factors} in half angles",
-    "half angles": "its factors in half angles: {factors}",
-    "cofactors": "{minors} minors, {terms} terms together, {common} common factors",
+    "squares": "det({product}) is the sum of the squares of {minors} minors: never negative, it vanishes without a "
+    "change of sign, where all of them do and nowhere else; it needs no factors",
+    "cofactors": "{minors} minors, {terms} terms together",
+    "common": "common factors of the minors: {factors}",
     "together": "besides them {equations} equations hold together; their factors combine in {ways} ways",
     "arm": "arm: rank J11 < 3, {minors} minors in {conditions} conditions",
     "wrist": "wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {joint}: {conditions} "
@@ -280,6 +299,9 @@ def notes_of(found: Derivation) -> tuple[str, ...]:
 
 def _note(words: Words, note: Note) -> Iterator[str]:
     what, facts = note
+    if what == "unfactored":
+        yield _unfactored(**facts)
+        return
     if what != "screw":
         yield _NOTES[what].format(**facts)
         return
@@ -302,6 +324,21 @@ def _note(words: Words, note: Note) -> Iterator[str]:
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     said = f"all {count} elements vanish, and it says nothing, where {', or where '.join(known)}"
     yield f"  {said if known else 'it never vanishes there'}"
+
+
+def _unfactored(choice: MinorChoice, terms: int, degree: int, zero: tuple[float, ...] | None) -> str:
+    """A minor that stands as it is, and a configuration at which it vanishes."""
+    of, joints, rows = choice
+    name = minor_name(of, joints, [ROWS[row] for row in rows])
+    if zero is None:
+        where = "random configurations show no real zero"
+    else:
+        values = ", ".join(f"{x + 0.0:.6g}".replace("-", "−") for x in zero)
+        where = f"it vanishes at q = ({values}), for example"
+    return (
+        f"{name} = 0, of {terms:,} terms and degree {degree} in sines, cosines and slides, was not factored: it may "
+        f"have factors, and the conditions hold all the same; {where}"
+    )
 
 
 class Words:

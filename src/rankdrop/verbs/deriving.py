@@ -19,7 +19,7 @@ from rankdrop.algebra.work import SLOWER, OutOfTime, Work, failure
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.derivation import CorankOne, check_method, corank_one
+from rankdrop.exact.derivation import CorankOne, Reason, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily, Unreal, UnrealSet, alone, merge
@@ -45,7 +45,7 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
-from rankdrop.text.by_hand import steps_of
+from rankdrop.text.by_hand import reason_text, steps_of
 from rankdrop.text.families import (
     assumption_text,
     equal_lengths_text,
@@ -108,7 +108,7 @@ def derived(
         lambda own: corank_one(
             chain, asked.method, tree, found, own, chosen=(basic, asked.frame)
         ),
-        CorankOne("tree", "interrupted before another method was tried", None, ("the method for corank 1",)),
+        CorankOne("tree", Reason(interrupted=True), None, ("the method for corank 1",)),
     )  # fmt: skip
     steps: tuple[Step, ...] = ()
     if asked.steps or isinstance(first.derived, Tree):
@@ -147,7 +147,7 @@ def derived(
             *(one.text for one in structure_of(chain).near),
         ),
         method=first.method,
-        reason=first.reason,
+        reason=reason_text(first.reason),
         steps=steps,
         determinants=determinants,
         families=posed_exactly(robot, chain.task, found),

@@ -175,6 +175,24 @@ def aspects_cell(summary: Any) -> str:
     return f"≥ {summary.at_least}"
 
 
+_VERDICT_CELLS = {"cuspidal": "cuspidal", "none found": "undecided"}
+
+
+def aspects_and_verdict_cell(summary: Any) -> str:
+    """The number of aspects, with the verdict where the arm is cuspidal or that is not decided.
+
+    Example:
+        >>> from rankdrop.results.aspect_summary import CUSPIDAL, NOT_CUSPIDAL, AspectSummary
+        >>> [aspects_and_verdict_cell(AspectSummary(2, 2, True, change)) for change in (NOT_CUSPIDAL, CUSPIDAL)]
+        ['2', '2, cuspidal']
+    """
+    number = aspects_cell(summary)
+    verdict = _VERDICT_CELLS.get(summary.posture_change or "")
+    if verdict is None:
+        return number
+    return f"{number}, {verdict}"
+
+
 def _signs_of_what(count: Any, *, square: bool) -> str:
     """ "shoulder, elbow and wrist"; "det J" where there is one factor without such a name; "" where nothing is."""
     if not count.factors:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rankdrop.aspects.arm import count_of_arm, summary_of
+from rankdrop.aspects.verdict import judged_summary
 from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
@@ -249,11 +249,10 @@ def analyze(
 
 
 def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:
-    """The number of aspects: stored for arms of the catalogue, else counted where it is asked for."""
+    """The number of aspects with the verdict: stored for arms of the catalogue, else found where it is asked for."""
     known = known_aspects(robot, task)
     if known is None and asked:
-        count, _ = count_of_arm(robot, task)
-        return summary_of(count)
+        return judged_summary(robot, task)
     return known
 
 

@@ -73,13 +73,17 @@ def test_no_line_is_longer_than_can_be_read(name: str) -> None:
 def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> None:
     found, derived = shipped("panda"), shipped_conditions("panda")
     assert derived is not None
-    labels = {label for family in found.families for label, _ in conditions_of(family, found.exact, derived.families)}
+    families = derived.with_exact(found.families)
+    labels = {label for family in families for label, _ in conditions_of(family)}
     assert labels == {"exactly"}
-    (fifth,) = (one for one in found.families if one.id == "k1.f5")
-    assert conditions_of(fifth, found.exact, derived.families) == [
+    fifth = families[4]
+    assert fifth.id == "k1.f5"
+    assert conditions_of(fifth) == [
         ("exactly", "a3 c4 (a6 + s6 (d3 + d5)) − s4 (a3² s6 − a6 d3 − d3 d5 s6) = 0")
     ]
-    assert conditions_of(fifth, found.exact)[0][0] != "exactly"
+    assert conditions_of(found.families[4])[0][0] != "exactly"
+    other = replace(found.families[4], corank=2)
+    assert derived.with_exact([other])[0].exact is None
 
 
 def bent() -> Robot:
@@ -102,7 +106,7 @@ def test_inside_limits_the_table_says_all_of_a_joint_at_one_of_its_values() -> N
     assert [round(value, 9) for value in row.pinned[0].values] == [-0.4]
     assert found.exact is not None
     assert found.exact.agrees
-    assert conditions_of(row, found.exact) == []
+    assert conditions_of(row) == []
 
 
 def test_an_analysis_is_printed_as_its_tables() -> None:

@@ -27,7 +27,7 @@ from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
-from rankdrop.families.record import Check, Family, Order, Pin, place_of
+from rankdrop.families.record import Check, ExactConditions, Family, Order, Pin, place_of
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
@@ -118,6 +118,10 @@ class ExactFamily:
             lost_directions=np.empty((0, 6)), lost_freedoms=self.lost_freedoms,
             evidence="exact condition",
         )  # fmt: skip
+
+    def exact_conditions(self, robot: Robot) -> ExactConditions:
+        """Its conditions as `Family.exact` holds them, under the names of the arm's joints."""
+        return ExactConditions(self.held(robot), self.texts, self.latex, self.reality)
 
     def place(self, robot: Robot) -> Order:
         """Its place among the families of its corank."""

@@ -7,7 +7,7 @@ one sum of angles by π, into one row.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -148,6 +148,19 @@ class ExactFamily:
         """Every condition as an equation in q with numbers for the lengths, as `analyze` has them."""
         n = len(self.shifts)
         return tuple(one.equation(self.numbers, n, self.shifts) for one in self.stated)
+
+
+def with_exact(families: Iterable[Family], derived: Iterable[ExactFamily], robot: Robot) -> tuple[Family, ...]:
+    """Families of an analysis with the exact conditions of those derived: the same id, name and corank."""
+    by_name = {(one.id, one.name, one.corank): one for one in derived}
+    result = []
+    for family in families:
+        same = by_name.get((family.id, family.name, family.corank))
+        if same is None:
+            result.append(replace(family, exact=None))
+        else:
+            result.append(replace(family, exact=same.exact_conditions(robot)))
+    return tuple(result)
 
 
 def _angle(value: float) -> float:

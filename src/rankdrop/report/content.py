@@ -25,6 +25,7 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.exact import with_exact
 from rankdrop.families import (
     VIEW,
     Family,
@@ -152,7 +153,8 @@ class Content:
         """The analysis as tables show it: its families have the exact conditions that were derived apart from it."""
         if self.exact is None:
             return self.analysis
-        return replace(self.analysis, families=self.exact.with_exact(self.analysis.families))
+        families = with_exact(self.analysis.families, self.exact.families, self.analysis.robot)
+        return replace(self.analysis, families=families)
 
     @cached_property
     def titles(self) -> dict[str, str]:

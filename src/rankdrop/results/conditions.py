@@ -5,7 +5,7 @@ As plain data it has the names of docs/json.md; `rankdrop.text.conditions` has t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -17,7 +17,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
-from rankdrop.families.record import Check, Family
+from rankdrop.families.record import Check
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
 from rankdrop.questions import ConditionsOptions
@@ -121,16 +121,6 @@ class Conditions(Result):
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
         """The families of one corank."""
         return tuple(family for family in self.families if family.corank == corank)
-
-    def with_exact(self, families: Iterable[Family]) -> tuple[Family, ...]:
-        """Families of an analysis with the exact conditions of those derived here: the same id, name and corank."""
-        derived = {(one.id, one.name, one.corank): one for one in self.families}
-        result = []
-        for family in families:
-            same = derived.get((family.id, family.name, family.corank))
-            exact = None if same is None else same.exact_conditions(self.robot)
-            result.append(replace(family, exact=exact))
-        return tuple(result)
 
     def __repr__(self) -> str:
         return f"<Conditions of {self.robot.name}: {len(self.families)} families, {self.verdict.word}>"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
+from rankdrop.exact.family import with_exact
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
@@ -207,12 +208,10 @@ def analyze(
             tables.append(table)
     except KeyboardInterrupt:
         unfinished = len(tables) + 1
+    rows = _listed(robot, resolved, tables)
     if derivation is not None and derived is not None and unfinished is None:
         derivation = _tested(derivation, derived, rank, tables, limits=how.limits)
-    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
-    rows = tuple(posed(robot, resolved, row, rows) for row in rows)
-    if derived is not None and unfinished is None:
-        rows = derived.with_exact(rows)
+        rows = with_exact(rows, derived.families, robot)
     near = None
     if unfinished is None and how.within is not None:
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
@@ -234,6 +233,12 @@ def analyze(
         slow=slow,
         aspects=_aspects(robot, resolved, asked=how.aspects),
     )
+
+
+def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
+    """All families as the analysis lists them, in the arm's own unit of length."""
+    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
+    return tuple(posed(robot, task, row, rows) for row in rows)
 
 
 def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:

@@ -1,12 +1,13 @@
 """Hostile files for every reader: whatever the bytes are, a reader gives what it is to give, or says what is wrong.
 
     .venv/bin/python tools/fuzz_readers.py robot --cases 100000      # one reader; needs the package atheris
-    .venv/bin/python tools/fuzz_readers.py --blind trajectory        # without coverage: Python alone
+    .venv/bin/python tools/fuzz_readers.py csv --blind               # without coverage: Python alone
     .ci/fuzz 20000                                                   # every reader, so many cases each
 
 Guided by coverage of the package (atheris, a libFuzzer for Python); what reached something new is kept in --corpus, and
-what failed in --found. `tests/data/fuzz` holds a small corpus of each reader, which `tests/robot/test_fuzz.py` reads
-again in every run. Exit code 1 where a case fails.
+what failed in --found. Blind, the cases run in a process of their own: one that takes more than 30 s of the processor,
+1 GB of memory, or the process with it, fails; a case in forty is blown up to as much as 1 MB. `tests/data/fuzz` holds a
+small corpus of each reader, which `tests/robot/test_fuzz.py` reads again in every run. Exit code 1 where a case fails.
 """
 
 from __future__ import annotations
@@ -15,37 +16,51 @@ import argparse
 import contextlib
 import copy
 import hashlib
+import io
 import json
+import queue
 import random
 import re
+import resource
+import subprocess
 import sys
 import tempfile
-import time
+import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 SEEDS = Path(__file__).resolve().parents[1] / "tests" / "data" / "fuzz"
-LONGEST = 4096  # bytes of a case
+LONGEST = 4096  # bytes of most cases
+GROWN = 1 << 20  # bytes that a case may be blown up to
+ONE_IN = 40  # cases that are blown up
+SECONDS, MEMORY = 30.0, 1 << 30
+"""Processor time and memory of a case beyond which it has failed."""
+PATIENCE = 300.0  # s of wall time: a case that waits for something has failed as well
 EXTREME = (b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99)
 NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "poses-json",
-         "poses-yaml", "analysis", "cover", "certificate", "spec", "mjcf")  # fmt: skip
+         "poses-yaml", "analysis", "cover", "certificate", "spec", "mjcf", "npz", "bag", "mcap", "mesh", "xacro", "job",
+         "arguments")  # fmt: skip
 
 
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
+    from rankdrop.cli import exits
     from rankdrop.cli.command import parse_configuration
+    from rankdrop.cli.main import run
     from rankdrop.cover import verify
     from rankdrop.cover.covering import load_covering
     from rankdrop.designs.spec import read_spec
+    from rankdrop.jobs.running import JOB, JOURNAL, progress_of
     from rankdrop.kinematics import jacobian, pose
     from rankdrop.path.read.files import holds_poses, read_poses, read_trajectory
     from rankdrop.proof.record import sealed
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance
+    from rankdrop.robot.mesh_file import read_meshes
     from rankdrop.robot.open import open_robot
     from rankdrop.robot.quantities import quantity
 
@@ -104,12 +119,51 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
         assert np.isfinite(values).all()
         return values
 
+    def mesh(data: bytes) -> object:
+        path = written(data, _ending_of_mesh(data))
+        (found,) = read_meshes([path]).values()
+        if isinstance(found, Exception):
+            raise found
+        assert all(np.isfinite(part.vertices).all() for part in found)
+        return found
+
+    def job(data: bytes) -> object:
+        """The two files of a job's folder, parted by a null byte."""
+        note, _, journal = data.partition(b"\0")
+        place = folder / "job"
+        place.mkdir(exist_ok=True)
+        (place / JOB).write_bytes(note)
+        (place / JOURNAL).write_bytes(journal)
+        return progress_of(place).sentence
+
+    def arguments(data: bytes) -> object:
+        """A command, one argument a line; whatever the arguments are, nothing ends by an internal error."""
+        given = data.decode("utf-8", "surrogateescape").split("\n")
+        said, wrong = io.StringIO(), io.StringIO()
+        with contextlib.chdir(folder), contextlib.redirect_stdout(said), contextlib.redirect_stderr(wrong):
+            code = run(given)
+        assert code != exits.INTERNAL, wrong.getvalue()[-2000:]
+        assert code in exits.MEANING, f"exit code {code}"
+        return code
+
     found = (robot(".txt"), number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
              trajectory(".csv"), trajectory(".json"), trajectory(".yaml"), trajectory(".npy"),
              poses(".csv"), poses(".json"), poses(".yaml"), lambda data: Analysis.load(written(data, ".json")),
              lambda data: load_covering(written(data, ".cover")), certificate,
-             lambda data: read_spec(written(data, ".toml")), robot(".xml"))  # fmt: skip
+             lambda data: read_spec(written(data, ".toml")), robot(".xml"), trajectory(".npz"), trajectory(".bag"),
+             trajectory(".mcap"), mesh, robot(".xacro"), job, arguments)  # fmt: skip
     return dict(zip(NAMES, found, strict=True))
+
+
+def _ending_of_mesh(data: bytes) -> str:
+    """The ending of a mesh file with these bytes: a reader is chosen by it."""
+    if data.startswith(b"ply"):
+        return ".ply"
+    if data.lstrip().startswith(b"<"):
+        return ".dae"
+    if data.startswith((b"v ", b"#", b"o ")):
+        return ".obj"
+    return ".stl"
 
 
 def judged(read: Callable[[bytes], object], data: bytes) -> bool:
@@ -208,26 +262,116 @@ def mutated(dice: random.Random, corpus: list[bytes]) -> bytes:
             data[at:end] = dice.choice(EXTREME)
         elif data:
             data[at % len(data)] ^= 1 << dice.randrange(8)
-    return bytes(data[:LONGEST])
+    return bytes(data[: max(LONGEST, *map(len, corpus))])
+
+
+def grown(dice: random.Random, data: bytes) -> bytes:
+    """The case with a part of it repeated, a line or some bytes, up to a length of 10 kB to 1 MB."""
+    lines = data.splitlines(keepends=True)
+    wanted = int(10 ** dice.uniform(4, 6))
+    if len(lines) > 2 and dice.randrange(2):
+        at = dice.randrange(len(lines))
+        part = lines[at]
+        before, after = b"".join(lines[: at + 1]), b"".join(lines[at + 1 :])
+    else:
+        at = dice.randint(0, len(data))
+        part = data[at : at + dice.choice((1, 4, 16, 64, 256))] or b"["
+        before, after = data[:at], data[at:]
+    return (before + part * (wanted // len(part)) + after)[:GROWN]
+
+
+def case_of(name: str, seed: int, number: int, corpus: list[bytes]) -> bytes:
+    """The case of this number: first the corpus as it is, then what is made of it."""
+    if number < len(corpus):
+        return corpus[number]
+    dice = random.Random(f"{name} {seed} {number}")
+    data = mutated(dice, corpus)
+    if dice.randrange(ONE_IN) == 0:
+        return grown(dice, data)
+    return data
+
+
+def used() -> tuple[float, int]:
+    """Processor time [s], and the most memory at once [bytes], of this process or of one that it started."""
+    mine, theirs = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = mine.ru_utime + mine.ru_stime + theirs.ru_utime + theirs.ru_stime
+    return seconds, 1024 * max(mine.ru_maxrss, theirs.ru_maxrss)
+
+
+def serve(name: str, seed: int, first: int, end: int) -> None:
+    """Read the cases of these numbers, and print of each what came of it, a line of JSON."""
+    corpus = seeds(name) or [b""]
+    told = sys.stdout
+    with tempfile.TemporaryDirectory() as folder:
+        read = readers(Path(folder))[name]
+        with contextlib.suppress(Exception):
+            judged(read, corpus[0])  # imports what is imported late
+        _, at_rest = used()
+        for number in range(first, end):
+            before, _ = used()
+            fault, taken = "", False
+            try:
+                taken = judged(read, case_of(name, seed, number, corpus))
+            except Exception as error:
+                fault = f"{type(error).__name__}: {error}"
+            after, most = used()
+            if after - before > SECONDS:
+                fault = f"{after - before:.0f} s of the processor; {fault}"
+            if most - at_rest > MEMORY:
+                fault = f"{(most - at_rest) / 2**30:.1f} GB of memory; {fault}"
+            print(json.dumps([number, taken, fault, after - before, most - at_rest]), file=told, flush=True)
+            if most - at_rest > MEMORY:
+                return  # the most memory of a process never falls: the next cases get a new one
+
+
+def _pass_on(output: Iterable[str], lines: queue.SimpleQueue[str]) -> None:
+    """Put each line of a process into the queue, and "" after the last."""
+    for line in output:
+        lines.put(line)
+    lines.put("")
+
+
+def answers(name: str, seed: int, first: int, end: int) -> Iterator[list[Any]]:
+    """What came of the cases, in their order; one that ends or stops its process has failed, the next get another."""
+    while first < end:
+        command = [sys.executable, __file__, name, "--seed", str(seed), "--numbers", str(first), str(end)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+            threading.Thread(target=_pass_on, args=(process.stdout, lines), daemon=True).start()
+            while first < end:
+                try:
+                    line = lines.get(timeout=PATIENCE)
+                except queue.Empty:
+                    process.kill()
+                    yield [first, False, f"no answer for {PATIENCE:g} s", PATIENCE, 0]
+                    first += 1
+                    break
+                if line:
+                    yield json.loads(line)
+                    first += 1
+                    continue
+                if process.wait():
+                    yield [first, False, f"the process ended with {process.returncode}", 0.0, 0]
+                    first += 1
+                break
 
 
 def blind(name: str, cases: int, seed: int, found: Path) -> int:
     """So many mutated cases of one reader; returns how many failed."""
-    dice, corpus = random.Random(f"{name} {seed}"), seeds(name) or [b""]
+    corpus = seeds(name) or [b""]
     taken = failed = 0
-    slowest, begin = 0.0, time.process_time()
-    with tempfile.TemporaryDirectory() as folder:
-        read = readers(Path(folder))[name]
-        for data in [*corpus, *(mutated(dice, corpus) for _ in range(cases))]:
-            start = time.process_time()
-            try:
-                taken += judged(read, data)
-            except Exception as error:
-                failed += 1
-                print(f"{name}: {kept(found / name, data)}: {type(error).__name__}: {error}", file=sys.stderr)
-            slowest = max(slowest, time.process_time() - start)
+    slowest = cpu = memory = 0.0
+    for number, read, fault, seconds, most in answers(name, seed, 0, cases + len(corpus)):
+        taken += read
+        cpu += seconds
+        slowest, memory = max(slowest, seconds), max(memory, most)
+        if fault:
+            failed += 1
+            place = kept(found / name, case_of(name, seed, number, corpus))
+            print(f"{name}: {place}: {fault}", file=sys.stderr)
     print(json.dumps({"reader": name, "engine": "blind", "cases": cases + len(corpus), "taken": taken, "failed": failed,
-                      "slowest_s": round(slowest, 3), "cpu_s": round(time.process_time() - begin, 1)}))  # fmt: skip
+                      "slowest_s": round(slowest, 3), "memory_mb": round(memory / 2**20), "cpu_s": round(cpu, 1)}),
+          flush=True)  # fmt: skip
     return failed
 
 
@@ -260,7 +404,11 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--blind", action="store_true", help="without coverage, where atheris is missing")
     parser.add_argument("--corpus", type=Path, default=Path("build/fuzz/corpus"), help="what reached something new")
     parser.add_argument("--found", type=Path, default=Path("build/fuzz/found"), help="cases that failed")
+    parser.add_argument("--numbers", type=int, nargs=2, help=argparse.SUPPRESS)  # of cases, for a process of `blind`
     given = parser.parse_args(argv)
+    if given.numbers is not None:
+        serve(given.reader, given.seed, *given.numbers)
+        return 0
     if given.reader is None:
         print("\n".join(NAMES))
         return 0

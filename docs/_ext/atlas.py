@@ -11,8 +11,10 @@ import os
 from collections import defaultdict
 from html import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from docutils import nodes
 from pages import write_pages
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
@@ -68,7 +70,7 @@ def picture(found: Analysis) -> str:
     )
 
 
-def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], report: bool) -> str:
+def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], drawn: str, report: bool) -> str:
     """The page of one arm, in Markdown."""
     robot = found.robot
     heads = [joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
@@ -93,7 +95,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
         f"# {title(entry)}",
         f"{entry.about}. {_maker(entry)}{coranks or 'No families were found, which is no proof.'}. "
         f"{found.verdict.sentence.split(';')[0]}.",
-        "```{raw} html\n" + picture(found) + "\n```",
+        "```{raw} html\n" + drawn + "\n```",
         f'<a href="{entry.name}-report.html">The report: the arm in 3-D, conditions, workspace</a>' if report else "",
         f"```console\nrankdrop analyze {entry.name}\nrankdrop report {entry.name}\nrankdrop view {entry.name}\n```",
         "× any value; c coupled with others: `rankdrop conditions " + entry.name + "` has the formula. Values in rad, "
@@ -135,7 +137,10 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
 
 
-def index(entries: list[CatalogEntry], found: dict[str, Analysis], alike: dict[str, list[CatalogEntry]]) -> str:
+def index(
+    entries: list[CatalogEntry], found: dict[str, Analysis], alike: dict[str, list[CatalogEntry]],
+    pictures: dict[str, str],
+) -> str:  # fmt: skip
     """The page that lists them, with a box that narrows the list while one types."""
     rows = []
     for entry in entries:
@@ -144,7 +149,7 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis], alike: dict[s
         near = near_ideal(found[entry.name].robot)
         words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names, *(near.gained if near else ())])
         rows.append(
-            f'<tr data-words="{escape(words.lower())}"><td>{picture(found[entry.name])}</td>'
+            f'<tr data-words="{escape(words.lower())}"><td>{pictures[entry.name]}</td>'
             f'<td><a href="{entry.name}.html">{escape(entry.name)}</a><br>{escape(entry.about)}</td>'
             f"<td>{escape(entry.maker or 'from the literature')}</td><td>{_kinds(found[entry.name])}</td>"
             f"<td>{_near(near.text if near else '', alike[entry.name])}</td></tr>"
@@ -205,9 +210,11 @@ def write(app: Sphinx) -> None:
         others = (one for one in same if one is not entry)
         alike[entry.name] = sorted(others, key=lambda one: one.maker != entry.maker)  # those of the maker first
     reports = wanted(entries)
-    pages = {"index.md": index(entries, found, alike)}
+    pictures = {entry.name: picture(found[entry.name]) for entry in entries}
+    pages = {"index.md": index(entries, found, alike, pictures)}
     for entry in entries:
-        pages[f"{entry.name}.md"] = arm_page(entry, found[entry.name], alike[entry.name], entry.name in reports)
+        name = entry.name
+        pages[f"{name}.md"] = arm_page(entry, found[name], alike[name], pictures[name], name in reports)
     write_pages(Path(app.srcdir) / "atlas", pages)
 
 
@@ -223,8 +230,30 @@ def write_reports(app: Sphinx, error: Exception | None) -> None:
             target.write_text(report_page(content(shipped(name))), encoding="utf-8")
 
 
+def share_the_sidebar(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], tree: nodes.document | None
+) -> None:
+    """Make the sidebar once for all pages of arms: none of them is in it, so that it is the same in each.
+
+    For every page of a site the tree of all pages is copied and resolved, two fifths of the work of a build.
+    """
+    if not page.startswith("atlas/") or page == "atlas/index":
+        return
+    made: dict[str, str] = app.builder.__dict__.setdefault("sidebars_of_arms", {})
+    toctree = context["toctree"]
+
+    def shared(**options: Any) -> str:
+        asked = repr(sorted(options.items()))
+        if asked not in made:
+            made[asked] = toctree(**options)
+        return made[asked]
+
+    context["toctree"] = shared
+
+
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Write the pages before the source folder is read, and the reports when the site is there."""
     app.connect("builder-inited", write)
     app.connect("build-finished", write_reports)
+    app.connect("html-page-context", share_the_sidebar, priority=100)  # before the theme asks for the tree
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -206,6 +206,7 @@ CHANGES = ("posture change", "posture change within limits", "sign proof", "sign
            "sign proof of a point")  # fmt: skip
 
 
+@pytest.mark.spread(3)
 @pytest.mark.slow_at("posture change")
 @pytest.mark.slow_at("posture change within limits", "sign proof", "sign proof with a wrist")
 @pytest.mark.parametrize("kind", CHANGES)
@@ -224,6 +225,7 @@ def test_none_of_ten_thousand_forged_proofs_about_postures_passes(honest_changes
     assert other > 50
 
 
+@pytest.mark.spread(5)
 @pytest.mark.by_hand_at("ball")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)

@@ -117,6 +117,7 @@ def apart(one: Robot, two: Robot, q: Array) -> float:
     return max(relative(pose(one, q), pose(two, q)), relative(jacobian(one, q), jacobian(two, q)))
 
 
+@pytest.mark.spread(80)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PACKAGES)
 @pytest.mark.parametrize("arm", CATALOGUE)

@@ -180,6 +180,7 @@ def test_axe_finds_nothing_on_the_site(dark: bool, site: Path) -> None:
                 assert violations(browser, tags=("wcag2a", "wcag2aa", "wcag21a", "wcag21aa")) == [], (name, width)
 
 
+@pytest.mark.spread(4)
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
 @pytest.mark.parametrize(

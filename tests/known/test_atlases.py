@@ -94,6 +94,7 @@ def test_the_example_of_a_family_is_of_no_other_one(name):
             assert all(np.abs(systems[it.id].values(at)).max() > 1e-6 for it in same), one.id
 
 
+@pytest.mark.spread(16)
 @pytest.mark.by_hand_at("yumi", "tiago", "z1", *(set(robot_names()) - set(STRUCTURES)))
 @pytest.mark.slow
 @pytest.mark.shipped

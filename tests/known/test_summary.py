@@ -43,6 +43,7 @@ def explained(name: str, count: int) -> Iterator[Explanation]:
 FEW = robot_names()[::20]
 
 
+@pytest.mark.spread(24)
 @pytest.mark.by_hand_at(*(set(robot_names()) - {*STRUCTURES, *FEW}))
 @pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())

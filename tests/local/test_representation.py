@@ -87,6 +87,7 @@ def test_coordinates_stand_for_the_orientation_everywhere(name: str) -> None:
     assert max(exact) < 1e-14
 
 
+@pytest.mark.spread(12)
 @pytest.mark.by_hand_at("panda", "ur5")
 @pytest.mark.slow
 @pytest.mark.parametrize("robot_name", ["panda", "pa10", "ur5", "scara"])

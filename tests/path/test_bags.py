@@ -124,6 +124,7 @@ PACKED = [("bag", "BZ2"), ("bag", "LZ4"), ("sqlite3", "FILE"), ("sqlite3", "MESS
           ("mcap", "MESSAGE"), ("mcap", "STORAGE")]  # fmt: skip
 
 
+@pytest.mark.spread(4)
 @pytest.mark.by_hand_at("sqlite3-MESSAGE")
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "packed"), PACKED)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.path.read.files import read_trajectory
-from rankdrop.path.read.trajectory import TrajectoryError, unit_hint
+from rankdrop.path.read.files import holds_poses, read_trajectory
+from rankdrop.path.read.trajectory import TrajectoryError, names_of, unit_hint
 from rankdrop.robot.open import open_robot
 
 ARM = open_robot("scara")
@@ -187,3 +187,22 @@ def test_angles_that_look_like_the_other_unit_are_warned_of() -> None:
     assert "look like radians" in unit_hint(np.radians(Q), ARM, deg=True)
     assert unit_hint(np.radians(Q * 100), ARM, deg=True) is None
     assert unit_hint(np.zeros((3, 4)), ARM, deg=True) is None
+
+
+def test_a_name_longer_than_the_reader_takes_makes_no_file_of_poses(tmp_path: Path) -> None:
+    """Asked for before the file is read, Python's own error came out."""
+    file = tmp_path / "long.csv"
+    file.write_text("x" * 200_000 + ",y\n1,2\n")
+    assert not holds_poses(file, open_robot("planar2r"))
+    with pytest.raises(TrajectoryError, match="this is not CSV"):
+        names_of(file.read_text(), str(file))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_signalling_nan_is_refused_before_it_is_multiplied(tmp_path: Path) -> None:
+    """Half-precision files can hold one: NumPy warns where it is multiplied."""
+    rows = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], dtype=np.float16)
+    rows.view(np.uint16)[1, 2] = 0x7D00
+    np.save(tmp_path / "a.npy", rows)
+    with pytest.raises(TrajectoryError, match="is not finite"):
+        read_trajectory(tmp_path / "a.npy", open_robot("planar2r"), deg=True)

@@ -116,13 +116,13 @@ def test_the_arm_fills_its_picture_and_words_stand_apart(
     for family in contents[name].analysis.families:
         browser.run(f"rankdropReport.goTo('{family.id}', false)")
         large = browser.run("rankdropReport.drawn()")[0]
-        assert max(large["shares"]) >= 0.55, family.id
+        assert max(large["shares"]) >= 0.6, family.id
         for (x, y, w, h), (x2, y2, w2, h2) in combinations(large["words"], 2):
             assert abs(x - x2) >= w + w2 - 0.01 or abs(y - y2) >= h + h2 - 0.01, family.id
         for x, y, w, h in large["words"]:
             assert w - 1 <= x <= large["width"] - w + 1
             assert h - 1 <= y <= large["height"] - h + 1
-    assert all(max(small["shares"]) >= 0.55 for small in browser.run("rankdropReport.drawn()")[1:])
+    assert all(max(small["shares"]) >= 0.6 for small in browser.run("rankdropReport.drawn()")[1:])
 
 
 def test_away_from_the_family_the_page_says_regular(name: str, browser: Browser) -> None:

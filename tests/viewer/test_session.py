@@ -132,7 +132,7 @@ def test_every_word_from_a_file_is_escaped() -> None:
     assert known is not None
     families = tuple(replace(one, called=FamilyName(given="<script>x</script>")) for one in known.families)
     now = Live(arm, task, families).look(np.array(families[0].witness))
-    text = status_html(now, arm.n, 6, len(families))
+    text = status_html(now, arm.n, 6, {one.id: one.name for one in families})
     assert "<script>" not in text
     assert "&lt;script&gt;" in text
     assert "■ singular" in text
@@ -176,7 +176,7 @@ def test_the_panel_says_family_and_distance_once(q: tuple[float, ...]) -> None:
     assert known is not None
     now = Live(arm, task, known.families).look(np.array(q))
     found = explain(arm, q, evaluations=0)
-    above, below = status_html(now, arm.n, 6, len(known.families), found), details_html(found)
+    above, below = status_html(now, arm.n, 6, {one.id: one.name for one in known.families}, found), details_html(found)
     told = found.met or (found.far.nearest_family,)
     names = [escape(one.family.called.short) for one in told if one is not None]
     assert names

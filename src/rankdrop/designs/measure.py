@@ -34,6 +34,7 @@ from rankdrop.distance.share import NearShare, near_shares, slow_share
 from rankdrop.errors import RankdropError
 from rankdrop.exact import ExactFamily, exact_chain
 from rankdrop.families import CorankSummary, Family, search
+from rankdrop.families.parts import parts_of
 from rankdrop.families.record import CorankFamilies, family_out_of_units
 from rankdrop.families.table import families
 from rankdrop.local import generic_rank
@@ -44,7 +45,7 @@ from rankdrop.results.analysis import Settings
 from rankdrop.results.known import known_aspects
 from rankdrop.robot import Array, Drawing, Robot
 from rankdrop.robot.drawing import Place
-from rankdrop.schema.design import NEAR_SHARE
+from rankdrop.schema.design import FAMILY_PARTS, NEAR_SHARE
 from rankdrop.schema.families import ASPECTS_SUMMARY, CALLED
 from rankdrop.task import Task
 from rankdrop.text.families import condition_text
@@ -200,11 +201,11 @@ def measured(
 def _families(_: Problem, known: Analysis, _asked: Any, _seed: int) -> Measured:
     return {
         "verdict": known.verdict.word, "sentence": known.verdict.sentence, "rank": known.generic_rank,
-        "families": [_family(one, known.robot) for one in known.families],
+        "families": [_family(one, known.robot, known.task) for one in known.families],
     }, {"families": len(known.families)}  # fmt: skip
 
 
-def _family(family: Family, robot: Robot) -> Record:
+def _family(family: Family, robot: Robot, task: Task) -> Record:
     coupled, form = set(family.coupled), form_of(family, robot)
     return {
         "id": family.id,
@@ -212,6 +213,7 @@ def _family(family: Family, robot: Robot) -> Record:
         "structure": plain(form),
         "name": family.name,
         "called": encode(CALLED, family.called),
+        "about": encode(FAMILY_PARTS, parts_of(robot, task, family)),
         "corank": family.corank,
         "dimension": family.dimension,
         "pinned": [{"number": pin.number, "values": list(pin.values)} for pin in family.pinned],

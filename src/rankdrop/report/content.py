@@ -68,6 +68,7 @@ from rankdrop.text import (
     of_analysis,
     one_line,
     place_name,
+    place_parts,
     short,
 )
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
@@ -121,7 +122,7 @@ class Content:
             (`rankdrop.viewer.upright.upright`).
         blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
             freedom lost.
-        blame_words: per family the sets from which all its dependencies follow, in words.
+        blame_words: per family the sets from which all its dependencies follow, in words, after the part of the arm.
         exact: the conditions, exactly; None where they are not to be had, or stand in the analysis (`Analysis.exact`).
         exact_missing: why not; "" otherwise.
         slices: planes of joint space.
@@ -284,7 +285,10 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
     found = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
     smallest = blame(robot, family.witness, task)
     numbers = sorted({number for circuit in smallest for number in circuit.numbers})
-    return tuple(numbers), tuple(circuit.words for circuit in found)
+    words = [circuit.words for circuit in found]
+    if words and (part := place_parts(robot, task, np.asarray(family.witness), family.corank)):
+        words[0] = f"{part}: {words[0]}"
+    return tuple(numbers), tuple(words)
 
 
 MOST = 6_000

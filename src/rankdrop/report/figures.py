@@ -68,7 +68,7 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         sides = 4 if slides else _SIDES
         half = _HALF * size * axis
         _add(axes, barrel_mesh(place - half, place + half, _RADIUS * size, sides=sides), tone)
-        reached = (_HALF + (0.2 if number in marked else long)) * size
+        reached = (_HALF + (0.12 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
         at = place + (reached + 0.03 * size) * axis
@@ -296,8 +296,8 @@ def new_figure(size: tuple[float, float], what: str = "a figure for papers") -> 
 
 ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 """Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
-_ARROW, _SHARE = 0.32, 0.25  # length per reach, and at most per size of the arm as it stands
-_ELEVATION, _TITLE = 20.0, 58  # of the view [°]; characters of a line of the title
+_ARROW, _SHARE = 0.32, 0.2  # length per reach, and at most per size of the arm as it stands
+_ELEVATION, _TITLE = 12.0, 58  # of the view [°]; characters of a line of the title
 _OUTSIDE = {
     "outside": " (outside the joint limits)", "none found": " (no member found inside the joint limits)",
 }  # fmt: skip
@@ -348,7 +348,7 @@ def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
     from mpl_toolkits.mplot3d import proj3d
 
     low, high = points.min(axis=0), points.max(axis=0)
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2 + 0.01 * size, 0.16 * size)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2 + 0.01 * size, 0.12 * size)
     (left, near, floor), (right, far, top) = middle - half, middle + half
     axes.set(xlim=(left, right), ylim=(near, far), zlim=(floor, top))
     axes.set_position([0.0, 0.0, 1.0, 1.0])
@@ -360,8 +360,8 @@ def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
     wide, tall = 2 * np.abs(axes.transAxes.inverted().transform(axes.transData.transform(flat)) - 0.5).max(axis=0)
     axes.set_box_aspect(half, zoom=min(_FILLED[0] / wide, _FILLED[1] / tall))
     axes.tick_params(labelsize=6, pad=-2)
-    axes.tick_params(axis="z", pad=4)
-    for name, share, away in zip("xyz", half / half.max(), (-7, -7, 9), strict=True):
+    axes.tick_params(axis="z", pad=1)
+    for name, share, away in zip("xyz", half / half.max(), (-7, -7, 3), strict=True):
         axis = getattr(axes, f"{name}axis")
         axis.set_major_locator(MaxNLocator(nbins=max(2, int(np.ceil(4 * share)))))
         if share < _SHORT:

@@ -89,6 +89,7 @@ MEASURES = table(
 )
 _PIN = tuple[Positive, bool, many(num("deg or m")), Count]  # type: ignore[misc,valid-type]
 _STRUCTURE = tuple[Positive, Count, many(_PIN), many(Positive)]  # type: ignore[misc,valid-type]
+FAMILY_PARTS = table("family_parts", parts=many(str), either=bool, base=bool)
 ARMS_FAMILY = table(
     "arms_family",
     id=str,
@@ -98,6 +99,7 @@ ARMS_FAMILY = table(
         "slides, values that do not depend on lengths, and how many others it has"),
     name=str,
     called=(optional(dict[str, Any]), "the name as facts, as in an analysis; since 0.3"),
+    about=(optional(FAMILY_PARTS), "parts of the arm that it is about; since 0.3"),
     corank=Positive,
     dimension=Count,
     pinned=many(INSIDE_PINNED),

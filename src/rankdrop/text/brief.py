@@ -13,6 +13,8 @@ from rankdrop.distance.share import Near
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.equation import pretty_angle
 from rankdrop.families.lost import LostFreedom
+from rankdrop.families.name import ArmPart
+from rankdrop.families.parts import FamilyParts
 from rankdrop.families.record import Family, Pin, SpeedDistance
 from rankdrop.options import advised
 from rankdrop.results.names import name_of
@@ -34,7 +36,7 @@ from rankdrop.text.families import (
     within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
-from rankdrop.text.special import family_label, family_title
+from rankdrop.text.special import family_label, family_title, label_words
 from rankdrop.text.words import listing
 
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
@@ -196,11 +198,21 @@ def _measured(record: Mapping[str, Any]) -> str:
     coranks = sorted({one["corank"] for one in families})
     for corank in coranks:
         mine = [one for one in families if one["corank"] == corank]
-        named = ", ".join(dict.fromkeys(name_of(one).short for one in mine))
+        named = ", ".join(dict.fromkeys(map(_label_of, mine)))
         parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
     if record.get("verdict", "verified") != "verified":
         parts += [record["sentence"]]
     return "; ".join(parts) or "no family of singularities was found"
+
+
+def _label_of(family: dict[str, Any]) -> str:
+    """The parts of the arm that a family of a comparison is about, else its short name."""
+    about = family.get("about")  # since 0.3
+    if about is None:
+        parts = FamilyParts(())
+    else:
+        parts = FamilyParts(tuple(map(ArmPart, about["parts"])), about["either"], about["base"])
+    return label_words(parts, name_of(family))
 
 
 def assumed_line(conditions: Any) -> str:

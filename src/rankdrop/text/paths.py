@@ -19,6 +19,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.text.places import row_words, turn_far_words, when
 from rankdrop.text.remedies import local_lines
+from rankdrop.text.special import place_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
     NEVER_TURNS,
@@ -187,7 +188,7 @@ def _reached(check: Any) -> Iterator[str]:
         part = [one for one in check.crossings if one.verdict == kind]
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
-            yield f"{words.format(times)}, first {part[0].name or 'an unnamed family'}, {when(part[0].closest.place)}"
+            yield f"{words.format(times)}, first {stretch_place(check, part[0])}, {when(part[0].closest.place)}"
     if check.tool is not None and check.tool.passed:
         yield passing_words(check.tool.passed)
     if check.margin == "violated" and not check.crossings:
@@ -211,7 +212,8 @@ def _violation(one: Any, check: Any) -> str:
     if one.what == "rate":
         near = ""
         if isfinite(one.distance):
-            near = f", {short(degrees(one.distance), 2)}° from a singularity ({one.name})"
+            name = _place(check, one.foot, one.name)
+            near = f", {short(degrees(one.distance), 2)}° from a singularity ({name})"
         limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {when(one.place)}{near}"
         if one.proven:
             return f"not possible at the programmed speed: {limit}"
@@ -264,7 +266,7 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
     near = min((one for one in check.stretches if isfinite(one.closest.distance)),
                key=lambda one: one.closest.distance, default=None)  # fmt: skip
     if near is not None:
-        lines.append(f"Nearest singularity: {near.name or 'a singularity'}, {_where(near)}.")
+        lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_where(near)}.")
     if check.source == "on the spot":
         source = "none known, found on the spot"
     else:
@@ -451,7 +453,7 @@ def path_sections(
     if full or len(met) <= DESCRIBED:
         lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
     else:
-        lines = [f"{_crossed(one)}, {when(one.closest.place)}" for one in met[:LISTED]]
+        lines = [f"{_crossed(one, check)}, {when(one.closest.place)}" for one in met[:LISTED]]
         if len(met) > LISTED:
             more = f"and {len(met) - LISTED} more; "
         else:
@@ -471,7 +473,7 @@ def path_sections(
 
 def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
     """A stretch that is not free: what it reaches, where, and what is lost."""
-    yield f"{_crossed(one)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
+    yield f"{_crossed(one, check)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
     yield f"    at {joints_words(check.robot, one.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
     if not full:
@@ -487,15 +489,36 @@ def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[s
                f"{joint.velocity:.4g}; {one.speed_factor:.3g} of the speed keeps it")  # fmt: skip
 
 
-def _crossed(one: Any) -> str:
+def stretch_place(check: Any, one: Any) -> str:
+    """The part of the arm that is special where a stretch reaches a singularity, or comes nearest to one.
+
+    The name of the family where no part is special there, or no singular configuration is known.
+    """
+    if one.corank:
+        q = one.closest.q
+    else:
+        q = one.closest.foot
+    return _place(check, q, one.name, one.corank)
+
+
+def _place(check: Any, q: Array, name: str, corank: int = 0) -> str:
+    """The part of the arm that is special at a singular configuration q (n,); the name without any, or without q."""
+    if len(q):
+        place = place_words(check.robot, check.task, q, max(corank, 1))
+    else:
+        place = ""
+    return place or name or "an unnamed family"
+
+
+def _crossed(one: Any, check: Any) -> str:
     verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
-    return f"{verb} {one.name or 'an unnamed family'}{_id(one)}"
+    return f"{verb} {stretch_place(check, one)}{_id(one)}"
 
 
 def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
     limited = any(not isnan(one.speed_factor) for one in free)
     columns: dict[str, Callable[[Any], str]] = {
-        "nearest family": lambda one: f"{one.name or '(not known)'}{_id(one)}",
+        "nearest family": lambda one: f"{stretch_place(check, one)}{_id(one)}",
         "rows": lambda one: f"{row_words(one.start)} – {row_words(one.end)}",
         "time [s]": lambda one: f"{one.start.time:.4g} – {one.end.time:.4g}",
         "closest": lambda one: "at its end" if one.closest.distance < _LEADS else _far(one.closest.distance),

@@ -11,7 +11,7 @@ import numpy as np
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
-from rankdrop.text.paths import crossing_lines, free_words, joints_words, turn_words
+from rankdrop.text.paths import crossing_lines, free_words, joints_words, stretch_place, turn_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
 from rankdrop.text.words import angle, motion, plural, short
 from rankdrop.units import counted_length
@@ -84,11 +84,16 @@ def _reached(check: Any) -> Iterator[str]:
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             first = part[0]
-            name = first.stretch.name or "an unnamed family"
+            name = stretch_place(_path_of(first.stretch, check), first.stretch)
             yield f"{words.format(times)}: {name}, {_in_line(first.line, first.text)}"
     passed = [part.moves[index] for part in check.parts for index in part.passed]
     if passed:
         yield f"goes through a singularity {_in_line(passed[0].line, passed[0].text)}"
+
+
+def _path_of(stretch: Any, check: Any) -> Any:
+    """The checked path of a program that has this stretch."""
+    return next(path for path in check.checks if any(part is stretch for part in path.stretches))
 
 
 def _ended(check: Any) -> Iterator[str]:
@@ -277,7 +282,7 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
                              lines=tuple(words if full else words[:_LISTED]), notes=tuple(more)))  # fmt: skip
     lines = []
     for one in check.met if full else check.met[:_NAMED]:
-        path = next(path for path in check.checks if any(part is one.stretch for part in path.stretches))
+        path = _path_of(one.stretch, check)
         head, *rest = crossing_lines(one.stretch, path, deg=True, full=full)
         lines += [f"line {one.line}: {head}", *rest]
     if lines:

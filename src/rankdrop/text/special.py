@@ -8,10 +8,11 @@ from math import degrees, radians
 import numpy as np
 
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.parts import parts_of
+from rankdrop.families.name import FamilyName
+from rankdrop.families.parts import FamilyParts, parts_of
 from rankdrop.families.record import Family
 from rankdrop.local.special import Shape, Special, specials_at
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.text.words import joint_word, listing, short
 
@@ -78,8 +79,18 @@ def _detail(one: Special, names: Sequence[str]) -> str:
 def place_name(robot: Robot, task: Task, family: Family) -> str:
     """The part of the arm that is special at the witness, as `explain` names it; the family's name without any."""
     q = np.asarray(family.witness, dtype=np.float64)
+    return place_words(robot, task, q, family.corank) or family.name
+
+
+def place_words(robot: Robot, task: Task, q: Array, corank: int = 1) -> str:
+    """The part of the arm that is special at a singular configuration q (n,), as `explain` names it; "" without any."""
     names = [joint.name for joint in robot.variables]
-    return special_words(specials_at(robot, task, q, family.corank), names) or family.name
+    return special_words(specials_at(robot, task, q, corank), names)
+
+
+def place_parts(robot: Robot, task: Task, q: Array, corank: int) -> str:
+    """The parts of the arm that are special at a singular configuration q (n,) alone."""
+    return parts_words(specials_at(robot, task, q, corank))
 
 
 def family_label(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
@@ -87,20 +98,28 @@ def family_label(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
 
     "shoulder and elbow", "base and wrist", or for one condition near several places "shoulder, elbow or wrist".
     """
-    return _parts(robot, task, family) or family.called.short
+    return label_words(_parts_of(robot, task, family), family.called)
+
+
+def label_words(parts: FamilyParts, name: FamilyName) -> str:
+    """The parts of the arm that a family is about, else its short name."""
+    return _words_of_parts(parts) or name.short
 
 
 def family_title(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
     """The name of a family with the parts of the arm in front: "elbow: axes 3 and 5 aligned"."""
-    parts = "" if family.called.parts else _parts(robot, task, family)
+    parts = "" if family.called.parts else _words_of_parts(_parts_of(robot, task, family))
     if not parts:
         return family.name
     return f"{parts}: {family.name}"
 
 
-def _parts(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+def _parts_of(robot: Robot, task: Task, family: Family | ExactFamily) -> FamilyParts:
+    return parts_of(robot, task, family.as_family(robot) if isinstance(family, ExactFamily) else family)
+
+
+def _words_of_parts(found: FamilyParts) -> str:
     """The parts of the arm that a family is about in words; "" where none is known."""
-    found = parts_of(robot, task, family.as_family(robot) if isinstance(family, ExactFamily) else family)
     words = [part.value for part in found.parts]
     if found.either:
         words = [f"{', '.join(words[:-1])} or {words[-1]}"]

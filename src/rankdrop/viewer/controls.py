@@ -18,6 +18,7 @@ from rankdrop.poses import Aim
 from rankdrop.results import Explanation
 from rankdrop.robot import Array, Robot
 from rankdrop.task import WORLD_ALIGNED, Task
+from rankdrop.text import family_title
 from rankdrop.viewer import panel
 from rankdrop.viewer.scene import Now, wxyz
 from rankdrop.viewer.session import Session
@@ -57,6 +58,7 @@ class Controls:
         self._said = ""  # the details, while they are of the configuration that is shown
         self.message = gui.add_html("")
         self.tabs = gui.add_tab_group()
+        self.titles = {one.id: family_title(self.robot, self.live.task, one) for one in self.live.families}
         self.joints = tuple(f"{number} {joint.name}" for number, joint in enumerate(self.robot.variables, start=1))
         self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
         self._handle = server.scene.add_transform_controls("/handle", scale=0.22 * self.live.size, visible=False)
@@ -145,12 +147,11 @@ class Controls:
 
     def _tell(self, now: Now, found: Explanation | None) -> None:
         """Status and details, of one configuration both; details of another one are dimmed until it is explained."""
-        known = len(self.live.families)
         if found is not None:
             details = panel.details_html(found)
         else:
             details = panel.dimmed_html(self._said)
-        status = panel.status_html(now, self.robot.n, self.live.generic_rank, known, found)
+        status = panel.status_html(now, self.robot.n, self.live.generic_rank, self.titles, found)
         if found is not None or self._said:
             self._details.content, self._said = details, details if found is not None else ""
         self._status.content = status

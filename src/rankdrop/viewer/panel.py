@@ -6,7 +6,7 @@ them says anything that a word beside it does not say.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from html import escape
 from math import isfinite
 
@@ -32,14 +32,14 @@ _FRAMES = 2  # base and tool; `explain` has the link as well
 
 
 def status_html(
-    now: Now, length_of_chain: int, generic_rank: int, known: int, found: Explanation | None = None
+    now: Now, length_of_chain: int, generic_rank: int, titles: Mapping[str, str], found: Explanation | None = None
 ) -> str:
     """Verdict, σ bars, family and distance.
 
     Args:
         now: what is known at once, with the distance by families.
         length_of_chain, generic_rank: of the arm.
-        known: how many families are.
+        titles: id of each known family -> its name, the parts of the arm first.
         found: the explanation of this very configuration, once there is one: it gives the verdict, and `details_html`
             family and distance, so that no two lines contradict each other.
     """
@@ -58,31 +58,33 @@ def status_html(
     else:
         motions = ""
     lines = [f"{badge} &nbsp;rank {now.seen.rank} of {generic_rank}{motions}",
-             *([_family_line(now, known)] if found is None else []), _bars(now, generic_rank)]  # fmt: skip
+             *([_family_line(now, titles)] if found is None else []), _bars(now, generic_rank)]  # fmt: skip
     if now.outside:
         lines.append(f"<b>beyond a limit:</b> joint {numbers(now.outside)}")
     return lines_html(lines)
 
 
-def _family_line(now: Now, known: int) -> str:
+def _family_line(now: Now, titles: Mapping[str, str]) -> str:
     if now.family is not None:
-        return f"on <b>{name_html(now.family)}</b>"
+        return f"on <b>{name_html(now.family, titles)}</b>"
     first = f"to the singular set {angle(now.distance) if isfinite(now.distance) else 'unknown'}"
     if now.at_least > 0.0:
         first += f", proven: at least {angle_below(now.at_least)}"
     if now.seen.corank:
-        if known:
+        if titles:
             first = "on none of the known families"
         else:
             first = "no families are known beforehand"
     if now.nearest is None:
         return first
-    return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {name_html(now.nearest)}"
+    return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {name_html(now.nearest, titles)}"
 
 
-def name_html(family: Family) -> str:
-    """Number and name of a family; of another set its name."""
-    return escape(f"{family.id} {family.name}".strip() if isinstance(family, Family) else family.name)
+def name_html(family: Family, titles: Mapping[str, str]) -> str:
+    """Number and name of a family, the parts of the arm first; of another set its name."""
+    if not isinstance(family, Family):
+        return escape(family.name)
+    return escape(f"{family.id} {titles.get(family.id, family.name)}".strip())
 
 
 def bar_share(sigma: float, largest: float) -> float:

@@ -83,6 +83,7 @@ def carried(pose: Array, points: Array) -> Array:
 
 
 LENGTH = 0.32  # of an arrow, as a share of the size
+_OF_ARM = 0.25  # of an arrow at most, as a share of the diagonal of the arm as it stands
 DASHES = 7  # of a dotted arrow
 HEAD = 0.18  # share of an arrow that is its head
 RINGS = 6  # capsule ends
@@ -302,6 +303,7 @@ class Live:
         far = self.monitor.distances(q[None])
         nearest, distance = (one[0] for one in far.nearest())
         links = link_poses(self.robot, q)
+        own = float(np.linalg.norm(np.ptp(links[:, :3, 3], axis=0)))
         r = self.generic_rank
         if r:
             lost = lost_directions(self.robot, q, self.task, max(1, seen.corank))
@@ -321,7 +323,7 @@ class Live:
             at_least=float(far.at_least[0]),
             links=links,
             lost=lost,
-            arrows=arrows(lost, links, self.task, self.size),
+            arrows=arrows(lost, links, self.task, self.size, min(LENGTH, _OF_ARM * own / self.size)),
             blamed=blamed,
             outside=tuple(int(i) + 1 for i in np.flatnonzero((q < self._lower) | (q > self._upper))),
         )

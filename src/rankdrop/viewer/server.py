@@ -31,7 +31,6 @@ PORT = 8765
 """Where it listens by default; a later one where this is in use."""
 HOST = "127.0.0.1"
 _POSED = 60  # families whose witnesses are put into good postures: hundreds, of calibrated arms, would take seconds
-_SEEN = 4  # families that the camera shows whole from the start
 _SOURCES = {"catalogue": "from the catalogue", "analysis": "from the analysis given", "on the spot": "none known"}
 
 
@@ -102,8 +101,7 @@ class Viewer:
         self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
                                frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
-        shown = [one.witness for one in families if one.corank == 1][:_SEEN]
-        self.stage.look_at_arm(np.array([start, *shown]))
+        self.stage.look_at_arm(np.asarray(start))
         self.controls = Controls(self.server, self.session, self.stage)
         bound_uploads(self.server, self.controls.say)
         self._escape = EscapeTab(self.controls)
@@ -198,6 +196,8 @@ class Viewer:
         now = self.controls.now
         if now is not None and np.array_equal(now.q, found.q):
             self.stage.blame([one.numbers for one in found.blame.smallest], now)
+            if not self.session.moving:
+                self.stage.keep_in_view(found.q)
 
     def failed(self, error: BaseException) -> None:
         """Say what went wrong."""

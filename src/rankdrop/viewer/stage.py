@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.families import VIEW
 from rankdrop.kinematics import link_poses
 from rankdrop.local import spine
-from rankdrop.robot import Array, Mesh
+from rankdrop.robot import Array, Mesh, Robot, reach
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
 from rankdrop.viewer.scene import Live, Now, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
 
@@ -28,36 +28,67 @@ _BODY = 0.05  # of links and joints about the line of the arm, per size
 _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
-FOV = np.radians(75.0)
-"""Angle of view of the page from top to bottom, as viser has it [rad]."""
+FOV = np.radians(40.0)
+"""Angle of view of the page from top to bottom: wider ones enlarge near parts [rad]."""
 FREE = {True: (0.64, 1.0), False: (1.0, 0.5)}
 """Width and height of what the panel leaves of the window, which is wide or upright: left of it, or above it."""
 _ASPECT = 1.55  # of a window that is wide, until it is known
-_FILLED = 0.86  # of that part that everything shown may take
+_FILLED = 0.92  # of that part that the arm takes at the start; the rest is for its arrows
+_NEAREST = 1e-3  # of the camera to a point [m]
+_STEEP = 0.05  # sine of the angle between the view and the upright from which the camera is moved
 TOWARD = np.array([np.cos(VIEW) * np.cos(0.38), np.sin(VIEW) * np.cos(0.38), np.sin(0.38)])
 """(3,) from the arm to the camera."""
 
 
-def camera_for(points: Array, *, wide: bool, aspect: float = _ASPECT) -> tuple[Array, Array]:
-    """Position and aim of a camera that these points (N, 3) [m] fill the free part of the window of, in its middle.
+def camera_for(
+    points: Array, *, wide: bool, aspect: float = _ASPECT, toward: Array = TOWARD
+) -> tuple[Array, Array]:
+    """Position and aim of the nearest camera that sees these points (N, 3) [m] in the free part of the window.
+
+    A point (x, z), z towards the camera, is seen from (X, Z) inside the edges of slopes L and R where
+    L (Z − z) ≤ x − X ≤ R (Z − z). Such an X exists for Z ≥ (max (x + R z) − min (x + L z)) / (R − L).
 
     Args:
         points: what is to be seen.
         wide: the panel is on the right; else below.
         aspect: width of the window over its height.
+        toward: (3,) unit vector from the points to the camera, not upright.
     """
-    right = np.array([-np.sin(VIEW), np.cos(VIEW), 0.0])
-    up = np.cross(TOWARD, right)
-    flat = points @ np.stack([right, up, TOWARD], axis=1)
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    span, middle = np.maximum(high - low, 1e-3), (low + high) / 2
-    free = np.array(FREE[wide])
-    half = np.tan(FOV / 2) * np.array([aspect, 1.0])  # of the window, per distance
-    away = float((span[:2] / (2 * half * free * _FILLED)).max())
-    away += float(high[2] - middle[2])  # what is near looks larger
-    beside, above = (1 - free) * half * away * np.array([1.0, -1.0])
-    aim = right * (middle[0] + beside) + up * (middle[1] + above) + TOWARD * middle[2]
-    return aim + away * TOWARD, aim
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    up = np.cross(toward, right)
+    across, height, near = (points @ np.stack([right, up, toward], axis=1)).T
+    free, half = np.array(FREE[wide]), np.tan(FOV / 2) * np.array([aspect, 1.0])
+    room = (1.0 - _FILLED) * half * free
+    low = half * [-1.0, 1.0 - 2.0 * free[1]] + room
+    high = half * [2.0 * free[0] - 1.0, 1.0] - room
+    ends = list(zip((across, height), low, high, strict=True))
+    least = np.array([(place + edge * near).min() for place, edge, _ in ends])
+    most = np.array([(place + edge * near).max() for place, _, edge in ends])
+    depth = max(float(((most - least) / (high - low)).max()), float(near.max()) + _NEAREST)
+    side = (least - low * depth + most - high * depth) / 2
+    position = right * side[0] + up * side[1] + toward * depth
+    return position, position - (depth - float(near.min() + near.max()) / 2) * toward
+
+
+def extent(robot: Robot, q: Array) -> Array:
+    """(N, 3) points about the body of the arm at q (n,) [m]."""
+    ends, body = spine(robot, q[None])[0], _BODY * reach(robot)
+    return np.vstack([ends - body, ends + body])
+
+
+def leaves_window(points: Array, position: Array, aim: Array, aspect: float) -> bool:
+    """Whether a camera at `position` (3,) that looks at `aim` (3,) does not see all the points (N, 3) [m]."""
+    ahead = (aim - position) / np.linalg.norm(aim - position)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right /= max(float(np.linalg.norm(right)), 1e-9)
+    off = points - position
+    half = np.tan(FOV / 2) * (off @ ahead)
+    return bool(
+        (half <= 0.0).any()
+        or (np.abs(off @ right) > half * aspect).any()
+        or (np.abs(off @ np.cross(right, ahead)) > half).any()
+    )
 
 
 def rgb(colour: str) -> Rgb:
@@ -164,23 +195,33 @@ class Stage:
         if not shown:
             self.show_ghost(None)
 
-    def look_at_arm(self, configurations: Array) -> None:
+    def look_at_arm(self, q: Array) -> None:
         """Place the camera so that the arm fills what the panel leaves of the window, left of it or above it.
 
         Args:
-            configurations: (N, n) at which it is to be seen whole, with its arrows [rad, m].
+            q: (n,) at which it is to be seen whole [rad, m].
         """
-        heads = [arrow.end for q in configurations for arrow in self.live.look(q).arrows]
-        ends = spine(self.live.robot, configurations).reshape(-1, 3)
-        self._seen = np.vstack([ends - _BODY * self.size, ends + _BODY * self.size, *heads])
+        self._seen = extent(self.live.robot, q)
         camera = self.server.initial_camera
         camera.position, camera.look_at = camera_for(self._seen, wide=True)
+        camera.fov = FOV
         self.server.on_client_connect(self._turn_upright)
 
     def _turn_upright(self, client: viser.ClientHandle) -> None:
         aspect = float(client.camera.aspect)
         if aspect < 1.0:
             client.camera.position, client.camera.look_at = camera_for(self._seen, wide=False, aspect=aspect)
+
+    def keep_in_view(self, q: Array) -> None:
+        """Move the cameras that do not see the whole arm at q (n,), each along its own direction of view."""
+        ends, seen = spine(self.live.robot, q[None])[0], extent(self.live.robot, q)
+        for client in self.server.get_clients().values():
+            camera = client.camera
+            toward = camera.position - camera.look_at
+            toward = toward / np.linalg.norm(toward)
+            aspect = float(camera.aspect)
+            if np.hypot(*toward[:2]) > _STEEP and leaves_window(ends, camera.position, camera.look_at, aspect):
+                camera.position, camera.look_at = camera_for(seen, wide=aspect >= 1.0, aspect=aspect, toward=toward)
 
     def paint(self, *, dark: bool) -> None:
         """Colours of the body and the floor for a light or a dark page."""

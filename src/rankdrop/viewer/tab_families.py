@@ -51,7 +51,7 @@ class FamiliesTab:
 
     def __init__(self, controls: Controls, source: str) -> None:
         self.controls = controls
-        self.families = {f"{family.id} {family.name}": family for family in controls.live.families}
+        self.families = {f"{family.id} {controls.titles[family.id]}": family for family in controls.live.families}
         gui = controls.server.gui
         with controls.tabs.add_tab("Families"):
             controls.button("go to the nearest singular configuration", self._nearest, colour="blue")
@@ -89,7 +89,8 @@ class FamiliesTab:
 
     def _describe(self) -> None:
         family, robot = self.family, self.controls.robot
-        lines = [f"<b>{plain(family.name)}</b>", f"corank {family.corank}, dimension {family.dimension}",
+        lines = [f"<b>{plain(self.controls.titles[family.id])}</b>",
+                 f"corank {family.corank}, dimension {family.dimension}",
                  *map(plain, condition_sentences(robot, self.controls.live.task, family)),
                  *(f"lost: {plain(words)}" for words in lost_sentences(family.lost_freedoms)),
                  plain(lost_note(robot, family.lost_freedoms))]  # fmt: skip
@@ -203,8 +204,9 @@ class TourTab:
         self.place = (max(self.place, 0 if steps < 0 else -1) + steps) % len(self.stops)
         family = self.stops[self.place]
         note = lost_note(self.controls.robot, family.lost_freedoms)
+        title = self.controls.titles[family.id]
         self._told.content = panel.large_html(
-            f"{self.place + 1} of {len(self.stops)} · {family.name}", sentence_of(family.lost_freedoms[0])
+            f"{self.place + 1} of {len(self.stops)} · {title}", sentence_of(family.lost_freedoms[0])
         ) + panel.message_html(f"The tool {lost_sentence(family.lost_freedoms[0])}.{note and f' {note}'}")
         self.controls.session.go(np.array(family.witness))
 

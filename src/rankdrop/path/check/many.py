@@ -20,6 +20,7 @@ from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.text.paths import stretch_place
 
 _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
@@ -129,8 +130,19 @@ def _record(check: PathCheck | ProgramCheck) -> Record:
     met = sum(one.verdict in (CROSSING, TOUCHING) for one in check.stretches)
     return {
         "verdict": check.verdict, "sentence": check.sentence, "rows": check.rows, "free_share": check.free_share,
-        "met": met, "nearest_rad": plain(near), "name": check.stretches[0].name if check.stretches else "",
+        "met": met, "nearest_rad": plain(near), "name": _name(check),
     }  # fmt: skip
+
+
+def _name(check: PathCheck | ProgramCheck) -> str:
+    """The part of the arm that is special at the singularity reached, or nearest, or the name of its family."""
+    if not check.stretches:
+        return ""
+    worst = check.stretches[0]
+    for path in check.checks if isinstance(check, ProgramCheck) else (check,):
+        if any(one is worst for one in path.stretches):
+            return stretch_place(path, worst)
+    return worst.name
 
 
 def _parts(file: Path) -> list[Path]:

@@ -129,6 +129,7 @@ class Violation:
         proven: the limit is exceeded; False: only a bound exceeds it.
         name: of the family nearest to that place; "" where none is known.
         distance: to it [rad; slides divided by the length scale]; inf where none is known.
+        foot: (n,) the configuration of that family nearest to the place; empty where none is known [rad, m].
     """
 
     what: str
@@ -139,6 +140,7 @@ class Violation:
     proven: bool
     name: str
     distance: float
+    foot: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -419,7 +419,8 @@ class Survey:
             excess, rows = (reached if proven else bound)[:, j], np.flatnonzero(outside[:, j])
             first = int(rows[0] if len(rows) else excess.argmax())
             place = self.path.place((first, 0.0) if first < len(control) else (first - 1, 1.0))
-            over.append(Violation("range", j + 1, place, float(excess.max()), len(rows), proven, "", np.inf))
+            far, foot = np.inf, np.zeros(0)
+            over.append(Violation("range", j + 1, place, float(excess.max()), len(rows), proven, "", far, foot))
         return tuple(over)
 
     def _too_fast(self) -> Violation | None:
@@ -437,12 +438,11 @@ class Survey:
         amount, middle = float(shares[stretch, joint]), np.array([0.5])
         if amount <= _KEPT:
             return None
-        family, distance, _ = self._nearest(self.path.at(np.array([stretch]), middle))
+        family, distance, feet = self._nearest(self.path.at(np.array([stretch]), middle))
+        name, far, foot = "", np.inf, np.zeros(0)
         if family[0] >= 0:
-            name, far = (self._near[family[0]].name, float(distance[0]))
-        else:
-            name, far = ("", np.inf)
-        return Violation("rate", joint + 1, self.path.place((stretch, 0.5)), amount, 0, proven, name, far)
+            name, far, foot = self._near[family[0]].name, float(distance[0]), feet[0]
+        return Violation("rate", joint + 1, self.path.place((stretch, 0.5)), amount, 0, proven, name, far, foot)
 
     def _split_up(self, start: Place, stop: Place) -> Iterator[tuple[Place, Place, int, int]]:
         """A free part cut where the nearest family changes: start, end, family, index of the nearest place inside."""

@@ -538,7 +538,7 @@ def holds_poses(path: Path, robot: Robot) -> bool:
         text = read_text(path)
         if ending in OBJECTS:
             return list_in(loaded_poses(text, str(path), yaml=ending != ".json")) is not None
-        words = names_of(text)
+        words = names_of(text, str(path))
     except RankdropError:
         return False
     joints = {joint.name for joint in robot.variables}

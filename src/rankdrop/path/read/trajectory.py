@@ -13,6 +13,7 @@ from math import isfinite, radians
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.errors import ConfigurationError, RankdropError
 from rankdrop.path.curve import Curve, curve
@@ -123,20 +124,29 @@ def checked(
     Raises:
         TrajectoryError: one is not.
     """
+    _refuse_first(values, ~np.isfinite(values), robot, place, f"{what} is not finite")
     if factors is None:
         made = values
     else:
         made = values * factors
     most = np.where(turning(robot), LARGEST_ANGLE, LARGEST_LENGTH)
-    for problem, good in (("not finite", np.isfinite(values)), ("too large", np.abs(made) <= most)):
-        for row, joint in np.argwhere(~good)[:1].tolist():
-            if robot.variables[joint].unit == "rad":
-                measure = "angle"
-            else:
-                measure = "length"
-            raise TrajectoryError(f"{what} is {problem}", where=place(row, joint), got=f"{values[row, joint]:g}",
-                                  allowed=allowed_range(measure) if problem == "too large" else None)  # fmt: skip
+    _refuse_first(values, np.abs(made) > most, robot, place, f"{what} is too large", ranged=True)
     return made
+
+
+def _refuse_first(
+    values: Array, wrong: NDArray[np.bool_], robot: Robot, place: Callable[[int, int], str], problem: str, *,
+    ranged: bool = False,
+) -> None:  # fmt: skip
+    """Raise of the first value (T, n) that is wrong, if one is; with the range of its kind where `ranged`."""
+    for row, joint in np.argwhere(wrong)[:1].tolist():
+        if not ranged:
+            allowed = None
+        elif robot.variables[joint].unit == "rad":
+            allowed = allowed_range("angle")
+        else:
+            allowed = allowed_range("length")
+        raise TrajectoryError(problem, where=place(row, joint), got=f"{values[row, joint]:g}", allowed=allowed)
 
 
 def checked_times(times: Array, where: Callable[[int], str]) -> Array:
@@ -440,10 +450,22 @@ def with_line_feeds(text: str) -> str:
     return text
 
 
-def names_of(text: str) -> list[str]:
-    """Words of the first row."""
+def names_of(text: str, where: str) -> list[str]:
+    """Words of the first row.
+
+    Args:
+        text: of the file.
+        where: the file, for an error.
+
+    Raises:
+        TrajectoryError: the row is not CSV.
+    """
     line = _first_line(with_line_feeds(text))
-    return [word.strip() for word in next(csv.reader([line], delimiter=delimiter_of(line), skipinitialspace=True), [])]
+    try:
+        words = next(csv.reader([line], delimiter=delimiter_of(line), skipinitialspace=True), [])
+    except csv.Error as error:
+        raise TrajectoryError(f"this is not CSV: {error}", where=f"{where}, the first line") from None
+    return [word.strip() for word in words]
 
 
 def delimiter_of(line: str) -> str:

@@ -1,7 +1,7 @@
 // The arm as capsules, its axes, and an arrow for each lost direction: solid for translation, dotted for rotation.
 
 const ARROW = 0.34; // length of an arrow, per reach
-const SHARE = 0.33; // of the size of the arm as it stands that an arrow is long at most: it does not make the arm small
+const SHARE = 0.25; // of the size of the arm as it stands that an arrow is long at most: it does not make the arm small
 const BODY = 0.043; // radius of a joint, per reach
 const ARROW_COLOURS = ["--lost1", "--lost2", "--lost3", "--lost4"];
 

@@ -86,7 +86,7 @@ def test_a_line_that_crosses_is_led_around(tmp_path: Path) -> None:
     assert 0.0 <= one.span[0] < 0.5 < one.span[1] <= 1.0
     (told,) = remedies_to_dict([one], arm)
     check_record("program", check.to_dict() | {"remedies": [told]})
-    assert (told["advice"], told["speed_share"], told["span"]) == ("detour", None, list(one.span))
+    assert (told["advice"], told["speed_share"], told["line_shares"]) == ("detour", None, list(one.span))
     assert max(told["change"]["moved"]) > 0.0
     words = remedy_words(one, arm)
     assert "% of its way is free (proven); after it the arm is in another posture: joint 4 by" in words

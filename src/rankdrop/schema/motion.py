@@ -482,6 +482,13 @@ PROGRAM_PARTS = table(
     path=(PATH_FILE | None, "its joint path, checked; null where its first target is out of reach",
         attrgetter("check")),
 )
+def _number(value: float) -> float | None:
+    """A number that nan stands for none of."""
+    if isnan(value):
+        return None
+    return value
+
+
 PROGRAM_REMEDIES = table(
     "program_remedies",
     line=(Positive, "of the program", lambda pair: pair[0].move.line),
@@ -491,11 +498,11 @@ PROGRAM_REMEDIES = table(
     words=(str, "the same in a sentence", lambda pair: remedy_words(*pair)),
     turn=(TURN | None, "the internal turn that is made before the line", lambda pair: pair[0].turn),
     speed_share=(num("1", ge=0, le=1) | None, "of its speed, that keeps the joint limits; null for other advice",
-        lambda pair: None if isnan(pair[0].factor) else pair[0].factor),
+        lambda pair: _number(pair[0].factor)),
     goal=(many(num("joint")) | None, "configuration at the target of a joint move", lambda pair: pair[0].goal),
     change=(CHANGES | None, "of the joint path of its part, by a bump or a detour", lambda pair: pair[0].change),
-    span=(pair(num("1"), num("1")) | None, "shares of the line between which it is changed",
-        lambda pair: None if pair[0].change is None else pair[0].span),
+    line_shares=(pair(num("1"), num("1")), "shares of the line between which it is changed; 0 and 1 where it is not",
+        lambda pair: pair[0].span),
     notes=(many(str), "why no bump and no detour was found", lambda pair: pair[0].notes),
 )
 PROGRAM_FILE = file(

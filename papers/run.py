@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from string import ascii_lowercase
 
-from papers.item import Item, Sheet, Verdict, count_words
+from papers.item import Item, Sheet, Verdict
 from rankdrop.errors import OptionError
 from rankdrop.results import Record
 from rankdrop.units import heading
@@ -129,20 +132,21 @@ def _sections(name: str) -> Iterable[tuple[str, Callable[[Sheet], None]]]:
 _HEAD = """# The five documents, reproduced
 
 Every table, figure, numeric example and checkable claim of the five documents behind this package: what is printed,
-what
-the package computes, and a verdict that is computed from the two. The page is written by
+what the package computes, and a verdict that is computed from the two. The page is written by
 `python -m papers all --markdown docs/reproduced.md`; a test makes it anew and compares.
 
-- **agrees**: within half a unit of the last printed digit, or to the tolerance of the identity (1e-9 unless it says
-  otherwise), or word for word.
+- **agrees**: within half a unit of the last printed digit, or to the tolerance of the identity, or word for word.
 - **rounding**: off by at most three units of the last printed digit.
 - **erratum**: what is printed is not so. The reason is given, and a computation that shows it was made and holds.
 - **unreproducible**: the document does not say enough to compute it, or to tell whether ours is the same thing.
 - **differs**: the package and the document contradict each other without a reason. There is none of these.
 
-"The same, within 1e-09 at random places" means that the printed formula was read as it stands, evaluated at random
-configurations and compared with what the package computes there.
+Our value follows the verdict; *agrees* alone: it is the printed one. A printed formula was read as it stands and
+evaluated at random configurations: it agrees with what the package computes there to 1e-9, or as is stated. An empty
+first cell repeats the one above. Letters in brackets are the notes above a table.
 """
+_OFTEN = 3
+"""Sentences that a document's items repeat so often become notes."""
 
 
 def markdown(reproduction: Reproduction) -> str:
@@ -154,17 +158,47 @@ def markdown(reproduction: Reproduction) -> str:
         for name in reproduction.documents
     ]
     for name in reproduction.documents:
-        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}: {count_words(reproduction.counts(name))}.", ""]
-        parts += ["| item | what | printed | ours | verdict |", "|---|---|---|---|---|"]
-        parts += [_row(item) for item in reproduction.of(name)]
+        items = reproduction.of(name)
+        notes = _notes(items)
+        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}.", ""]
+        parts += [f"- ({letter}) {_plain(sentence)}" for sentence, letter in notes.items()]
+        parts += [*([""] if notes else []), "| item | what | printed | verdict, ours |", "|---|---|---|---|"]
+        before = ("", *(item.item for item in items))
+        parts += [_row(item, last, notes) for item, last in zip(items, before, strict=False)]
     return "\n".join(parts) + "\n"
 
 
-def _row(item: Item) -> str:
-    verdict = f"**{item.verdict}**" if item.verdict is not Verdict.AGREES else str(item.verdict)
-    last = f"{verdict}. {item.reason}" if item.reason else verdict
-    return "| " + " | ".join(_cell(text) for text in (item.item, item.about, item.printed,
-        item.ours)) + f" | {_plain(last)} |"
+def _notes(items: Iterable[Item]) -> dict[str, str]:
+    """Sentence that several reasons contain -> its letter."""
+    counts = Counter(sentence for item in items for sentence in _sentences(item.reason))
+    often = [sentence for sentence, count in counts.items() if count >= _OFTEN]
+    return dict(zip(often, ascii_lowercase, strict=False))
+
+
+def _sentences(text: str) -> list[str]:
+    return re.split(r"(?<=\.) (?=[A-Z])", text) if text else []
+
+
+def _row(item: Item, before: str, notes: Mapping[str, str]) -> str:
+    """One line of a table; the name of the item only where it is not that of the line before."""
+    place = "" if item.item == before else item.item
+    cells = " | ".join(_cell(text) for text in (place, item.about, item.printed))
+    return f"| {cells} | {_cell(_outcome(item, notes))} |"
+
+
+def _outcome(item: Item, notes: Mapping[str, str]) -> str:
+    """Verdict, our value where it is not the printed one, and the reason."""
+    agrees = item.verdict is Verdict.AGREES
+    sentences = _sentences(item.reason)
+    marks = ", ".join(notes[sentence] for sentence in sentences if sentence in notes)
+    said = str(item.verdict) if agrees else f"**{item.verdict}**"
+    if marks:
+        said += f" ({marks})"
+    ours = item.ours.removeprefix("the same, ").removesuffix(" at random places")
+    if not (agrees and ours in (" ".join(item.printed.split()), "within 1e-09")):
+        said += f": {ours}"
+    rest = " ".join(sentence for sentence in sentences if sentence not in notes)
+    return f"{said}. {rest}" if rest else said
 
 
 def _cell(text: str) -> str:

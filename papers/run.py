@@ -141,9 +141,10 @@ what the package computes, and a verdict that is computed from the two. The page
 - **unreproducible**: the document does not say enough to compute it, or to tell whether ours is the same thing.
 - **differs**: the package and the document contradict each other without a reason. There is none of these.
 
-Our value follows the verdict; *agrees* alone: it is the printed one. A printed formula was read as it stands and
-evaluated at random configurations: it agrees with what the package computes there to 1e-9, or as is stated. An empty
-first cell repeats the one above. Letters in brackets are the notes above a table.
+What agrees is listed as place, quantity: printed value → our value. Without an arrow ours is the printed one; without
+a place, the place is that of the line above. A printed formula was read as it stands and evaluated at random
+configurations: it agrees with what the package computes there to 1e-9, or as is stated. Letters in brackets are the
+notes above a list.
 """
 _OFTEN = 3
 """Sentences that a document's items repeat so often become notes."""
@@ -162,9 +163,14 @@ def markdown(reproduction: Reproduction) -> str:
         notes = _notes(items)
         parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}.", ""]
         parts += [f"- ({letter}) {_plain(sentence)}" for sentence, letter in notes.items()]
-        parts += [*([""] if notes else []), "| item | what | printed | verdict, ours |", "|---|---|---|---|"]
-        before = ("", *(item.item for item in items))
-        parts += [_row(item, last, notes) for item, last in zip(items, before, strict=False)]
+        others = [item for item in items if item.verdict is not Verdict.AGREES]
+        if others:
+            parts += [*([""] if notes else []), "| item | what | printed | verdict, ours |", "|---|---|---|---|"]
+            parts += [_row(item, notes) for item in others]
+        agreeing = [item for item in items if item.verdict is Verdict.AGREES]
+        places = ["", *(item.item for item in agreeing)]
+        parts += ["", "Agrees:", ""]
+        parts += [_line(item, place, notes) for item, place in zip(agreeing, places, strict=False)]
     return "\n".join(parts) + "\n"
 
 
@@ -179,30 +185,34 @@ def _sentences(text: str) -> list[str]:
     return re.split(r"(?<=\.) (?=[A-Z])", text) if text else []
 
 
-def _row(item: Item, before: str, notes: Mapping[str, str]) -> str:
-    """One line of a table; the name of the item only where it is not that of the line before."""
-    place = "" if item.item == before else item.item
-    cells = " | ".join(_cell(text) for text in (place, item.about, item.printed))
-    return f"| {cells} | {_cell(_outcome(item, notes))} |"
+def _row(item: Item, notes: Mapping[str, str]) -> str:
+    """The line of a table: an item that does not agree."""
+    marks, rest = _marked(item, notes)
+    said = f"**{item.verdict}**{marks}: {item.ours}{rest}"
+    return "| " + " | ".join(_cell(text) for text in (item.item, item.about, item.printed, said)) + " |"
 
 
-def _outcome(item: Item, notes: Mapping[str, str]) -> str:
-    """Verdict, our value where it is not the printed one, and the reason."""
-    agrees = item.verdict is Verdict.AGREES
-    sentences = _sentences(item.reason)
-    marks = ", ".join(notes[sentence] for sentence in sentences if sentence in notes)
-    said = str(item.verdict) if agrees else f"**{item.verdict}**"
-    if marks:
-        said += f" ({marks})"
+def _line(item: Item, before: str, notes: Mapping[str, str]) -> str:
+    """The line of a list: an item that agrees, with its place where that is not the place of the line before."""
+    marks, rest = _marked(item, notes)
+    place = "" if item.item == before else f"{item.item}, "
     ours = item.ours.removeprefix("the same, ").removesuffix(" at random places")
-    if not (agrees and ours in (" ".join(item.printed.split()), "within 1e-09")):
-        said += f": {ours}"
+    arrow = "" if ours in (" ".join(item.printed.split()), "within 1e-09") else f" → {ours}"
+    return "- " + _cell(f"{place}{item.about}: {item.printed}{arrow}{marks}{rest}")
+
+
+def _marked(item: Item, notes: Mapping[str, str]) -> tuple[str, str]:
+    """The letters of its notes, and what else its reason has."""
+    sentences = _sentences(item.reason)
+    letters = ", ".join(notes[sentence] for sentence in sentences if sentence in notes)
     rest = " ".join(sentence for sentence in sentences if sentence not in notes)
-    return f"{said}. {rest}" if rest else said
+    return f" ({letters})" if letters else "", f". {rest}" if rest else ""
 
 
 def _cell(text: str) -> str:
-    return _plain(" ".join(text.split()))
+    """Text in one line; columns of a row are separated by commas, or by semicolons where it has commas."""
+    flat = " ".join(text.split())
+    return _plain(flat.replace(" | ", "; " if ", " in flat else ", "))
 
 
 def _plain(text: str) -> str:

@@ -240,13 +240,13 @@ def exceptions(rows: Sequence[Row]) -> list[str]:
     return ["Exceptions:", "", *(f"- {text}: {', '.join(names)}" for text, names in arms.items())]
 
 
-def alike(rows: Iterable[Row]) -> Iterator[tuple[str, str, str]]:
-    """(joints, families per corank, arms) of makers' files, the commonest first."""
-    arms: dict[tuple[str, str], list[str]] = {}
-    for row in rows:
-        arms.setdefault((row.joints, row.families), []).append(f"`{row.name}`")
-    for (joints, families), names in sorted(arms.items(), key=lambda one: -len(one[1])):
-        yield joints, families, ", ".join(names)
+def alike(arms: Iterable[tuple[str, str, str]]) -> Iterator[tuple[str, str, str]]:
+    """Of (name, and two cells that arms may have in common): both cells and the names, the commonest first."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name, one, other in arms:
+        groups.setdefault((one, other), []).append(name)
+    for (one, other), names in sorted(groups.items(), key=lambda group: -len(group[1])):
+        yield one, other, ", ".join(names)
 
 
 def page() -> str:
@@ -256,15 +256,17 @@ def page() -> str:
     if missing:
         raise SystemExit(f"not measured: {', '.join(missing)}")
     rows = {kind: [row for (k, _), row in found.items() if k == kind and row] for kind in ("catalogue", "skeletons")}
-    named = ((f"`{row.name}`", row.about, row.families, aspects_of_row(row.name)) for row in rows["catalogue"])
-    parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "", *exceptions(rows["catalogue"]),
-             "", *table(("arm", "what it is", "families per corank", "aspects"), named), ""]  # fmt: skip
+    own = alike((f"`{row.name}`", row.families, aspects_of_row(row.name)) for row in rows["catalogue"])
+    parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "",
+             "`rankdrop robots` describes each arm.", "", *exceptions(rows["catalogue"]), "",
+             *table(("families per corank", "aspects", "arms"), own), ""]  # fmt: skip
+    theirs = alike((f"`{row.name}`", row.joints, row.families) for row in rows["skeletons"])
     fine = sum(row.fine for row in rows["skeletons"])
     parts += ["## Arms from their makers' files", "",
               f"{fine} of {len(rows['skeletons'])} end with exit code 0 from both commands. The files and their "
               "sources are in `tests/data/arms`, reduced to joints and links, their numbers word for word.", "",
               *exceptions(rows["skeletons"]), "",
-              *table(("joints", "families per corank", "arms"), alike(rows["skeletons"]))]  # fmt: skip
+              *table(("joints", "families per corank", "arms"), theirs)]  # fmt: skip
     return "\n".join(parts) + "\n"
 
 

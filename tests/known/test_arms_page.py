@@ -40,18 +40,22 @@ def part(heading: str) -> str:
     return PAGE.read_text(encoding="utf-8").partition(f"## {heading}\n")[2].partition("\n## ")[0]
 
 
+def arms_of(heading: str) -> dict[str, tuple[str, str]]:
+    """Arm -> the first two cells of its row."""
+    lines = re.findall(r"^\| (.*) \| (.*) \| (`.*`) \|$", part(heading), re.MULTILINE)
+    return {name: (one, other) for one, other, arms in lines for name in re.findall(r"`(\w+)`", arms)}
+
+
 @cache
 def catalogue() -> dict[str, tuple[str, str]]:
     """Arm -> (families per corank, aspects), of the arms that have a name."""
-    lines = re.findall(r"^\| `(\w+)` \| .* \| (.*) \| (.*) \|$", part(CATALOGUE), re.MULTILINE)
-    return {name: (families, aspects) for name, families, aspects in lines}
+    return arms_of(CATALOGUE)
 
 
 @cache
 def files() -> dict[str, tuple[str, str]]:
     """Arm -> (joints, families per corank), of the arms of `data/arms`."""
-    lines = re.findall(r"^\| (\d+) \| (.*) \| (`.*`) \|$", part(FILES), re.MULTILINE)
-    return {name: (joints, families) for joints, families, arms in lines for name in re.findall(r"`(\w+)`", arms)}
+    return arms_of(FILES)
 
 
 @cache
@@ -74,7 +78,7 @@ def codes(heading: str, name: str) -> tuple[int, int]:
 
 
 def test_the_page_has_every_arm() -> None:
-    assert tuple(catalogue()) == robot_names()
+    assert sorted(catalogue()) == sorted(robot_names())
     assert sorted(files()) == sorted(NAMES)
     assert len(NAMES) == 98
     assert set(remarks(CATALOGUE)) < set(catalogue())

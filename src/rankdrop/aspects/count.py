@@ -180,7 +180,7 @@ def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
         work: limit of the work on cells.
 
     Raises:
-        OutOfTime: that limit was met.
+        OutOfTime: the work reached its limit.
     """
     signed, chain = signs.factors, signs.chain
     head = head_of(signs)

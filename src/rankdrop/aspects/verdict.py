@@ -1,6 +1,6 @@
 """The number of aspects of any arm with the verdict on changes of posture, within a budget.
 
-Proofs without a search are tried first. Where they decide nothing, the inverse is solved at `POSES` random poses.
+Proofs without a search are tried first; where they decide nothing, the inverse is solved at `POSES` random poses.
 """
 
 from __future__ import annotations

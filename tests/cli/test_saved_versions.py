@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cover import asked_about, verify
 from rankdrop.cover.covering import Covering, write_covering
+from rankdrop.errors import ResultFileError
 from rankdrop.proof.boxes import load
 from rankdrop.results.analysis import Analysis
 from rankdrop.schema import NAMES, load_schema
@@ -56,6 +57,22 @@ def test_a_saved_analysis_is_read_and_holds(path: Path) -> None:
     assert [family.name for family in found.families] == [family["name"] for family in saved["families"]]
     for family, row in zip(found.families, saved["families"], strict=True):
         np.testing.assert_array_equal(family.witness, row["witness"])
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if "families" in record(path).get("exact", {})], ids=label)
+def test_exact_conditions_that_an_old_file_lists_apart_are_those_of_its_families(path: Path) -> None:
+    saved = record(path)
+    listed = {one["id"]: one for one in saved["exact"]["families"]}
+    written = Analysis.load(path).to_dict()
+    assert listed.keys() == {family["id"] for family in written["families"]}
+    for family in written["families"]:
+        own = listed[family["id"]]
+        assert family["exact"] == {key: own[key] for key in ("pinned", "conditions", "latex", "reality")}
+    assert "families" not in written["exact"]
+    del saved["exact"]["matches"]
+    saved["exact"]["families"][0]["id"] = "k1.f9"
+    with pytest.raises(ResultFileError, match=r"\$.exact.families: .*no such family; got .*k1.f9"):
+        Analysis.from_dict(saved)
 
 
 SINCE = {"inverse", "program"}

@@ -10,9 +10,9 @@ import pytest
 from rankdrop.cli.analyze import corank_section
 from rankdrop.cli.terminal import screen, show
 from rankdrop.families.equation import Equation, Term
-from rankdrop.families.record import Derivation, ExactRow
+from rankdrop.families.record import ExactConditions
 from rankdrop.results.analysis import Analysis
-from rankdrop.text.families import conditions_of, coupled_conditions, joint_cell
+from rankdrop.text.families import conditions_of, coupled_conditions, exact_conditions, joint_cell
 from rankdrop.text.lost import lost_sentences
 
 
@@ -87,12 +87,13 @@ def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) ->
     row = shapes.families[2]
     long = Equation(tuple(Term(1.0 + i, "cos", (0, 2 * i, 2, 0, 0, 0, 0), (0,) * 7) for i in range(26)))
     fitted = replace(row, equations=(long,))
-    exact = ExactRow(row.id, "shoulder", 1, 6, (), ("a2 c2 + a3 c23 = 0",), ("",), "")
-    joined = Derivation("agrees", "on", 60.0, families=(exact,))
-    assert conditions_of(fitted, joined) == [("exactly", "a2 c2 + a3 c23 = 0")]
-    (label, text), = conditions_of(fitted, replace(joined, families=()))
+    exact = ExactConditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), "real if a2 < a3")
+    derived = replace(fitted, exact=exact)
+    assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", "s4 = 0; real if a2 < a3")]
+    assert exact_conditions(derived) == "a2 c2 + a3 c23 = 0 and s4 = 0; real if a2 < a3"
+    (label, text), = conditions_of(fitted)
     assert (label, text[:8]) == ("c", coupled_conditions(fitted)[0][:8])
-    assert conditions_of(row, None) == [("c", "0.9087 cos θ2 + cos(θ2+θ3) = 0")]
+    assert conditions_of(row) == [("c", "0.9087 cos θ2 + cos(θ2+θ3) = 0")]
 
 
 def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(

@@ -6,7 +6,6 @@ catalogue, with fewer starts: `test_every_arm.py`.
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -25,13 +24,18 @@ from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import robot_to_dict
 from rankdrop.results.known import (
+    ANALYSIS,
     ANSWERS,
+    CONDITIONS,
+    FOLDER,
     SEED,
     STARTS,
     catalogue_aspects,
     conditions_names,
+    file_text,
     known_analysis,
     known_names,
+    part_of_file,
     shipped,
     shipped_conditions,
     shipped_record,
@@ -51,9 +55,11 @@ ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) f
 
 def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
     assert known_names() == robot_names()
-    files = [item for item in (resources.files("rankdrop") / "atlases").iterdir() if item.name.endswith(".json")]
-    assert len(files) == len(robot_names()) + 1
-    assert sum(len(item.read_bytes()) for item in files) < 5_000_000
+    files = [item for item in (resources.files("rankdrop") / FOLDER).iterdir() if item.name.endswith(".jsonl")]
+    assert {item.name.removesuffix(".jsonl") for item in files} == set(robot_names())
+    sizes = [len(item.read_bytes()) for item in files]
+    assert max(sizes) < 1_000_000
+    assert sum(sizes) < 13_000_000
 
 
 @pytest.mark.spread(21)
@@ -64,7 +70,7 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert robot_to_dict(robot, found.task, 0) == robot_to_dict(found.robot, found.task, 0), "stale: make it anew"
     assert found.settings.seed == SEED
     assert found.settings.starts == STARTS
-    assert shipped_record(name)["answers"] == ANSWERS, "made by other code: run tools/make_atlases.py"
+    assert shipped_record(name)["answers"] == ANSWERS, "made by other code: run tools/make_known.py"
     assert found.settings.version == VERSION
     assert found.complete
     assert found.verified
@@ -127,12 +133,21 @@ def members_inside(problem: Problem, system: System, count: int = 1000) -> Array
 
 
 def test_a_file_that_other_code_made_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    maker = tool("make_atlases")
+    maker, path = tool("make_known"), tmp_path / "planar3r.jsonl"
+    shipped_file = resources.files("rankdrop") / FOLDER / path.name
     monkeypatch.setattr(maker, "FOLDER", tmp_path)
-    record = shipped_record("planar3r")
+    assert maker.stale("planar3r")
+    analysis, derived = part_of_file(shipped_file, ANALYSIS), part_of_file(shipped_file, CONDITIONS)
+    assert file_text(analysis, derived).encode() == shipped_file.read_bytes()
     for answers, stale in ((ANSWERS, False), (ANSWERS + 1, True), (None, True)):
-        (tmp_path / "planar3r.json").write_text(json.dumps(record | {"answers": answers}))
+        path.write_text(file_text(analysis | {"answers": answers}, derived), encoding="utf-8")
         assert maker.stale("planar3r") is stale
+        path.write_text(file_text(analysis, derived | {"answers": answers}), encoding="utf-8")
+        assert maker.stale("planar3r") is stale
+    path.write_text(file_text(None, derived), encoding="utf-8")
+    assert maker.stale("planar3r")
+    path.write_text(file_text(analysis, None), encoding="utf-8")
+    assert not maker.stale("planar3r")
 
 
 @pytest.mark.slow

@@ -10,7 +10,6 @@ import re
 from collections import Counter
 from dataclasses import replace
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -167,9 +166,9 @@ def test_analyze_says_the_same_with_and_without_the_shelf(stored: dict[str, Any]
     records = [json_text(analyze(robot, starts=300, fresh=fresh).to_dict()) for fresh in (False, True)]
     assert records[0] == records[1]
     stored["stanford"]["families"][0]["conditions"][0] = "from the shelf"
-    found = analyze(robot, starts=300).exact
+    found = analyze(robot, starts=300).families[0].exact
     assert found is not None
-    asked += found.families[0].conditions
+    asked += found.conditions
     assert "from the shelf" in asked
 
 
@@ -198,11 +197,9 @@ def test_the_command_says_where_it_has_them_from(capsys: pytest.CaptureFixture[s
     assert "As shipped" not in shown
 
 
-def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
+def test_what_is_shipped_is_of_the_catalogue() -> None:
     assert len(SHIPPED) > 0.9 * len(robot_names())
     assert set(SHIPPED) <= set(robot_names())
-    files = [item for item in (resources.files("rankdrop") / "derivations").iterdir() if item.name.endswith(".json")]
-    assert sum(len(item.read_bytes()) for item in files) < 8_000_000  # 1.3 MB each for two Kinova wrists at 60°
 
 
 @pytest.mark.spread(99)
@@ -211,7 +208,7 @@ def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> None:
     found = shelf.known_conditions(open_robot(name))
-    assert found is not None, "stale: run tools/make_conditions.py"
+    assert found is not None, "stale: run tools/make_known.py"
     assert found.verified
     assert found.lowest == 0
 
@@ -227,7 +224,7 @@ def test_derived_anew_it_is_the_same(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.shipped
 def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is() -> None:
-    for name in SHIPPED:
+    for name in SHIPPED[::4]:
         known = shelf.shipped_conditions(name)
         answer, (first, *_) = known.answer, known.sections()
         sure = known.verdict.sentence

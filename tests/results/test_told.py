@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rankdrop import analyze, conditions
+from rankdrop.exact.family import with_exact
 from rankdrop.results.known import known_names, shipped, shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
@@ -73,13 +74,17 @@ def test_no_line_is_longer_than_can_be_read(name: str) -> None:
 def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> None:
     found, derived = shipped("panda"), shipped_conditions("panda")
     assert derived is not None
-    labels = {label for family in found.families for label, _ in conditions_of(family, found.exact, derived.families)}
+    families = with_exact(found.families, derived.families, found.robot)
+    labels = {label for family in families for label, _ in conditions_of(family)}
     assert labels == {"exactly"}
-    (fifth,) = (one for one in found.families if one.id == "k1.f5")
-    assert conditions_of(fifth, found.exact, derived.families) == [
+    fifth = families[4]
+    assert fifth.id == "k1.f5"
+    assert conditions_of(fifth) == [
         ("exactly", "a3 c4 (a6 + s6 (d3 + d5)) − s4 (a3² s6 − a6 d3 − d3 d5 s6) = 0")
     ]
-    assert conditions_of(fifth, found.exact)[0][0] != "exactly"
+    assert conditions_of(found.families[4])[0][0] != "exactly"
+    other = replace(found.families[4], corank=2)
+    assert with_exact([other], derived.families, found.robot)[0].exact is None
 
 
 def bent() -> Robot:
@@ -102,7 +107,7 @@ def test_inside_limits_the_table_says_all_of_a_joint_at_one_of_its_values() -> N
     assert [round(value, 9) for value in row.pinned[0].values] == [-0.4]
     assert found.exact is not None
     assert found.exact.agrees
-    assert conditions_of(row, found.exact) == []
+    assert conditions_of(row) == []
 
 
 def test_an_analysis_is_printed_as_its_tables() -> None:

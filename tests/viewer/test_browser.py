@@ -37,16 +37,13 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
 WRIST = [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]
 LAPTOP, PHONE = (1280, 800), (390, 844)
 PATIENCE = 180_000  # ms
-SLOWLY = "window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 200)"
-"""A few pictures a second, and coarse ones: drawn by software, sixty fine ones would keep all processors busy."""
 
 
 class Tab:
     """A page of the viewer, and all that it said and asked for."""
 
     def __init__(self, browser: Any, url: str, size: tuple[int, int]) -> None:
-        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]}, device_scale_factor=0.25)
-        self.page.add_init_script(SLOWLY)
+        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
         self.page.set_default_timeout(PATIENCE)  # a busy machine draws by software for longer than the usual 30 s
         self.asked: list[str] = []
         self.said: list[str] = []

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from rankdrop.cli.terminal import Block
-    from rankdrop.families import CorankSummary, Derivation, Family
+    from rankdrop.families import CorankSummary, Family
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
@@ -215,7 +215,7 @@ def corank_section(
             failed = BAD
         yield title.append(f"{text.number_of(rows)}, ").append(text.explained(share), failed)
         kept = {i: text.within(row, robot, limits=limits) for i, row in shown.items()}
-        yield from _rows(console, robot, kept, analysis.exact, lost=len(shown) == len(rows))
+        yield from _rows(console, robot, kept, lost=len(shown) == len(rows))
     if len(shown) < len(rows):
         others = [row for number, row in enumerate(rows, start=1) if number not in shown]
         yield Text(text.folded(robot, others), style="dim")
@@ -223,7 +223,7 @@ def corank_section(
 
 
 def _rows(
-    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Derivation | None, *, lost: bool
+    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], *, lost: bool
 ) -> Iterator[RenderableType]:
     """The table as the window has room for it; each row comes with what of it lies outside the limits."""
     shown = {number: row for number, (row, _) in kept.items()}
@@ -237,7 +237,7 @@ def _rows(
         yield fitting[0] if fitting else _family_list(robot, shown)
     notes = _grid("right", "left", "left", fixed=2)
     for index, (row, outside) in kept.items():
-        for place, (label, line) in enumerate(text.footnotes(robot, row, outside, exact, lost=lost and not wide)):
+        for place, (label, line) in enumerate(text.footnotes(robot, row, outside, lost=lost and not wide)):
             notes.add_row(str(index) if place == 0 else "", label, line)
     if notes.row_count:
         yield from ("", notes)

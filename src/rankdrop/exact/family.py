@@ -7,7 +7,7 @@ one sum of angles by π, into one row.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -27,7 +27,7 @@ from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
-from rankdrop.families.record import Check, Family, Order, Pin, place_of
+from rankdrop.families.record import Check, ExactConditions, Family, Order, Pin, place_of
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
@@ -119,6 +119,10 @@ class ExactFamily:
             evidence="exact condition",
         )  # fmt: skip
 
+    def exact_conditions(self, robot: Robot) -> ExactConditions:
+        """Its conditions as `Family.exact` holds them, under the names of the arm's joints."""
+        return ExactConditions(self.held(robot), self.texts, self.latex, self.reality)
+
     def place(self, robot: Robot) -> Order:
         """Its place among the families of its corank."""
         short_first = sorted(f"{len(one.polynomial):06} {one.polynomial}" for one in self.conditions)
@@ -144,6 +148,19 @@ class ExactFamily:
         """Every condition as an equation in q with numbers for the lengths, as `analyze` has them."""
         n = len(self.shifts)
         return tuple(one.equation(self.numbers, n, self.shifts) for one in self.stated)
+
+
+def with_exact(families: Iterable[Family], derived: Iterable[ExactFamily], robot: Robot) -> tuple[Family, ...]:
+    """Families of an analysis with the exact conditions of those derived: the same id, name and corank."""
+    by_name = {(one.id, one.name, one.corank): one for one in derived}
+    result = []
+    for family in families:
+        same = by_name.get((family.id, family.name, family.corank))
+        if same is None:
+            result.append(replace(family, exact=None))
+        else:
+            result.append(replace(family, exact=same.exact_conditions(robot)))
+    return tuple(result)
 
 
 def _angle(value: float) -> float:

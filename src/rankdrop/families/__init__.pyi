@@ -15,7 +15,7 @@ from .record import AGREES as AGREES
 from .record import NOT_DERIVED as NOT_DERIVED
 from .record import CorankSummary as CorankSummary
 from .record import Derivation as Derivation
-from .record import ExactRow as ExactRow
+from .record import ExactConditions as ExactConditions
 from .record import Family as Family
 from .searching import MOST_STARTS as MOST_STARTS
 from .searching import Outcome as Outcome

@@ -4,9 +4,10 @@ Between an arm's own unit of length and the one it was given in angles stay as t
 do the coefficients of equations in which slides stand. Lost directions are in `counted` lengths and stay, and those of
 `lost_freedoms` have the given unit from the start.
 
-The conditions of a family are `Pin`s and `Equation`s; its evidence says how it was found: from a sample of the whole
-joint space, or from the neighbourhood of one configuration. `Derivation` is the exact derivation that an analysis rests
-on; what is printed of it stands in `text/families.py`. `families_at` says on which families a configuration lies.
+The conditions of a family are `Pin`s and `Equation`s, and where they were derived exactly `ExactConditions`; its
+evidence says how it was found: from a sample of the whole joint space, or from the neighbourhood of one configuration.
+`Derivation` is the exact derivation that an analysis rests on; what is printed of it stands in `text/families.py`.
+`families_at` says on which families a configuration lies.
 """
 
 from __future__ import annotations
@@ -45,6 +46,23 @@ class Pin:
     joint: str
     number: int
     values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExactConditions:
+    """The conditions of one family as they were derived exactly, ready to be shown.
+
+    Attributes:
+        pinned: joints at fixed values of q; their conditions are the first of `conditions`.
+        conditions: for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".
+        latex: the same as LaTeX mathematics.
+        reality: "" where the family is real whatever the lengths are; else when it is.
+    """
+
+    pinned: tuple[Pin, ...]
+    conditions: tuple[str, ...]
+    latex: tuple[str, ...]
+    reality: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +170,7 @@ class Family:
             pinned joints only the values that are met there are known, while a row of a table holds all.
         slides: of a neighbourhood: numbers of the joints that slide; elsewhere the equations show them.
         parts: of a neighbourhood: the families that meet at the configuration; empty where it lies on one only.
+        exact: its exact conditions; None where the families were not derived exactly.
     """
 
     id: str
@@ -172,6 +191,7 @@ class Family:
     words: tuple[str, ...] = ()
     slides: tuple[int, ...] = ()
     parts: tuple[Family, ...] = ()
+    exact: ExactConditions | None = None
 
     def __post_init__(self) -> None:
         directions = np.round(np.array(self.lost_directions, dtype=np.float64), 12) + 0.0  # the same on every BLAS
@@ -351,32 +371,8 @@ ASKED = ("auto", "on", "off")
 
 
 @dataclass(frozen=True, slots=True)
-class ExactRow:
-    """The exact conditions of one family, ready to be shown.
-
-    Attributes:
-        id: of the family in the table of the analysis.
-        name: in words.
-        corank, dimension: of the family.
-        pinned: joints at fixed values of q; their conditions are the first of `conditions`.
-        conditions: for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".
-        latex: the same as LaTeX mathematics.
-        reality: "" where the family is real whatever the lengths are; else when it is.
-    """
-
-    id: str
-    name: str
-    corank: int
-    dimension: int
-    pinned: tuple[Pin, ...]
-    conditions: tuple[str, ...]
-    latex: tuple[str, ...]
-    reality: str
-
-
-@dataclass(frozen=True, slots=True)
 class Derivation:
-    """The exact derivation of the families of an arm.
+    """The exact derivation of the families of an arm; what it gives for each of them is `Family.exact`.
 
     Attributes:
         status: "agrees": derived, and no numerical test contradicts it; "differs": some do; "not derived": the families
@@ -386,7 +382,6 @@ class Derivation:
         reason: why nothing was derived; else "".
         letters: lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: exact conditions speak of θ [rad, m].
-        families: the conditions of every derived family, of every corank.
         disagreements: sentences; none where derivation and numerical tests agree.
     """
 
@@ -396,7 +391,6 @@ class Derivation:
     reason: str = ""
     letters: Mapping[str, float] | None = None
     shifts: tuple[float, ...] = ()
-    families: tuple[ExactRow, ...] = ()
     disagreements: tuple[str, ...] = ()
 
     @property
@@ -418,10 +412,6 @@ class Derivation:
     def interrupted(self) -> bool:
         """Whether the user asked to stop (Ctrl-C) before the conditions were derived."""
         return self.reason == INTERRUPTED
-
-    def of_row(self, row: str) -> ExactRow | None:
-        """The exact conditions of a family by its id; None for points that no family explains."""
-        return next((family for family in self.families if family.id == row), None)
 
 
 _ON = 1e-9  # |f|/|∇f| and √|f| of every equation below this: on the family, no way to walk [rad]

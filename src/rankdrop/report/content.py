@@ -25,6 +25,7 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.exact import with_exact
 from rankdrop.families import (
     VIEW,
     Family,
@@ -149,6 +150,14 @@ class Content:
     slow: NearShare | None = None
 
     @cached_property
+    def shown(self) -> Analysis:
+        """The analysis as tables show it: its families have the exact conditions that were derived apart from it."""
+        if self.exact is None:
+            return self.analysis
+        families = with_exact(self.analysis.families, self.exact.families, self.analysis.robot)
+        return replace(self.analysis, families=families)
+
+    @cached_property
     def titles(self) -> dict[str, str]:
         """Id of each family -> the part of the arm that is special where it is drawn: "elbow: arm stretched"."""
         robot, task = self.analysis.robot, self.analysis.task
@@ -253,7 +262,7 @@ def standing(analysis: Analysis, family: Family) -> str:
 
 def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | None, str]:
     """The conditions and "", or None and why not; an analysis that holds them already needs no second derivation."""
-    if analysis.exact is not None and analysis.exact.families:
+    if analysis.exact is not None and any(family.exact for family in analysis.families):
         return None, "They stand in the analysis."
     try:
         if seed:
@@ -500,8 +509,7 @@ def families_csv(content: Content) -> str:
     Angles of the witness are in degrees, slides in metres; the joints' columns are those of the tables (× any value,
     c coupled, else the values in rad or m).
     """
-    analysis = content.analysis
-    derived = () if content.exact is None else content.exact.families
+    analysis = content.shown
     robot = analysis.robot
     kinds = [str(joint.kind) for joint in robot.variables]
     joints = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]
@@ -514,7 +522,7 @@ def families_csv(content: Content) -> str:
     ])  # fmt: skip
     for family in analysis.families:
         cells = [one_line(one, family) for one in columns(robot, family.corank) if one.holds == JOINT]
-        conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact, derived))
+        conditions = "; ".join(text for _, text in conditions_of(family))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
             family.id, family.name, family.corank, family.dimension, *cells, conditions,

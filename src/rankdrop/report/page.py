@@ -232,7 +232,7 @@ def _tables(content: Content) -> str:
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
-        f"{corank_tables(content.analysis, content.exact)}{shown}</section>"
+        f"{corank_tables(content.shown)}{shown}</section>"
     )
 
 

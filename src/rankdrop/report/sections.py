@@ -14,7 +14,7 @@ import numpy as np
 
 from rankdrop.distance import Workspace
 from rankdrop.exact import ExactFamily
-from rankdrop.families import CorankSummary, ExactRow, Family, Slice
+from rankdrop.families import CorankSummary, ExactConditions, Family, Slice
 from rankdrop.formula import typeset
 from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
@@ -57,17 +57,18 @@ def exact_section(content: Content) -> str:
     """The conditions, exactly, typeset."""
     head = '<section id="exact"><h2>Exact conditions</h2>'
     joined, derived = content.analysis.exact, content.exact
-    if joined is not None and joined.families:
+    shown = [_exact_family(one, one.exact) for one in content.analysis.families if one.exact is not None]
+    if joined is not None and shown:
         letters = letters_text(joined.letters)
         told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
-        families: Sequence[ExactFamily | ExactRow] = joined.families
         after = _paragraphs([f"Disagreement: {_cut(one)}" for one in joined.disagreements], "bad")
     elif derived is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
     else:
-        families, after = derived.families, _open_ends(derived)
+        shown = [_exact_family(one, one.exact_conditions(derived.robot)) for one in derived.families]
+        after = _open_ends(derived)
         told = _paragraphs(_derivation(derived))
-    return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, families))}</div>{after}</section>'
+    return f'{head}{told}<div class="exacts">{"".join(shown)}</div>{after}</section>'
 
 
 def _paragraphs(texts: Iterable[str], css: str = "") -> str:
@@ -117,22 +118,22 @@ def _cut(text: str) -> str:
     return escape(text if len(text) < _LONG else text[:_LONG] + " …")
 
 
-def _exact_family(family: ExactFamily | ExactRow) -> str:
-    side_by_side = [f"<span>{typeset(one)}</span>" for one in family.latex if len(one) <= _SHORT]
+def _exact_family(family: Family | ExactFamily, exact: ExactConditions) -> str:
+    side_by_side = [f"<span>{typeset(one)}</span>" for one in exact.latex if len(one) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
     if short:
         lines = f'<div class="condition">{short}</div>'
     else:
         lines = ""
-    for one in family.latex:
+    for one in exact.latex:
         text = f'<div class="condition longer">{typeset(one)}</div>'
         folded = f"<details><summary>a condition of {len(one):,} characters</summary>{text}</details>"
         if len(one) > _LONG:
             lines += folded
         elif len(one) > _SHORT:
             lines += text
-    if family.reality:
-        real = f'<p class="small">{escape(family.reality)}</p>'
+    if exact.reality:
+        real = f'<p class="small">{escape(exact.reality)}</p>'
     else:
         real = ""
     return (
@@ -145,13 +146,8 @@ STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none f
 """How a family stands to the joint limits, where that needs saying (`content.standing`)."""
 
 
-def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
-    """All tables, each with its title and what its starts did.
-
-    Args:
-        analysis: the families.
-        derived: their exact conditions, where these do not stand in the analysis.
-    """
+def corank_tables(analysis: Analysis) -> str:
+    """All tables, each with its title and what its starts did."""
     if analysis.families:
         key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>'
     else:
@@ -160,10 +156,10 @@ def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
         near = ""
     else:
         near = html([near_overview(analysis.near, analysis.families)])
-    return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + near
+    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key + near
 
 
-def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSummary) -> str:
+def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     rows = analysis.of_corank(summary.corank)
     heading = f"<h3>{title(summary, analysis.generic_rank)}</h3>"
     ends = f'<p class="small">{starts(summary)}</p>'
@@ -175,7 +171,7 @@ def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSumma
     else:
         css = "bad"
     complete = f'<p>{number_of(rows)}, <span class="{css}">{explained(share)}</span>.</p>'
-    body = "".join(_rows(analysis, derived, row) for row in rows)
+    body = "".join(_rows(analysis, row) for row in rows)
     joints = iter(analysis.robot.variables)
     head = "".join(_heading(one, joints) for one in columns(analysis.robot, summary.corank))
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
@@ -201,9 +197,9 @@ def _heading(column: Column, joints: Iterator[Joint]) -> str:
 _WORDS = ' class="words"'
 
 
-def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
+def _rows(analysis: Analysis, row: Family) -> str:
     robot = analysis.robot
-    conditions = conditions_of(row, analysis.exact, () if derived is None else derived.families)
+    conditions = conditions_of(row)
     row, outside = within(row, robot, limits=analysis.settings.limits)
     every = columns(robot, row.corank)
     first = f"<tr>{''.join(_cell(one, row) for one in every)}</tr>"

@@ -7,7 +7,7 @@ from 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
@@ -27,7 +27,7 @@ from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.names import name_of
-from rankdrop.results.old_files import freedoms_of_sentences
+from rankdrop.results.old_files import conditions_of_derivation, freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
@@ -171,20 +171,23 @@ class Analysis(Result):
     @classmethod
     def _from_dict(cls, record: Record) -> Analysis:
         settings: Settings = restored(Settings, record["settings"])
-        families = enumerate(record["families"])
         robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
         task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
+        families = tuple(
+            at(f"$.families[{i}]", partial(family_from_dict, one, robot, task))
+            for i, one in enumerate(record["families"])
+        )
         return cls(
             robot=robot,
             task=task,
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
             coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
-            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one, robot, task)) for i, one in families),
+            families=at("$.exact.families", lambda: conditions_of_derivation(families, record)),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=at("$.exact", lambda: _derivation(record["exact"])) if "exact" in record else None,
+            exact=_part(record, "exact", Derivation),
             near=_part(record, "near", Near),
             speeds=_part(record, "speeds", SpeedDistances),
             slow=_part(record, "slow", SlowShare),
@@ -313,12 +316,3 @@ def _aspects(record: Record) -> AspectSummary | None:
         return None
     aspects: AspectSummary = restored(AspectSummary, record["aspects"])
     return aspects
-
-
-def _derivation(record: Record) -> Derivation:
-    """The entry `exact`; up to 0.2 derived families were matched with fitted rows and might have their own numbers."""
-    derivation: Derivation = restored(Derivation, record)
-    if "matches" not in record:
-        return derivation
-    same = {one["row"] for one in record["matches"] if one["families"] == [one["row"]] and not one["parts"]}
-    return replace(derivation, families=tuple(one for one in derivation.families if one.id in same))

@@ -7,8 +7,11 @@ Exact conditions answer one question, that of `rankdrop conditions NAME` without
 the same arm: screws, link frames (in which lost motions are told) and home pose, letters for lengths, and the same
 task.
 
-A file of them is the record of docs/json.md, and the polynomials beside it: what JSON says in words is kept in words,
-and the polynomials from which those words were made are kept too, each as its terms. Read back, a derivation prints,
+`known/ARM.jsonl` has two lines, and who asks for one reads no other: the analysis of an arm as docs/json.md has it, and
+its conditions, null where they are not completely derived.
+
+Conditions are the record of docs/json.md, and the polynomials beside it: what JSON says in words is kept in words, and
+the polynomials from which those words were made are kept too, each as its terms. Read back, a derivation prints,
 writes LaTeX, code and JSON as it did before. It no longer has the irreducible sets that its families were merged from:
 `Conditions.test` derives them anew.
 """
@@ -51,6 +54,8 @@ from rankdrop.units import in_metres, metre_exponent, shifted
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
     from rankdrop.results.analysis import Analysis
 
 
@@ -61,6 +66,10 @@ SEED = 0
 ANSWERS = 3
 """Number of what is answered: whoever changes what `analyze` or `conditions` find, or how they say it, raises it by
 one, and every file that is shipped is stale. A release alone changes no answer."""
+FOLDER = "known"
+"""Folder of the files of the catalogue's arms."""
+ANALYSIS, CONDITIONS = 0, 1
+"""Lines of such a file."""
 INDEX = "index.json"
 """File beside them: coarse fingerprint, with the tip and without -> names of the arms that have it."""
 _names: WeakKeyDictionary[Robot, dict[tuple[tuple[int, ...], Frame, bool], str | None]] = WeakKeyDictionary()
@@ -207,8 +216,8 @@ def shipped(name: str) -> Analysis:
 
 
 def shipped_record(name: str) -> Record:
-    """The file of one arm of the catalogue as it is; its `answers` tell which code made it."""
-    record: Record = _file("atlases", f"{name}.json")
+    """The analysis of one arm of the catalogue as its file has it; its `answers` tell which code made it."""
+    record: Record = part_of_file(_shipped_file(name), ANALYSIS)
     return record
 
 
@@ -239,7 +248,7 @@ def _lost_in_these_frames(family: Family, robot: Robot, task: Task) -> Family:
 
 @cache
 def _index() -> dict[str, list[str]]:
-    record: dict[str, list[str]] = _file("atlases", INDEX)
+    record: dict[str, list[str]] = _file(FOLDER, INDEX)
     return record
 
 
@@ -249,6 +258,28 @@ def _file(folder: str, name: str) -> Any:
     if path.is_file():
         return json.loads(path.read_text(encoding="utf-8"))
     return None
+
+
+def _shipped_file(name: str) -> Traversable:
+    return resources.files("rankdrop") / FOLDER / f"{name}.jsonl"
+
+
+def part_of_file(path: Traversable, line: int) -> Any:
+    """One line of the file of an arm, `ANALYSIS` or `CONDITIONS`; None where there is no file, or nothing in it."""
+    if not path.is_file():
+        return None
+    with path.open("rb") as stream:
+        for _ in range(line):
+            stream.readline()
+        return json.loads(stream.readline())
+
+
+def file_text(analysis: Record | None, conditions: Record | None) -> str:
+    """The file of an arm: what `part_of_file` reads, in its order."""
+    lines = [
+        json.dumps(one, ensure_ascii=False, allow_nan=False, separators=(",", ":")) for one in (analysis, conditions)
+    ]
+    return "\n".join(lines) + "\n"
 
 
 _AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real")
@@ -485,17 +516,20 @@ def shipped_conditions(name: str) -> Conditions:
     return from_stored(record, robot, resolve_task(None, robot))
 
 
+@cache
 def conditions_names() -> tuple[str, ...]:
     """Names of the arms whose conditions are shipped, sorted."""
-    folder = resources.files("rankdrop") / "derivations"
-    if folder.is_dir():
-        names = [item.name for item in folder.iterdir()]
-    else:
-        names = []
-    return tuple(sorted(name.removesuffix(".json") for name in names if name.endswith(".json")))
+    return tuple(name for name in known_names() if _has_conditions(_shipped_file(name)))
+
+
+def _has_conditions(path: Traversable) -> bool:
+    """Whether the second line of a file is not null; it is not read to its end."""
+    with path.open("rb") as stream:
+        stream.readline()
+        return stream.read(4) != b"null"
 
 
 @cache
 def _record(name: str) -> Record | None:
-    record: Record | None = _file("derivations", f"{name}.json")
+    record: Record | None = part_of_file(_shipped_file(name), CONDITIONS)
     return record

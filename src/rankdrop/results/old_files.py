@@ -1,4 +1,4 @@
-"""Facts that files up to version 0.2 hold as sentences only: the one place where these are read.
+"""What files up to version 0.2 hold as sentences only, or in another place: the one place where these are read.
 
 Up to 0.2 the name of a family was stored in words alone, `name`; since then as facts too, `called`. Of an old
 name the parts of the arm are read; its words are kept.
@@ -6,17 +6,23 @@ name the parts of the arm are read; its words are kept.
 Up to 0.2 a family's lost motions were stored as sentences, `lost_words`; since then as facts, `lost_freedoms`, beside
 them. Of an old sentence the frame is read, and whether it holds for the whole family; the directions are computed again
 at the witness, to full precision.
+
+Up to 0.2 the exact conditions of all families were listed in the entry `exact`; since then each family has its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import takewhile
 
 import numpy as np
 
+from rankdrop.codec import Record, restored
+from rankdrop.errors import ResultFileError
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
+from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family
 from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -91,3 +97,31 @@ def _frame_told(sentence: str) -> str:
     if sentence.startswith(_TIE):  # "can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion …"
         return sentence.partition(" in axes of ")[2].partition(": ")[0]
     return sentence.partition(" of ")[2]
+
+
+def conditions_of_derivation(families: Sequence[Family], record: Record) -> tuple[Family, ...]:
+    """Families with the exact conditions that a file up to version 0.2 lists in its entry `exact`.
+
+    In files of 0.1 derived families were matched with fitted rows, `matches`, and might have their own numbers: the
+    conditions of those that are not one whole row are left out.
+
+    Args:
+        families: of the file.
+        record: the file; the families of a later one are returned as they are.
+
+    Raises:
+        ResultFileError: conditions of a family that is not listed.
+        ValueError: an entry is missing, or is something else.
+    """
+    exact = record.get("exact", {})
+    listed = exact.get("families", [])
+    if exact.get("status") == NOT_DERIVED or not listed:
+        return tuple(families)
+    if "matches" in exact:
+        same = {one["row"] for one in exact["matches"] if one["families"] == [one["row"]] and not one["parts"]}
+        listed = [one for one in listed if one["id"] in same]
+    conditions = {one["id"]: restored(ExactConditions, one) for one in listed}
+    ids = [family.id for family in families]
+    for unknown in conditions.keys() - set(ids):
+        raise ResultFileError("there is no such family", got=unknown, allowed=", ".join(ids))
+    return tuple(replace(family, exact=conditions.get(family.id, family.exact)) for family in families)

@@ -15,7 +15,7 @@ from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.families.lost import LostFreedom
-from rankdrop.families.record import CorankSummary, Derivation, ExactRow, Family, Pin, SpeedDistances
+from rankdrop.families.record import CorankSummary, Derivation, Family, Pin, SpeedDistances
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.results.settings import Residual, Settings
@@ -138,10 +138,11 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
         slow, all_ = analysis.slow.share.near, analysis.slow.share.samples
         require((slow <= all_, "more configurations are slow than there are", "$.slow.share", slow, f"up to {all_}"))
     if analysis.exact is not None:
-        _check_exact(analysis, analysis.exact, ids)
+        _check_exact(analysis, analysis.exact)
+    _check_exact_conditions(analysis)
 
 
-def _check_id(family: Family | ExactRow, before: Sequence[str], where: str) -> None:
+def _check_id(family: Family, before: Sequence[str], where: str) -> None:
     own = family.id not in before and family.id.startswith(f"k{family.corank}.")
     require((own, "the id is that of another family", f"{where}.id", family.id, None))
 
@@ -329,26 +330,30 @@ def _check_speeds(analysis: _Analysed, ids: Sequence[str]) -> None:
     )  # fmt: skip
 
 
-def _check_exact(analysis: _Analysed, exact: Derivation, ids: Sequence[str]) -> None:
-    n, names = analysis.robot.n, [joint.name for joint in analysis.robot.variables]
+def _check_exact(analysis: _Analysed, exact: Derivation) -> None:
+    n = analysis.robot.n
     require((len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n))
     if exact.derived:
         at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task))  # of this task in this frame
-    own = [family.id for family in exact.families]
-    for i, family in enumerate(exact.families):
-        where, within = f"$.exact.families[{i}]", family.corank <= analysis.generic_rank and family.dimension <= n
-        _check_id(family, own[:i], where)
-        require(
-            (within, "corank or dimension are beyond the arm's", where, (family.corank, family.dimension), None),
-            *((pin.number <= n and names[pin.number - 1] == pin.joint, "the joint is another one", f"{where}.pinned",
-               pin.joint, None) for pin in family.pinned),
-        )  # fmt: skip
-    if exact.derived:
-        unknown = [one for one in own if one not in ids]
-    else:
-        unknown = []
     differs = (exact.status == "differs") is bool(exact.disagreements)
     require(
-        *((False, "there is no such family", "$.exact.families", one, ", ".join(ids)) for one in unknown),
-        (differs, "there are disagreements exactly where the status is differs", "$.exact.status", exact.status, None),
+        (differs, "there are disagreements exactly where the status is differs", "$.exact.status", exact.status, None)
     )
+
+
+def _check_exact_conditions(analysis: _Analysed) -> None:
+    """Families have exact conditions only of a derivation, each once in words and in LaTeX, of the arm's joints."""
+    names = [joint.name for joint in analysis.robot.variables]
+    derived = analysis.exact is not None and analysis.exact.derived
+    for i, family in enumerate(analysis.families):
+        where, exact = f"$.families[{i}].exact", family.exact
+        if exact is None:
+            continue
+        texts = len(exact.conditions)
+        require(
+            (derived, "there are exact conditions, and nothing was derived", where, None, None),
+            (len(exact.latex) == texts, "one LaTeX text for each condition", f"{where}.latex", len(exact.latex), texts),
+            (len(exact.pinned) <= texts, "one condition for each joint", f"{where}.pinned", len(exact.pinned), texts),
+            *((names[pin.number - 1 : pin.number] == [pin.joint], "the joint is another one", f"{where}.pinned",
+               pin.joint, None) for pin in exact.pinned),
+        )  # fmt: skip

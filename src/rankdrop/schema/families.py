@@ -18,7 +18,15 @@ from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.families.equation import Term
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
-from rankdrop.families.record import Check, CorankSummary, Derivation, ExactRow, SpeedDistance, SpeedDistances, Unseen
+from rankdrop.families.record import (
+    Check,
+    CorankSummary,
+    Derivation,
+    ExactConditions,
+    SpeedDistance,
+    SpeedDistances,
+    Unseen,
+)
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
 from rankdrop.formula.notation import C, Python, Step
@@ -155,6 +163,7 @@ CALLED = table(
     given=(optional(str), "words of a name without facts, kept as they are", _unless_default("given")),
 )
 NAME_FACTS = (optional(CALLED), "the name as facts, from which it is worded; since 0.3")
+EXACT_CONDITIONS = table("exact_conditions", of=ExactConditions, pinned=many(PINNED))
 FAMILY = table(
     "family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
@@ -180,14 +189,10 @@ FAMILY = table(
     soundness=SOUNDNESS,
     explained=SHARE,
     evidence=(str, "how the conditions were obtained"),
+    exact=(optional(EXACT_CONDITIONS), "its exact conditions; absent where the families were not derived; since 0.3",
+        lambda one: one.exact or UNSET),
 )
-FAMILIES = table(
-    "families",
-    of=ExactRow,
-    id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
-    corank=Positive,
-    dimension=Count,
-)
+OLD_EXACT_FAMILIES = table("old_exact_families", of=ExactConditions, id=str, pinned=many(PINNED))
 EXACT = table(
     "exact",
     of=Derivation,
@@ -196,6 +201,8 @@ EXACT = table(
     seconds=num("s", gt=0),
     letters=mapping(num("m")) | None,
     shifts=many(num("joint")),
+    families=(optional(many(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
+        "family has its own", _absent),
 )
 NEAR_FAMILIES = table(
     "near_families",

@@ -17,7 +17,7 @@ def sections_of(analysis: Analysis) -> tuple[Section, ...]:
     """The answer and how it was verified, then a table of families for each corank."""
     first, second = analysis.verdict.beside(analysis.answer)
     tables = overview(
-        analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families, analysis.exact,
+        analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families,
         limits=analysis.settings.limits,
     )  # fmt: skip
     speeds = speed_section(analysis)

@@ -63,7 +63,7 @@ def analysis_table(analysis: Any) -> Section:
     rows, letters = [], False
     for family in analysis.families:
         shown, outside = within(family, robot, limits=analysis.settings.limits)
-        exact = exact_conditions(family, analysis.exact)
+        exact = exact_conditions(family)
         short = bool(exact) and len(exact) <= _SHORT and bool(family.coupled)
         letters |= short
         asked = _asked(robot, shown, exact if short else "")

@@ -22,7 +22,6 @@ import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
 from rankdrop.distance.share import Near, NearShare, SlowShare
-from rankdrop.exact.family import ExactFamily
 from rankdrop.families.equation import Equation, pretty_angle
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.options import advised
@@ -405,41 +404,32 @@ def _kind(robot: Robot, row: Family) -> str:
     return f"with {' and '.join(parts)}, of dimension {row.dimension}"
 
 
-def conditions_of(
-    row: Family, derivation: Derivation | None, derived: Sequence[ExactFamily] = ()
-) -> list[tuple[str, str]]:
+def conditions_of(row: Family) -> list[tuple[str, str]]:
     """(label, text) of every condition of a row that its table does not say.
 
     Exact ones stand in place of decimals, and long ones are only counted: programs find them in the JSON.
-
-    Args:
-        row: a family of an analysis.
-        derivation: exact conditions that the analysis holds.
-        derived: exact families derived apart from it; one of the row's id, name and corank is the row.
     """
-    for one in derived:
-        if (one.id, one.name, one.corank) == (row.id, row.name, row.corank):
-            held = {pin.number for pin in row.pinned}
-            fixed = [*(joint for joint, _ in one.pins), *one.slides]
-            pins = [text for joint, text in zip(fixed, one.texts, strict=False) if joint not in held]
-            return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(fixed) :])]
-    exactly = exact_conditions(row, derivation)
-    if exactly:
-        return [(EXACTLY, exactly)]
+    exact = _exact_lines(row)
+    if exact:
+        return [(EXACTLY, text) for text in exact]
     return [(COUPLED, text) for text in coupled_conditions(row)]
 
 
-def exact_conditions(row: Family, derivation: Derivation | None) -> str:
+def exact_conditions(row: Family) -> str:
     """The exact conditions of a row in one line; empty where the table says it all: joints at simple values."""
-    if derivation is None:
-        family = None
-    else:
-        family = derivation.of_row(row.id)
-    if family is None:
-        return ""
-    pins = [text for text, pin in zip(family.conditions, family.pinned, strict=False) if not _in_table(row, pin)]
-    shown = [*pins, *map(readable, family.conditions[len(family.pinned) :])]
-    return " and ".join(shown) + (f"; {family.reality}" if shown and family.reality else "")
+    return " and ".join(_exact_lines(row))
+
+
+def _exact_lines(row: Family) -> list[str]:
+    """The exact conditions of a row that its table does not say; when it is real stands after the last."""
+    exact = row.exact
+    if exact is None:
+        return []
+    pins = [text for text, pin in zip(exact.conditions, exact.pinned, strict=False) if not _in_table(row, pin)]
+    lines = [*pins, *map(readable, exact.conditions[len(exact.pinned) :])]
+    if lines and exact.reality:
+        lines[-1] += f"; {exact.reality}"
+    return lines
 
 
 def readable(text: str) -> str:
@@ -457,19 +447,18 @@ def _in_table(row: Family, pin: Pin) -> bool:
     return bool((np.abs(np.subtract.outer(own, pin.values)).min(axis=1, initial=np.inf) <= _SAME).all())
 
 
-def footnotes(
-    robot: Robot, row: Family, outside: str, derivation: Derivation | None, *, lost: bool
-) -> list[tuple[str, str]]:
+def footnotes(robot: Robot, row: Family, outside: str, *, lost: bool) -> list[tuple[str, str]]:
     """(label, text) of what stands under the table of a row: limits, conditions, what is lost, the witness.
 
     Args:
         robot: the arm.
         row: a family.
         outside: what of it lies outside the joint limits, or "".
-        derivation: exact conditions, if there are any.
         lost: with the directions lost, which the table has no room for.
     """
-    notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, derivation)]
+    exactly = exact_conditions(row)
+    notes = [("limits", outside)] if outside else []
+    notes += [(EXACTLY, exactly)] if exactly else conditions_of(row)
     if lost:
         notes += [("lost", words) for words in lost_sentences(row.lost_freedoms)]
     if at_witness(row) or not row.named:
@@ -495,7 +484,7 @@ def agreement(
     if derivation.disagreements:
         yield "Numerical tests CONTRADICT the exact derivation:", True
         yield from ((f"  {text}", True) for text in derivation.disagreements)
-    printed = any(exact_conditions(row, derivation) for row in families)
+    printed = any(map(exact_conditions, families))
     if printed:
         symbols = _symbols(derivation, robot)
     else:
@@ -523,13 +512,12 @@ def _symbols(derivation: Derivation, robot: Robot) -> str:
 
 def overview(
     robot: Robot, generic_rank: int, coranks: Sequence[CorankSummary], families: Sequence[Family],
-    exact: Derivation | None = None, *, limits: bool = False,
+    *, limits: bool = False,
 ) -> Iterator[Section]:  # fmt: skip
     """One section for each corank, for a notebook: its table, the conditions under it, what the starts did.
 
     Args:
         robot, generic_rank, coranks, families: of an analysis.
-        exact: exact conditions held against the families, if there are any.
         limits: values of pinned joints inside the joint limits only.
     """
     about = f": {robot.about}" if robot.about else ""
@@ -541,7 +529,7 @@ def overview(
             continue
         shown = [within(row, robot, limits=limits) for row in rows]
         notes = [(row.id, *note) for row, outside in shown
-                 for note in footnotes(robot, row, outside, exact, lost=False)]  # fmt: skip
+                 for note in footnotes(robot, row, outside, lost=False)]  # fmt: skip
         under = [f"{id} {words}" if label == AT else f"{id} {label}: {words}" for id, label, words in notes]
         table = columns(robot, summary.corank)
         yield Section(

@@ -135,7 +135,7 @@ def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> li
     """What stands below a table: conditions and witnesses by row, letters of links, lengths."""
     notes = []
     for number, family in enumerate(rows, start=1):
-        parts = [*_conditions(family, exact)]
+        parts = [*_conditions(family)]
         if at_witness(family):
             parts += [as_text(f"witness {witness_text(robot, family.witness)}")]
         if parts:
@@ -176,12 +176,9 @@ def _symbol(name: str) -> str:
     return letter
 
 
-def _conditions(family: Family, derivation: Derivation | None) -> Iterator[str]:
+def _conditions(family: Family) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
-    if derivation is None:
-        row = None
-    else:
-        row = derivation.of_row(family.id)
+    row = family.exact
     known, bound = {one.number for one in family.pinned}, set(family.coupled)
     exact = [] if row is None else [
         *(text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.family import with_exact
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
@@ -20,7 +20,6 @@ from rankdrop.families.record import (
     NOT_DERIVED,
     CorankFamilies,
     Derivation,
-    ExactRow,
     Family,
     SpeedDistances,
     family_out_of_units,
@@ -76,7 +75,6 @@ def derive(
         return None, Derivation(NOT_DERIVED, exact, seconds, reason)
     return derived, Derivation(
         AGREES, exact, seconds, letters=dict(derived.letters), shifts=derived.shifts,
-        families=tuple(_row(family, robot) for family in derived.families),
     )  # fmt: skip
 
 
@@ -119,10 +117,12 @@ def _tested(
         said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
     said += [_sentence(*one) for table in tables for one in table.contradictions]
     listed = {family.id for table in tables for family in table.families}
-    kept = tuple(one for one in derivation.families if one.id in listed or not limits)
-    return replace(
-        derivation, status=DIFFERS if said else AGREES, families=kept, disagreements=tuple(said)
-    )
+    if not limits:  # within them a family without a point is no family
+        said += [
+            f"derived {one.id} ({one.name}) is not listed: its corank is {one.corank}, and the rank found is {rank}"
+            for one in derived.families if one.id not in listed
+        ]  # fmt: skip
+    return replace(derivation, status=DIFFERS if said else AGREES, disagreements=tuple(said))
 
 
 def _sentence(family: Family, dimension: int | None) -> str:
@@ -130,19 +130,6 @@ def _sentence(family: Family, dimension: int | None) -> str:
     if dimension is None:
         return f"{name}: no configuration that satisfies its conditions has its corank, its witness included"
     return f"{name}: its dimension is at most {dimension} at configurations that satisfy its conditions"
-
-
-def _row(family: ExactFamily, robot: Robot) -> ExactRow:
-    return ExactRow(
-        id=family.id,
-        name=family.name,
-        corank=family.corank,
-        dimension=family.dimension,
-        pinned=family.held(robot),
-        conditions=family.texts,
-        latex=family.latex,
-        reality=family.reality,
-    )
 
 
 Progress = Callable[[str, int, int], None]
@@ -221,10 +208,10 @@ def analyze(
             tables.append(table)
     except KeyboardInterrupt:
         unfinished = len(tables) + 1
+    rows = _listed(robot, resolved, tables)
     if derivation is not None and derived is not None and unfinished is None:
         derivation = _tested(derivation, derived, rank, tables, limits=how.limits)
-    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
-    rows = tuple(posed(robot, resolved, row, rows) for row in rows)
+        rows = with_exact(rows, derived.families, robot)
     near = None
     if unfinished is None and how.within is not None:
         near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
@@ -246,6 +233,12 @@ def analyze(
         slow=slow,
         aspects=_aspects(robot, resolved, asked=how.aspects),
     )
+
+
+def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
+    """All families as the analysis lists them, in the arm's own unit of length."""
+    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
+    return tuple(posed(robot, task, row, rows) for row in rows)
 
 
 def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:

@@ -139,7 +139,7 @@ def _broken(check: Any) -> Iterator[str]:
 def _open(check: Any) -> Iterator[str]:
     """What is not known of a program: undecided stretches, the distance that is kept, and what was interrupted."""
     undecided = sum(one.undecided_length for one in check.checks)
-    verdicts = {stretch.verdict for stretch in _stretches(check)}
+    verdicts = {stretch.verdict for stretch in check.stretches}
     if "undecided" in verdicts:
         yield f"{undecided:.3g} rad of it undecided"
     margins = {path.margin for path in check.checks}
@@ -153,12 +153,6 @@ def _open(check: Any) -> Iterator[str]:
         yield f"a distance of {far} could not be proven"
     if not check.complete:
         yield "interrupted"
-
-
-def _stretches(check: Any) -> Iterator[Any]:
-    """The stretches of every checked path of a program."""
-    for path in check.checks:
-        yield from path.stretches
 
 
 def summary(check: Any) -> tuple[str, ...]:

@@ -451,7 +451,7 @@ def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
     met, notes = explanation.met, tuple[str, ...]()
     own = [one for one in met if one.family.corank == met[0].family.corank]
-    lines = []
+    lines: list[str] = []
     for one in own[: None if full else 2]:
         lines += _family_lines(explanation, one, full)
     if full:

@@ -36,9 +36,10 @@ GROUPS = {
     "paths": ("path", "cover", "certify", "soundness"),
     "commands": ("commands", "earlier", "explain", "directions", "viewer", "sweep"),
     "growth": ("growth",),
+    "advice": ("jog",),
 }
 """The scripts of each group: linear algebra of the Jacobian, singular configurations, exact conditions, what is
-proven of paths and regions, whole commands and verbs, and growth."""
+proven of paths and regions, whole commands and verbs, growth, and whether advice holds."""
 
 
 def run(script: str, quick: bool) -> dict[str, Any]:

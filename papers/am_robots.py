@@ -213,7 +213,7 @@ def pa10_tables(sheet: Sheet) -> None:
                ", ".join(f"rank-{s.corank}" for s in analysis.coranks if s.converged))  # fmt: skip
     free = {corank: {tuple(sorted({1, 7} & set(f.free))) for f in analysis.of_corank(corank)} for corank in (1, 2, 3)}
     sheet.claim("section 3.3.3", "the conditions of rank 2 do not depend on θ1 or θ7", "θ1 and θ7 do not matter",
-                "; ".join(f"rank-{corank}: of joints 1 and 7 free in a row: {', '.join(map(str, sorted(rows)))}"
+                "; ".join(f"rank-{corank}: free together are {', '.join(map(str, sorted(rows)))}"
                           for corank, rows in free.items()), set.union(*free.values()) == {(1, 7)})  # fmt: skip
 
 
@@ -307,6 +307,12 @@ def in_six(row: Array) -> str:
     return f"({listed(row[:3], 2)}; {listed(row[3:], 2)})"
 
 
+ARROWS = (
+    "Directions are (v; ω) in base axes at the end effector; AM print no numbers of the arrows. The u are those of the "
+    "Jacobian of Table 2, made by hand, columns (z × p; z), and taken apart by LAPACK."
+)
+
+
 def figures_7_8_9(sheet: Sheet) -> None:
     """The PA-10 on every row, with the directions lost."""
     robot, task = pa10()
@@ -318,14 +324,10 @@ def figures_7_8_9(sheet: Sheet) -> None:
             angle = angle_between(ours, printed_null_directions(q, corank))
             arrows = {1: "u6", 2: "u5, u6"}[corank]
             sheet.claim(
-                f"Figure {figure}({part})", f"directions lost on row {row} of Table {corank + 2}, at "
-                f"θ = {listed(q, 2)}: (v; ω) in base axes at the end effector",
-                f"{arrows} of the Jacobian of Table 2 (arrows in a drawing)",
-                f"{', '.join(map(in_six, ours))}, {rounded(angle, 1)}° from the span of {arrows} of that Jacobian; in "
-                f"words: {'; '.join(told)}",
-                len(ours) == len(told) == corank and angle < 1e-5,
-                reason="That Jacobian is made by hand, columns (z × p; z), and taken apart by LAPACK. AM print no "
-                "numbers of the arrows.",
+                f"Figure {figure}({part})", f"directions lost on row {row} of Table {corank + 2}, θ = {listed(q, 2)}",
+                f"{arrows} (arrows)",
+                f"{', '.join(map(in_six, ours))}, {rounded(angle, 1)}° from the span of {arrows}; {'; '.join(told)}",
+                len(ours) == len(told) == corank and angle < 1e-5, reason=ARROWS,
             )  # fmt: skip
     fifth = min(float(singular_values(robot, row_configuration(1, row), task)[4]) for row in range(1, 5))
     sheet.claim("section 3.3.2", "rank-1 singular directions are well defined", "well defined",
@@ -337,12 +339,10 @@ def figures_7_8_9(sheet: Sheet) -> None:
         ours = lost_directions(robot, q, task, 3)
         angle = angle_between(ours, printed_null_directions(q, 3))
         sheet.claim(
-            f"Figure 9{part}", "rank lost, and directions (v; ω) in base axes at the end effector",
-            "rank-3; u4, u5, u6 of the Jacobian of Table 2 (arrows in a drawing)",
+            f"Figure 9{part}", "rank and directions lost", "rank-3; u4, u5, u6 (arrows)",
             f"rank-{int((sigma <= 1e-9).sum())}; {', '.join(map(in_six, ours))}, {rounded(angle, 1)}° from the span of "
-            f"u4, u5, u6 of that Jacobian; in words: {'; '.join(told)}",
-            bool((sigma <= 1e-9).sum() == 3 and len(ours) == len(told) == 3 and angle < 1e-5),
-            reason="As for Figures 7 and 8.",
+            f"u4, u5, u6; {'; '.join(told)}",
+            bool((sigma <= 1e-9).sum() == 3 and len(ours) == len(told) == 3 and angle < 1e-5), reason=ARROWS,
         )  # fmt: skip
     lengths = [float(np.linalg.norm(pose(robot, np.array(theta))[:3, 3])) for theta in FIGURE_9.values()]
     sheet.claim(

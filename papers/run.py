@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from string import ascii_lowercase
 
-from papers.item import Item, Sheet, Verdict, count_words
+from papers.item import Item, Sheet, Verdict
 from rankdrop.errors import OptionError
 from rankdrop.results import Record
 from rankdrop.units import heading
@@ -129,20 +132,22 @@ def _sections(name: str) -> Iterable[tuple[str, Callable[[Sheet], None]]]:
 _HEAD = """# The five documents, reproduced
 
 Every table, figure, numeric example and checkable claim of the five documents behind this package: what is printed,
-what
-the package computes, and a verdict that is computed from the two. The page is written by
+what the package computes, and a verdict that is computed from the two. The page is written by
 `python -m papers all --markdown docs/reproduced.md`; a test makes it anew and compares.
 
-- **agrees**: within half a unit of the last printed digit, or to the tolerance of the identity (1e-9 unless it says
-  otherwise), or word for word.
+- **agrees**: within half a unit of the last printed digit, or to the tolerance of the identity, or word for word.
 - **rounding**: off by at most three units of the last printed digit.
 - **erratum**: what is printed is not so. The reason is given, and a computation that shows it was made and holds.
 - **unreproducible**: the document does not say enough to compute it, or to tell whether ours is the same thing.
 - **differs**: the package and the document contradict each other without a reason. There is none of these.
 
-"The same, within 1e-09 at random places" means that the printed formula was read as it stands, evaluated at random
-configurations and compared with what the package computes there.
+What agrees is listed as place, quantity: printed value → our value. Without an arrow ours is the printed one; without
+a place, the place is that of the line above. A printed formula was read as it stands and evaluated at random
+configurations: it agrees with what the package computes there to 1e-9, or as is stated. Letters in brackets are the
+notes above a list.
 """
+_OFTEN = 3
+"""Sentences that a document's items repeat so often become notes."""
 
 
 def markdown(reproduction: Reproduction) -> str:
@@ -154,21 +159,60 @@ def markdown(reproduction: Reproduction) -> str:
         for name in reproduction.documents
     ]
     for name in reproduction.documents:
-        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}: {count_words(reproduction.counts(name))}.", ""]
-        parts += ["| item | what | printed | ours | verdict |", "|---|---|---|---|---|"]
-        parts += [_row(item) for item in reproduction.of(name)]
+        items = reproduction.of(name)
+        notes = _notes(items)
+        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}.", ""]
+        parts += [f"- ({letter}) {_plain(sentence)}" for sentence, letter in notes.items()]
+        others = [item for item in items if item.verdict is not Verdict.AGREES]
+        if others:
+            parts += [*([""] if notes else []), "| item | what | printed | verdict, ours |", "|---|---|---|---|"]
+            parts += [_row(item, notes) for item in others]
+        agreeing = [item for item in items if item.verdict is Verdict.AGREES]
+        places = ["", *(item.item for item in agreeing)]
+        parts += ["", "Agrees:", ""]
+        parts += [_line(item, place, notes) for item, place in zip(agreeing, places, strict=False)]
     return "\n".join(parts) + "\n"
 
 
-def _row(item: Item) -> str:
-    verdict = f"**{item.verdict}**" if item.verdict is not Verdict.AGREES else str(item.verdict)
-    last = f"{verdict}. {item.reason}" if item.reason else verdict
-    return "| " + " | ".join(_cell(text) for text in (item.item, item.about, item.printed,
-        item.ours)) + f" | {_plain(last)} |"
+def _notes(items: Iterable[Item]) -> dict[str, str]:
+    """Sentence that several reasons contain -> its letter."""
+    counts = Counter(sentence for item in items for sentence in _sentences(item.reason))
+    often = [sentence for sentence, count in counts.items() if count >= _OFTEN]
+    return dict(zip(often, ascii_lowercase, strict=False))
+
+
+def _sentences(text: str) -> list[str]:
+    return re.split(r"(?<=\.) (?=[A-Z])", text) if text else []
+
+
+def _row(item: Item, notes: Mapping[str, str]) -> str:
+    """The line of a table: an item that does not agree."""
+    marks, rest = _marked(item, notes)
+    said = f"**{item.verdict}**{marks}: {item.ours}{rest}"
+    return "| " + " | ".join(_cell(text) for text in (item.item, item.about, item.printed, said)) + " |"
+
+
+def _line(item: Item, before: str, notes: Mapping[str, str]) -> str:
+    """The line of a list: an item that agrees, with its place where that is not the place of the line before."""
+    marks, rest = _marked(item, notes)
+    place = "" if item.item == before else f"{item.item}, "
+    ours = item.ours.removeprefix("the same, ").removesuffix(" at random places")
+    arrow = "" if ours in (" ".join(item.printed.split()), "within 1e-09") else f" → {ours}"
+    return "- " + _cell(f"{place}{item.about}: {item.printed}{arrow}{marks}{rest}")
+
+
+def _marked(item: Item, notes: Mapping[str, str]) -> tuple[str, str]:
+    """The letters of its notes, and what else its reason has."""
+    sentences = _sentences(item.reason)
+    letters = ", ".join(notes[sentence] for sentence in sentences if sentence in notes)
+    rest = " ".join(sentence for sentence in sentences if sentence not in notes)
+    return f" ({letters})" if letters else "", f". {rest}" if rest else ""
 
 
 def _cell(text: str) -> str:
-    return _plain(" ".join(text.split()))
+    """Text in one line; columns of a row are separated by commas, or by semicolons where it has commas."""
+    flat = " ".join(text.split())
+    return _plain(flat.replace(" | ", "; " if ", " in flat else ", "))
 
 
 def _plain(text: str) -> str:

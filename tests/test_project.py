@@ -39,22 +39,6 @@ def read(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def tests() -> set[str]:
-    """Functions of all tests."""
-    return {
-        node.name for file in HERE.rglob("test_*.py") for node in ast.walk(ast.parse(read(file)))
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
-    }  # fmt: skip
-
-
-@pytest.mark.slow
-def test_every_test_that_a_page_names_is_there(tests: set[str]) -> None:
-    told = {(page.name, name) for page in PAGES for name in re.findall(r"`(test_\w+)`", read(page))}
-    assert len(told) >= 20
-    assert {one for one in told if one[1] not in tests} == set()
-
-
 def named_files(text: str) -> Iterator[str]:
     """Names of files of the project in a page or script: paths from its root, and code in Python and C++."""
     yield from re.findall(r"(?<![\w./-])((?:docs|examples|papers|src|tests|tools|benchmarks)/[\w/-]+\.[a-z]+)\b", text)

@@ -39,7 +39,7 @@ GROWN = 1 << 20  # bytes that a case may be blown up to
 ONE_IN = 40  # cases that are blown up
 SECONDS, MEMORY = 30.0, 1 << 30
 """Processor time and memory of a case beyond which it has failed."""
-PATIENCE = 300.0  # s of wall time: a case that waits for something has failed as well
+PATIENCE = 1800.0  # s of wall time: a case that waits for something has failed as well, a busy machine has not
 EXTREME = (b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99)
 NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "poses-json",
          "poses-yaml", "analysis", "cover", "certificate", "spec", "mjcf", "npz", "bag", "mcap", "mesh", "xacro", "job",

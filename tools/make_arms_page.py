@@ -16,7 +16,7 @@ import csv
 import json
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from multiprocessing import Pool
 from pathlib import Path
@@ -43,24 +43,24 @@ PAGE = ROOT / "docs" / "arms.md"
 KEPT = ROOT / "build" / "arms"
 PROCESSES = 2
 _REASON = 160  # characters of a reason that a cell of a table may have
-HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near")
-ASPECTS_HEADS = (*HEADS[:-1], "aspects", HEADS[-1])
-"""Of the table of the catalogue: the number of aspects is stored for its arms only."""
+USUAL = {"explained": "100 %", "exact": "letters", "near": "–"}
+"""What holds for nearly every arm: the page lists the others."""
 
 INTRODUCTION = """# Arms
 
 How every arm of the catalogue fares at default settings, and how {count} arms of many makers do that are read from
-their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
+their own files. Written by `tools/make_arms_page.py`; tests compare the page with the results.
 
-- **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3, found numerically.
-- **explained**: the share of test points that these families explain, the lowest of all coranks; rounded
-  down, so that 100 % means all.
+- **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3.
+- **explained**: the lowest share, of all coranks, of test points on these families, rounded down.
 - **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
-  and agree with what was found; else why not.
-- **aspects** (the catalogue): the number of aspects from the table that `tools/make_aspects.py` writes, joint limits
-  ignored, and whether the arm is cuspidal: c, it can change its posture without a singularity (proven); no mark, it
-  cannot (proven), or it has more or fewer joints than rows, so that postures are not compared.
-- **near**: structure that the arm misses by little, where there is some.
+  and agree with the search; else the reason.
+- **aspects**: their number, joint limits ignored; c: the arm is cuspidal, it can change its posture without a
+  singularity (proven); no mark: it cannot (proven), or has more or fewer joints than rows, so that postures are not
+  compared.
+- **near**: structure that the arm misses by little.
+
+Unless a list of exceptions names the arm: explained 100 %, exact with letters, near to no special structure.
 """
 
 
@@ -85,11 +85,18 @@ class Row:
         """Whether both commands ended with exit code 0."""
         return self.analyze_exit == self.conditions_exit == exits.FINE
 
-    def cells(self) -> tuple[str, ...]:
-        """The cells of its line in the table."""
-        exact = self.exact if self.fine else f"{self.exact}; exit codes {self.analyze_exit}, {self.conditions_exit}: " \
-                                             f"{self.reason}"  # fmt: skip
-        return (f"`{self.name}`", self.about, self.families, self.explained, exact, self.near)
+    @property
+    def remarks(self) -> dict[str, str]:
+        """Heading of a list of exceptions -> what it has of this arm."""
+        said = {"explained": self.explained, "exact": self.exact, "near": self.near}
+        if not self.fine:
+            said["exact"] += f"; exit codes {self.analyze_exit}, {self.conditions_exit}: {self.reason}"
+        return {name: text for name, text in said.items() if text != USUAL[name]}
+
+    @property
+    def joints(self) -> str:
+        """The number of joints of a maker's file."""
+        return self.about.split()[0]
 
 
 def row_of(name: str, about: str, robot: Robot) -> Row:
@@ -193,7 +200,7 @@ def measure(task: tuple[str, str]) -> str:
     folder.mkdir(parents=True, exist_ok=True)
     replace_file(folder / f"{name}.json", json.dumps(asdict(row), ensure_ascii=False, indent=1).encode())
     spent = f"{row.analyze_cpu:.1f} + {row.conditions_cpu:.1f} s CPU"
-    return f"{name}: {' | '.join(row.cells()[2:])} | {spent}"
+    return f"{name}: {row.families} {row.remarks} | {spent}"
 
 
 def kept(kind: str, name: str) -> Row | None:
@@ -223,10 +230,23 @@ def aspects_of_row(name: str) -> str:
     return number
 
 
-def with_aspects(row: Row) -> tuple[str, ...]:
-    """The cells of an arm of the catalogue, with its aspects."""
-    cells = row.cells()
-    return (*cells[:-1], aspects_of_row(row.name), cells[-1])
+def exceptions(rows: Sequence[Row]) -> list[str]:
+    """A list of what is not as usual, each with its arms."""
+    arms: dict[str, list[str]] = {}
+    for name in USUAL:
+        for row in rows:
+            if name in row.remarks:
+                arms.setdefault(f"{name}: {row.remarks[name]}", []).append(f"`{row.name}`")
+    return ["Exceptions:", "", *(f"- {text}: {', '.join(names)}" for text, names in arms.items())]
+
+
+def alike(arms: Iterable[tuple[str, str, str]]) -> Iterator[tuple[str, str, str]]:
+    """Of (name, and two cells that arms may have in common): both cells and the names, the commonest first."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name, one, other in arms:
+        groups.setdefault((one, other), []).append(name)
+    for (one, other), names in sorted(groups.items(), key=lambda group: -len(group[1])):
+        yield one, other, ", ".join(names)
 
 
 def page() -> str:
@@ -236,13 +256,17 @@ def page() -> str:
     if missing:
         raise SystemExit(f"not measured: {', '.join(missing)}")
     rows = {kind: [row for (k, _), row in found.items() if k == kind and row] for kind in ("catalogue", "skeletons")}
+    own = alike((f"`{row.name}`", row.families, aspects_of_row(row.name)) for row in rows["catalogue"])
     parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "",
-             *table(ASPECTS_HEADS, map(with_aspects, rows["catalogue"])), ""]  # fmt: skip
+             "`rankdrop robots` describes each arm.", "", *exceptions(rows["catalogue"]), "",
+             *table(("families per corank", "aspects", "arms"), own), ""]  # fmt: skip
+    theirs = alike((f"`{row.name}`", row.joints, row.families) for row in rows["skeletons"])
     fine = sum(row.fine for row in rows["skeletons"])
     parts += ["## Arms from their makers' files", "",
-              f"{fine} of {len(rows['skeletons'])} end with exit code 0 from both commands; the reason stands with the "
-              "others. The files are in `tests/data/arms`, reduced to joints and links, their numbers word for word.",
-              "", *table(HEADS, (row.cells() for row in rows["skeletons"]))]  # fmt: skip
+              f"{fine} of {len(rows['skeletons'])} end with exit code 0 from both commands. The files and their "
+              "sources are in `tests/data/arms`, reduced to joints and links, their numbers word for word.", "",
+              *exceptions(rows["skeletons"]), "",
+              *table(("joints", "families per corank", "arms"), theirs)]  # fmt: skip
     return "\n".join(parts) + "\n"
 
 

@@ -369,14 +369,16 @@ _ROOM = {
     "inverse": "motion", "program": "motion",
     "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
 }  # fmt: skip
-_PARTS = {"robot": "arm", "family": "families", "inside": "families", "remedies": "motion"}
+_PARTS = {
+    "robot": "arm", "family": "families", "inside": "families", "remedies": "motion", "program_remedies": "motion",
+}  # fmt: skip
 NAMES = tuple(_ROOM)
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
 `compare` the side-by-side."""
 
 
 def table_of(kind: str) -> type[Struct]:
-    """The table of a kind of file, or "robot", "family", "inside", "remedies"; imported when it is first used.
+    """The table of a kind of file, or of a part that has a name in `_PARTS`; imported when it is first used.
 
     Raises:
         OptionError: there is no such kind.

@@ -75,7 +75,7 @@ class AnalyzeOptions(Options):
         Literal["auto", "on", "off"], option("Derive the conditions exactly: auto within 30 s, on within 120 s")
     ] = "auto"
     aspects: Annotated[
-        bool, option("Count the aspects, at most about 20 s; arms of the catalogue have their number without it")
+        bool, option("Count the aspects and search for changes of posture, about 30 s at most; stored for known arms")
     ] = False  # fmt: skip
     fresh: Annotated[bool, option("Derive exact conditions anew where they are shipped (the catalogue's arms)")] = False
     starts: Annotated[int, _STARTS] = 10_000

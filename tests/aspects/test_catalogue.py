@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from math import pi
 
 import pytest
 from jsonschema import Draft202012Validator
+from reference import cuspidal
 from scripts import tool
 
 from rankdrop import sweep
+from rankdrop.aspects import verdict
 from rankdrop.aspects.arm import count_of_arm, summary_of
+from rankdrop.aspects.verdict import judged_summary
 from rankdrop.cli import main
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
@@ -19,7 +23,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.aspects import aspects_cell, aspects_line
+from rankdrop.text.aspects import aspects_and_verdict_cell, aspects_cell, aspects_line
 from rankdrop.verbs.analyze import analyze
 
 TOOL = tool("make_aspects")
@@ -80,6 +84,12 @@ def test_the_words_say_what_is_proven() -> None:
     assert aspects_line(None) == ""
 
 
+def test_a_cell_of_a_comparison_says_what_is_cuspidal_and_what_is_not_decided() -> None:
+    cells = {CUSPIDAL: "2, cuspidal", NOT_FOUND: "2, undecided", NOT_CUSPIDAL: "2", NOT_ASKED: "2", None: "2"}
+    for change, cell in cells.items():
+        assert aspects_and_verdict_cell(AspectSummary(2, 2, True, change)) == cell
+
+
 def test_an_analysis_has_the_aspects_of_its_arm_and_keeps_them_in_its_file() -> None:
     found = analyze(open_robot("planar2r"), starts=50, fresh=False)
     assert found.aspects == catalogue_aspects()["planar2r"]
@@ -91,7 +101,20 @@ def test_aspects_of_another_arm_are_counted_where_asked_for() -> None:
     links = [{"d": 0.0, "a": a, "alpha": 0.0} for a in (1.0, 0.37)]
     own = from_dh(links, convention="standard", task="planar-position", name="own")
     assert analyze(own, starts=50).aspects is None
-    assert analyze(own, starts=50, aspects=True).aspects == AspectSummary(2, 2, True)
+    assert analyze(own, starts=50, aspects=True).aspects == AspectSummary(2, 2, True, NOT_CUSPIDAL)
+
+
+@pytest.mark.slow
+def test_the_verdict_of_an_own_arm_is_proven_or_searched_for_at_a_few_poses(monkeypatch: pytest.MonkeyPatch) -> None:
+    wenger = cuspidal.wenger()
+    assert judged_summary(wenger, resolve_task(None, wenger)).posture_change == CUSPIDAL
+    monkeypatch.setattr(verdict, "POSES", 1)
+    rows = [(0, 0.9, -pi / 2), (0.5, 0.3, pi / 2), (0, 1.2, 0)]
+    table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
+    undecided = from_dh(table, convention="standard", task="position", name="open")
+    assert judged_summary(undecided, resolve_task(None, undecided)).posture_change == NOT_FOUND
+    redundant = open_robot("planar3r")
+    assert judged_summary(redundant, resolve_task("planar-position", redundant)).posture_change == NOT_ASKED
 
 
 @pytest.mark.slow
@@ -99,7 +122,7 @@ def test_a_sweep_and_a_comparison_have_a_column_of_aspects() -> None:
     found = compare(["planar3r", "planar2r"], {"aspects": {}, "task": "planar-position"}, workers=1)
     assert [one["measures"]["aspects"] for one in found.records] == [1, 2]
     changes = [one["aspects"]["posture_change"] for one in found.records]
-    assert changes == [None, "not cuspidal"]  # the first is counted, the second stored
+    assert changes == [NOT_ASKED, NOT_CUSPIDAL]  # the first is judged, the second stored
     table = next(one for one in found.sections() if one.title == "Side by side")
     assert ("aspects", "1", "2") in table.rows
     Draft202012Validator(load_schema("side-by-side")).validate(found.to_dict())

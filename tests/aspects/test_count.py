@@ -1,10 +1,9 @@
-"""The number of aspects: against an independent flood fill, the literature, and planted cases."""
+"""The number of aspects: against the literature, and planted cases; `test_flood_fill.py` has random arms."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.ring import Ring
-from rankdrop.aspects.cells import Parts, Positive, count_parts, joined
+from rankdrop.aspects.cells import Parts, Positive, count_parts
 from rankdrop.aspects.count import AspectCount, Left, count_aspects
 from rankdrop.aspects.posture_paths import CUSPIDAL, NOT_ASKED, NOT_FOUND, aspects_of
 from rankdrop.aspects.waves import wave_of
@@ -34,97 +33,6 @@ def counted(robot: Robot) -> AspectCount:
 def arm(rows: list[tuple[float, float, float]], task: str) -> Robot:
     table = [{"d": d, "a": a, "alpha": alpha} for d, a, alpha in rows]
     return from_dh(table, convention="standard", task=task, name="arm")
-
-
-def flooded(robot: Robot, joints: list[int], size: int) -> int:
-    """Connected sets of grid points with one sign of det J; sets of fewer points than a line of the grid do not count.
-
-    Neighbours are joined where the sign is the same and the second differences along the line leave no dip between.
-
-    Args:
-        joints: from 0: those the determinant depends on.
-        size: points along each.
-    """
-    angles = (np.arange(size) + 0.37) * 2 * np.pi / size
-    grid = np.array(list(product(angles, repeat=len(joints))))
-    q = np.full((len(grid), robot.n), 0.3)
-    q[:, joints] = grid
-    shape = (size,) * len(joints)
-    values = np.linalg.det(task_jacobian(robot, q, resolve_task(None, robot))).reshape(shape)
-    number = np.arange(values.size).reshape(shape)
-    edges = []
-    for axis in range(len(joints)):
-        after, before = np.roll(values, -1, axis), np.roll(values, 1, axis)
-        bend = np.abs(after - 2 * values + before)
-        dip = np.maximum(bend, np.roll(bend, -1, axis)) / 4
-        near = (values * after > 0) & (np.minimum(np.abs(values), np.abs(after)) > dip)
-        edges.append(np.stack([number[near], np.roll(number, -1, axis)[near]]))
-    _, counts = np.unique(joined(values.size, np.concatenate(edges, axis=1)), return_counts=True)
-    return int((counts >= size).sum())
-
-
-def lengths(seed: int) -> list[float]:
-    return [round(float(x), 2) for x in np.random.default_rng(seed).uniform(0.2, 1.0, 12)]
-
-
-def three_joints(seed: int) -> Robot:
-    """A 3R arm whose axes are at right angles, all offsets there."""
-    x = lengths(seed)
-    return arm([(0, x[0], -H), (x[1], x[2], H), (x[3], x[4], 0)], "position")
-
-
-def wristed(seed: int) -> Robot:
-    """A 6R arm with a spherical wrist, with and without offsets of the shoulder."""
-    x = lengths(seed)
-    offset = x[0] * (seed % 2)
-    return arm([(0.3, offset, -H), (0, x[1], 0), (0, x[2], -H), (x[3], 0, H), (0, 0, -H), (0.1, 0, 0)], "pose")
-
-
-def three_parallel(seed: int) -> Robot:
-    x = lengths(seed)
-    return arm([(x[0], 0, H), (0, x[1], 0), (0, x[2], 0), (x[3], 0, H), (x[4], 0, -H), (0.1, 0, 0)], "pose")
-
-
-def offset_wrist(seed: int) -> Robot:
-    """A CRX in other sizes: axes 4 and 6 do not meet."""
-    x = lengths(seed)
-    return arm([(0.2, 0, -H), (0, x[0], 0), (0, 0, -H), (x[1], 0, H), (0.3 * x[2], 0, -H), (0.1, 0, 0)], "pose")
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_three_joints_have_as_many_aspects_as_a_flood_fill_finds(seed: int) -> None:
-    robot = three_joints(seed)
-    found = counted(robot)
-    assert found.exact
-    assert flooded(robot, [1, 2], 60) == flooded(robot, [1, 2], 180) == found.at_least
-
-
-@pytest.mark.by_hand_at("offset_wrist-1", "three_parallel-1")
-@pytest.mark.parametrize(
-    ("make", "seed"),
-    [
-        (wristed, 0),
-        *(pytest.param(make, 1, marks=pytest.mark.slow) for make in (wristed, three_parallel, offset_wrist)),
-    ],
-)
-def test_six_joints_have_as_many_aspects_as_a_flood_fill_finds(make, seed: int) -> None:  # type: ignore[no-untyped-def]
-    robot = make(seed)
-    found = counted(robot)
-    joints, sizes = ([1, 2, 4], (30, 36)) if make is wristed else ([1, 2, 3, 4], (20, 26))
-    assert found.exact
-    assert {flooded(robot, joints, size) for size in sizes} == {found.at_least}
-
-
-@pytest.mark.by_hand
-@pytest.mark.parametrize("make", [three_joints, wristed, three_parallel, offset_wrist])
-def test_twenty_arms_of_each_kind(make) -> None:  # type: ignore[no-untyped-def]
-    for seed in range(10, 30):
-        robot = make(seed)
-        found = counted(robot)
-        joints = {three_joints: [1, 2], wristed: [1, 2, 4]}.get(make, [1, 2, 3, 4])
-        sizes = {2: (180, 260), 3: (80, 96), 4: (24, 30)}[len(joints)]
-        assert found.exact, seed
-        assert {flooded(robot, joints, size) for size in sizes} == {found.at_least}, seed
 
 
 @pytest.mark.parametrize("name", ["ur3", "ur5", "ur10", "ur5e", "ur10e", "ur16e", "puma560", "e0509"])

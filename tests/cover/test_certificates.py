@@ -200,6 +200,7 @@ def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
         assert verify(write_certificate(sealed(record), tmp_path / "p.json"), asked).holds is holds
 
 
+@pytest.mark.slow
 def test_a_bracket_needs_two_signs(records):
     def change(record):
         low, high = record["claim"]["spans"][1]["bracket"]

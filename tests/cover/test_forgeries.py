@@ -203,7 +203,7 @@ def hold(folder: Path, original: Record, count: int, seed: int) -> tuple[int, in
 KINDS = ("ball", "ball of a point", "ball with a slide", "near arms", "free path", "crossing path", "covering",
          "covering within limits", "covering of corank 2", "existence")  # fmt: skip
 CHANGES = ("posture change", "posture change within limits", "sign proof", "sign proof with a wrist",
-           "sign proof of a point")  # fmt: skip
+           "sign proof of a point", "sign proof in a plane")  # fmt: skip
 
 
 @pytest.mark.spread(3)

@@ -207,7 +207,7 @@ def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
     assert len(found.conditions[-1].equal) == 7
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> None:
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")

@@ -92,6 +92,7 @@ def test_eq_26_is_written_with_half_angles(analysis, rng):
     assert any("/2" in text or "0.5*" in text for text in texts)
 
 
+@pytest.mark.slow
 def test_eq_15_points_lie_on_rows_with_joint_4_straight(analysis, rng):
     # KG eq. 15: θ4 = 0 or π and one long equation; solved for θ6 here
     q = rng.uniform(-3, 3, (300, 7))

@@ -244,7 +244,7 @@ def test_files_are_written_and_hold_the_numbers(tmp_path):
     ), "only the names of formats"
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 def test_the_same_figure_is_the_same_file(tmp_path):
     one, other = (figures.save_figures(("GR",), str(tmp_path / name)) for name in "ab")
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]

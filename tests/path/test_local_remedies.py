@@ -305,6 +305,7 @@ def test_the_command_names_the_best_remedy_and_the_option_writes_it(
     assert (made == q).all(axis=1).mean() > 0.5
 
 
+@pytest.mark.slow
 def test_without_a_remedy_the_command_names_the_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

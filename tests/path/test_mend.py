@@ -152,6 +152,7 @@ def test_limits_are_kept_by_every_remedy_in_time() -> None:
         assert np.abs(np.diff(speed, axis=0) / np.diff(middle)[:, None]).max() <= 6.0 * (1 + 1e-7)
 
 
+@pytest.mark.slow
 def test_retime_keeps_the_path_and_says_that_it_still_crosses() -> None:
     one = wrist().remedies[-1]
     assert one.check.verdict == "crossing"

@@ -77,11 +77,12 @@ def decided(robot: Robot) -> Postures:
 
 
 def sign_proofs() -> dict[str, dict[str, Any]]:
-    """Of an arm with three parallel axes, of one with a spherical wrist, and of one that moves a point."""
+    """Of an arm with three parallel axes, of one with a spherical wrist, of one that moves a point, and of a SCARA."""
     return {
         "sign proof": posture_certificate(decided(open_robot("ur5e"))),
         "sign proof with a wrist": posture_certificate(decided(open_robot("irb120"))),
         "sign proof of a point": posture_certificate(decided(structured("axes 2, 3 parallel"))),
+        "sign proof in a plane": posture_certificate(decided(open_robot("scara"))),
     }
 
 
@@ -127,6 +128,8 @@ def _has_structure(record: dict[str, Any]) -> bool:
     """Axes meet and are parallel to 1e-12."""
     screws = [np.array(joint["screw"]) for joint in record["arm"]["joints"]]
     structure = record["claim"]["structure"]
+    if structure == "planar":
+        return _in_a_plane(record)
 
     def parallel(i: int, j: int) -> bool:
         return bool(np.abs(np.cross(screws[i - 1][3:], screws[j - 1][3:])).max() < 1e-12)
@@ -139,6 +142,22 @@ def _has_structure(record: dict[str, Any]) -> bool:
     first, second = (1, 2) if "1" in structure else (2, 3)
     centre = len(screws) == 3 or (meet(4, 5) and meet(5, 6))
     return centre and (parallel if structure.endswith("parallel") else meet)(first, second)
+
+
+def _in_a_plane(record: dict[str, Any]) -> bool:
+    """All axes are along one axis z of base and task, and the rows are those of a plane across it."""
+    arm, task = record["arm"], record["task"]
+    screws = np.array([joint["screw"] for joint in arm["joints"]])
+    slides = np.array([joint["kind"] == "prismatic" for joint in arm["joints"]])
+    axes = np.where(slides[:, None], screws[:, :3], screws[:, 3:])
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)  # a slide has the direction of its axis, of whatever length
+    z = int(np.abs(axes[0]).argmax())
+    frame = {0: np.eye(4), len(screws): np.array(arm["last"])}.get(task["frame"]["axes"], np.array(arm["home"]))
+    along = (np.abs(np.abs(np.vstack([axes, frame[:3, z]])) - np.eye(3)[z]) < 1e-12).all()
+    turning = int((~slides).sum())
+    rows = {0, 1, 2, 3 + z} - {z} - ({3 + z} if turning == 2 else set()) | ({z} if slides.any() else set())
+    return bool(along and turning in (2, 3) and slides.sum() <= 1 and task["rows"] == sorted(rows)
+                and task["frame"]["origin"] != 0)  # fmt: skip
 
 
 def _changes_posture(record: dict[str, Any]) -> bool:

@@ -118,6 +118,38 @@ class Shadow:
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class Either:
+    """h = max(one, other): positive where one of the two is."""
+
+    one: Positive
+    other: Positive
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Joints it depends on."""
+        return tuple(sorted({*self.one.joints, *self.other.joints}))
+
+    def over(self, middles: Mapping[int, Array], radius: float) -> Interval:
+        """Enclosures of h."""
+        one, other = self.one.over(middles, radius), self.other.over(middles, radius)
+        return Interval(np.maximum(one.low, other.low), np.maximum(one.high, other.high))
+
+    def slopes_over(self, middles: Mapping[int, Array], radius: float) -> dict[int, Interval]:
+        """Enclosures of its derivatives: those of the larger one, or of both where that is not decided."""
+        one, other = self.one.over(middles, radius), self.other.over(middles, radius)
+        slopes = [some.slopes_over(middles, radius) for some in (self.one, self.other)]
+        zero = Interval(np.zeros(len(one.low)), np.zeros(len(one.low)))
+        first, second = one.low > other.high, other.low > one.high
+        found = {}
+        for joint in self.joints:
+            a, b = (some.get(joint, zero) for some in slopes)
+            low = np.where(first, a.low, np.where(second, b.low, np.minimum(a.low, b.low)))
+            high = np.where(first, a.high, np.where(second, b.high, np.maximum(a.high, b.high)))
+            found[joint] = Interval(low, high)
+        return found
+
+
 @dataclass(frozen=True)
 class Parts:
     """How many connected parts.

@@ -15,6 +15,9 @@ g is a part of another factor, which is not zero on R_s, or stands for one value
 holds: a circle without a point is in one piece. A slide that stands in one factor only, as A + B q, leaves
 a half-line or everything: with a number B ≠ 0 the condition is gone as well.
 
+*Limits.* A turning joint with limits is not peeled off: the arc may fall apart at a limit. A slide between a and b that
+stands in one factor only, as A + B q, leaves an interval over {max(s (A + B a), s (A + B b)) > 0}, its shadow.
+
 Conditions that share no joint are counted apart, and the numbers multiplied. What is left of at most three joints is
 counted on cells (`cells.py`).
 
@@ -28,12 +31,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from fractions import Fraction
 from itertools import product
 
 from rankdrop.algebra.polynomial import Atom, Polynomial, order, used
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
-from rankdrop.aspects.cells import ONE, Condition, Parts, Positive, Shadow, count_parts
+from rankdrop.aspects.cells import ONE, Box, Condition, Either, Parts, Positive, Shadow, count_parts
 from rankdrop.aspects.waves import Wave, wave_of
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs import SignedFactor, Signs, signed_factors
@@ -82,6 +86,7 @@ class AspectCount:
         peeled: joints (from 1) that were peeled off.
         cells: joints (from 1) in which cells were counted.
         left: why it was not counted; None where it was.
+        shared: joints (from 1) that conditions share which are too many for cells; () where they are not.
     """
 
     factors: tuple[str, ...] = ()
@@ -90,6 +95,7 @@ class AspectCount:
     peeled: tuple[int, ...] = ()
     cells: tuple[int, ...] = ()
     left: Left | None = None
+    shared: tuple[int, ...] = ()
 
     @property
     def at_least(self) -> int:
@@ -162,15 +168,29 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
         >>> counted.exact, counted.at_least, counted.factors
         (True, 2, ('s2',))
     """
+    return count_in_box(signs, {}, work)
+
+
+def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
+    """Count the connected regions of regular configurations within limits.
+
+    Args:
+        signs: as of `count_aspects`.
+        box: lower and upper limits of joints, in the variables of the conditions; the others have none.
+        work: limit of the work on cells.
+
+    Raises:
+        OutOfTime: that limit was met.
+    """
     signed, chain = signs.factors, signs.chain
     head = head_of(signs)
     if not all(factor.periodic for factor in signed):
         return replace(head, left=Left.SIGN)
     if len(signed) > MOST_FACTORS:
         return replace(head, left=Left.FACTORS)
-    peeling = Peeling(chain.ring, chain.numbers, signed)
+    peeling = Peeling(chain.ring, chain.numbers, signed, box)
     if peeling.left is not None:
-        return replace(head, peeled=tuple(peeling.peeled), left=peeling.left)
+        return replace(head, peeled=tuple(peeling.peeled), left=peeling.left, shared=peeling.too_many)
     known: dict[tuple[int, tuple[int, ...]], Parts] = {}
     each = []
     for vector in product((1, -1), repeat=len(signed)):
@@ -180,7 +200,7 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
             key = number, own
             if key not in known:
                 conditions = [peeling.condition(i, vector[i]) for i in group]
-                known[key] = count_parts(conditions, work)
+                known[key] = count_parts(conditions, work, box)
             parts = parts * known[key]
         each.append(SignCount(vector, parts))
     left: set[int] = set()
@@ -245,17 +265,21 @@ class Peeling:
         ring: of the factors.
         numbers: values of the roots that are in coefficients.
         factors: each with a sign of its own.
+        box: limits of joints.
 
     Attributes:
         peeled: joints that were peeled off, in order.
         groups: indices of the factors that still are conditions, those that share joints together.
     """
 
-    def __init__(self, ring: Ring, numbers: Mapping[str, float], factors: Sequence[SignedFactor]) -> None:
-        self.ring, self.numbers = ring, numbers
+    def __init__(
+        self, ring: Ring, numbers: Mapping[str, float], factors: Sequence[SignedFactor], box: Box | None = None
+    ) -> None:  # fmt: skip
+        self.ring, self.numbers, self.box = ring, numbers, box or {}
         self.atoms = [factor.atoms for factor in factors]
         self.whole: list[Polynomial | None] = [polynomial_of(factor) for factor in factors]  # None once peeled
         self.linear: dict[int, _Linear] = {}  # those that one joint was peeled off
+        self.ends: dict[int, tuple[Polynomial, Polynomial]] = {}  # or a slide: their values at both of its limits
         self.peeled: list[int] = []
         self._waves: dict[int, tuple[Wave, ...]] = {}
         while self._peel_one():
@@ -273,6 +297,15 @@ class Peeling:
                 return Left.JOINTS
         return None
 
+    @property
+    def too_many(self) -> tuple[int, ...]:
+        """The joints of the first group that depends on more than `MOST_JOINTS`; () where there is none."""
+        for group in self.groups:
+            joints = set[int]().union(*map(self._joints, group))
+            if len(joints) > MOST_JOINTS:
+                return tuple(sorted(joints))
+        return ()
+
     def condition(self, i: int, sign: int) -> Condition:
         """What a factor with this sign asks of the joints that are left."""
         if i not in self._waves:
@@ -280,6 +313,8 @@ class Peeling:
         waves = self._waves[i]
         if len(waves) == 1:
             return Positive(waves[0], sign)
+        if i in self.ends:
+            return Either(Positive(waves[0], sign), Positive(waves[1], sign))
         a, b, c = waves
         return Shadow(a, b, c, sign)
 
@@ -287,11 +322,14 @@ class Peeling:
         whole = self.whole[i]
         if whole is not None:
             return (whole,)
+        if i in self.ends:
+            return self.ends[i]
         linear = self.linear[i]
         return linear.a, linear.b, linear.c
 
     def _alive(self) -> Iterator[int]:
-        return (i for i in range(len(self.whole)) if self.whole[i] is not None or i in self.linear)
+        peeled = self.linear.keys() | self.ends.keys()
+        return (i for i in range(len(self.whole)) if self.whole[i] is not None or i in peeled)
 
     def _joints(self, i: int) -> set[int]:
         return {joint for p in self._parts(i) if p != 0 for joint in joints_of(self.ring, p)}
@@ -318,10 +356,9 @@ class Peeling:
         if whole is None:
             return False
         if joint in self.ring.prismatic:
-            if slide_part(self.ring, whole, joint) is None:
-                return False
-            self.whole[i] = None  # A + B q with a number B: a half-line over everything
-            return True
+            return self._peel_slide(i, whole, joint)
+        if joint in self.box:
+            return False
         parts = linear_parts(self.ring, whole, joint)
         if parts is None:
             return False
@@ -333,6 +370,17 @@ class Peeling:
         self.whole[i] = None
         return True
 
+    def _peel_slide(self, i: int, whole: Polynomial, joint: int) -> bool:
+        if joint in self.box:
+            low, high = (slide_at(self.ring, whole, joint, end) for end in self.box[joint])
+            if low is None or high is None:
+                return False
+            self.ends[i] = low, high
+        elif slide_part(self.ring, whole, joint) is None:
+            return False
+        self.whole[i] = None  # without limits A + B q with a number B: a half-line over everything
+        return True
+
     def _separate_nothing(self, i: int, shared: Sequence[Atom]) -> bool:
         """Whether the zeros of the common factors that factor i has left part no region."""
         others = [k for k in self._alive() if k != i]
@@ -340,7 +388,7 @@ class Peeling:
         cut = [atom.joint for atom in new]
         held = {joint for k in others for joint in self._joints(k)}
         cut_once = len(set(cut)) == len(cut)
-        return all(atom.pinned for atom in new) and cut_once and not held & set(cut)
+        return all(atom.pinned for atom in new) and cut_once and not (held | self.box.keys()) & set(cut)
 
     def _grouped(self) -> list[tuple[int, ...]]:
         return sharing({i: self._joints(i) for i in self._alive()})
@@ -393,6 +441,17 @@ def slide_part(ring: Ring, p: Polynomial, joint: int) -> Polynomial | None:
         return None
     b = p.derivative(place)
     return None if joints_of(ring, b) else b
+
+
+def slide_at(ring: Ring, p: Polynomial, joint: int, value: float) -> Polynomial | None:
+    """p = A + B q at a value of q; None where q stands in it in a higher degree."""
+    place = p.context().names().index(f"q{joint}")
+    if int(p.degrees()[place]) != 1:
+        return None
+    slope = p.derivative(place)
+    made = p.context()
+    rest = made.from_dict({powers: number for powers, number in p.to_dict().items() if not int(powers[place])})
+    return rest + slope * ring.constant(Fraction(value))
 
 
 def shared_atoms(ring: Ring, parts: _Linear) -> list[Atom]:

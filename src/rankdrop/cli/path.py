@@ -368,8 +368,11 @@ def _check_program(output: PathOutput, mend: Remedies) -> None:
 
 
 def _of_program(result: paths.ProgramCheck, lines: tuple[paths.LineRemedy, ...], output: PathOutput) -> Done:
+    def record() -> dict[str, Any]:
+        return result.to_dict() | {"remedies": paths.remedies_to_dict(lines, result.robot)}
+
     return Done(
-        lambda: list(result.sections(full=output.full, remedies=lines)), {"json": result.to_dict}, holds=result.holds,
+        lambda: list(result.sections(full=output.full, remedies=lines)), {"json": record}, holds=result.holds,
         complete=result.complete,
         last=None if result.complete else partial(say, "interrupted: what was proven so far holds"),
     )  # fmt: skip

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.aspects.arm import count_of_arm, summary_of
+from rankdrop.aspects.verdict import judged_summary
 from rankdrop.codec import encode, plain, restored
 from rankdrop.cover.covering import plan_of
 from rankdrop.designs.postures import reached, slow_poses, targets_of
@@ -228,11 +228,13 @@ def _family(family: Family, robot: Robot, task: Task) -> Record:
 
 
 def _aspects(problem: Problem, _: Any, _asked: Any, _seed: int) -> Measured:
-    """The number of aspects: stored for arms of the catalogue, else counted; None where it is not proven."""
+    """The number of aspects, and whether the arm is cuspidal: stored for arms of the catalogue, else found anew.
+
+    The number is None where it is not proven.
+    """
     summary = known_aspects(problem.robot, problem.task)
     if summary is None:
-        count, _signs = count_of_arm(problem.robot, problem.task)
-        summary = summary_of(count)
+        summary = judged_summary(problem.robot, problem.task)
     return {"aspects": encode(ASPECTS_SUMMARY, summary)}, {"aspects": summary.number}
 
 

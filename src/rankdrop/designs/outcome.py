@@ -35,7 +35,7 @@ from rankdrop.schema.design import MEANINGS as MEANINGS
 from rankdrop.schema.design import UNITS as UNITS
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.aspects import aspects_cell, aspects_line
+from rankdrop.text.aspects import aspects_and_verdict_cell, aspects_line
 from rankdrop.text.brief import NO_RATE_LIMITS, compared_arms, compared_sentence, sigma_note, slow_note, slow_poses_note
 from rankdrop.text.words import sweep_next
 
@@ -376,9 +376,9 @@ def measure_cell(name: str, record: Mapping[str, Any]) -> str:
 
 
 def _aspects_cell(text: str, record: Mapping[str, Any]) -> str:
-    """The number of aspects, or its bounds."""
+    """The number of aspects, or its bounds; whether the arm is cuspidal or that is not decided."""
     if record.get("aspects"):
-        return aspects_cell(AspectSummary(**record["aspects"]))
+        return aspects_and_verdict_cell(AspectSummary(**record["aspects"]))
     return text
 
 

@@ -221,6 +221,11 @@ class Monitor:
         return tuple(self.families[i] for i in self._numbers[:-1])
 
     @property
+    def numbers(self) -> list[int]:
+        """Place in `families` of each of `watched`."""
+        return self._numbers[:-1]
+
+    @property
     def settings(self) -> dict[str, float]:
         """What counts as zero, and as on a family, by the core's names."""
         set_to = self.tolerances
@@ -399,16 +404,17 @@ def _rates(robot: Robot, rates: ArrayLike | None) -> Array:
 
 Value = int | float | str | list[int] | list[float] | list[str]
 
-FORMAT = 2
-"""`RANKDROP_ARM_FORMAT` of `src/core/monitor.h`."""
+FORMAT = 3
+"""`RANKDROP_ARM_FORMAT` of `src/rankdrop/include/rankdrop/monitor.h`."""
 _LONG = 110  # characters of a line
 
 
 def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     """The text of a header with one constant, `rankdrop_MARK_arm`, of type `rankdrop_arm`.
 
-    It holds every number to the last digit, so that C++ sees what Python sees. Families without conditions are left
-    out; the others stand in the order in which they are preferred.
+    It holds every number to the last digit, so that C++ sees what Python sees. Families are numbered as in
+    `monitor.families`; the kernels need those with conditions in the order in which they are preferred, and `number`
+    leads from that order to the list.
 
     Args:
         monitor: its arm, task, families, tolerances, thresholds and rates.
@@ -438,8 +444,9 @@ _WORDS = "const char* const"
 _TYPES = {
     **dict.fromkeys(("variable_names", "ids", "names"), _WORDS),
     **dict.fromkeys(
-        ("turns", "variable", "row", "corank", "first_turn", "turning", "angle", "powers", "first_term", "coupled",
-         "first_equation", "first_pin", "pinned", "first_value", "periodic", "bound_row", "bound_link"), "int",
+        ("turns", "variable", "row", "number", "corank", "first_turn", "turning", "angle", "powers", "first_term",
+         "coupled", "first_equation", "first_pin", "pinned", "first_value", "periodic", "bound_row", "bound_link"),
+        "int",
     ),
 }  # fmt: skip
 
@@ -495,9 +502,10 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
         "rows": task.m, "axes": link_index(task.frame.axes, joints, "axes"),
         "origin": link_index(task.frame.origin, joints, "origin"), "point": list(task.frame.point),
         "row": list(task.rows), "factor": [1.0 / length if row < 3 else 1.0 for row in task.rows],
-        "families": len(families), "angles": len(table["shift"]), "terms": len(table["angle"]),
-        "equations": len(table["coupled"]), "ids": [one.id for one in families],
-        "names": [one.name for one in families],
+        "families": len(families), "listed": len(monitor.families),
+        "angles": len(table["shift"]), "terms": len(table["angle"]),
+        "equations": len(table["coupled"]), "ids": [one.id for one in monitor.families],
+        "names": [one.name for one in monitor.families], "number": monitor.numbers,
         "corank": table["corank"], "shift": table["shift"], "first_turn": table["turns"], "turning": table["turning"],
         "m": table["m"], "angle": table["angle"], "cosine": table["a"], "sine": table["b"], "powers": table["powers"],
         "first_term": table["terms"], "coupled": table["coupled"], "first_equation": table["equations"],

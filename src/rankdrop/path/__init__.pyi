@@ -30,6 +30,7 @@ from .mend.as_poses import NoPoses as NoPoses
 from .mend.as_poses import mended_poses as mended_poses
 from .mend.programs import LineRemedy as LineRemedy
 from .mend.programs import program_remedies as program_remedies
+from .mend.programs import remedies_to_dict as remedies_to_dict
 from .mend.remedies import KINDS as KINDS
 from .mend.remedies import LOCAL as LOCAL
 from .mend.remedies import Mending as Mending

@@ -35,8 +35,8 @@ BALL, PATH, COVERING, EXISTENCE = "ball", "path", "covering", "existence"
 CHANGE, SIGNS = "posture change", "sign proof"
 MEET_12, PARALLEL_12 = "axes 1, 2 meet", "axes 1, 2 parallel"
 MEET_23, PARALLEL_23 = "axes 2, 3 meet", "axes 2, 3 parallel"
-THREE_PARALLEL, ORIENTATION = "three parallel", "orientation"
-STRUCTURES = (MEET_12, PARALLEL_12, PARALLEL_23, MEET_23, THREE_PARALLEL, ORIENTATION)
+THREE_PARALLEL, ORIENTATION, PLANAR = "three parallel", "orientation", "planar"
+STRUCTURES = (MEET_12, PARALLEL_12, PARALLEL_23, MEET_23, THREE_PARALLEL, ORIENTATION, PLANAR)
 """Of arms of which each solution of a pose has signs of its own."""
 SLIDE, TURN, SCREW = "prismatic", "revolute", "helical"
 OPEN, CROSSING, CLEAR = "open", "crossing", "free"

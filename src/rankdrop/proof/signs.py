@@ -11,12 +11,17 @@ the velocity of x for a unit of joint i (unit vectors ω, o on the axis):
     axes 2, 3 parallel       ω2·p leaves θ1, then the elbow leaves θ3        ω2·u1(p)        ω2·(u2(p) × u3(p))
     axes 2, 3 meet in O      |p − O|² leaves θ1, then ω2·(p − O) leaves θ3   (p − O)·u1(p)   (p − O)·(ω2 × ω3)
     orientation              ω1·ω3 leaves θ2                                 ω1·(ω2 × ω3)
+    planar                   |p − o_i|² ⟂ ω leaves θ_j, then θ_i follows     ω·(u_i(p) × u_j(p))
 
 The joint that is left is determined: where p is on its axis the arm is singular. Six joints with axes 4, 5, 6 that meet
 in p have one factor more, ω4·(ω5 × ω6): ω4·ω6 leaves θ5. And with O where axes 5 and 6 meet
 
     axes 2, 3, 4 parallel, 5, 6 meet    ω2·O leaves θ1, ω4·ω6 leaves θ5, the sum of θ2, θ3, θ4 and θ6 follow, and with
                                         axis 4 the elbow leaves θ3      ω2·u1(O)   ω4·(ω5 × ω6)   ω2·(u2(o4) × u3(o4))
+
+In the last structure all axes are parallel to one axis of the base, at most one of them a slide, which the height
+leaves one place. Joints i and j are the first two that turn. Where the task has the angle, a third one turns: the tool
+leaves its axis one place, which takes the part of p, and θ_k follows from the sum of the angles.
 
 That axes meet or are parallel is decided in rational numbers: those of the file, exactly, as axes of neighbours stay as
 they are. Where joint 3 slides, |p − O|² is quadratic in it, with derivatives of opposite signs at its two zeros, and
@@ -39,6 +44,7 @@ from rankdrop.proof.record import (
     ORIENTATION,
     PARALLEL_12,
     PARALLEL_23,
+    PLANAR,
     SLIDE,
     THREE_PARALLEL,
     TURN,
@@ -50,7 +56,10 @@ from rankdrop.proof.tip import carried, velocity
 
 _POSE, _PLACE, _TURN = [0, 1, 2, 3, 4, 5], [0, 1, 2], [3, 4, 5]  # rows of a task
 _TRIED = 4  # configurations at which the factors are multiplied out
-_WORDS = {THREE_PARALLEL: "axes 2, 3, 4 parallel; 5, 6 meet", ORIENTATION: "two values of θ2"}
+_WORDS = {
+    THREE_PARALLEL: "axes 2, 3, 4 parallel; 5, 6 meet", ORIENTATION: "two values of θ2",
+    PLANAR: "all axes parallel, two values of the elbow",
+}  # fmt: skip
 
 Vector = list[Any]
 """Three intervals, or three rational numbers (`flint.fmpq`)."""
@@ -69,7 +78,25 @@ def verify_signs(claim: Claim) -> str:
     """
     if claim.tolerance is not None:
         raise Unproven("axes meet and are parallel for the numbers of the arm, not for arms near it")
-    count, structure = len(claim.links), claim.entries["structure"]
+    structure = claim.entries["structure"]
+    if structure == PLANAR:
+        _check_plane(claim)
+    else:
+        _check_turning(claim, structure)
+    _Factors(claim, structure).check()
+    words = _WORDS.get(structure, str(structure))
+    if len(claim.links) == 6 and structure != THREE_PARALLEL:
+        return f"{words}; axes 4, 5, 6 meet"
+    return words
+
+
+def _check_turning(claim: Claim, structure: str) -> None:
+    """Joints turn, or joint 3 slides where that is known, and there are as many as rows of the task.
+
+    Raises:
+        Unproven: it is not so.
+    """
+    count = len(claim.links)
     kinds = [link.kind for link in claim.links]
     if structure in (MEET_12, PARALLEL_12) and kinds[2:3] == [SLIDE]:
         kinds[2] = TURN
@@ -80,11 +107,60 @@ def verify_signs(claim: Claim) -> str:
     if list(claim.rows) not in fits or not claim.rank == count == len(claim.rows):
         raise Unproven(f"the structure {structure!r} needs as many joints as rows, and rows "
                        f"{' or '.join(map(str, fits))}")  # fmt: skip
-    _Factors(claim, structure).check()
-    words = _WORDS.get(structure, str(structure))
-    if count == 6 and structure != THREE_PARALLEL:
-        return f"{words}; axes 4, 5, 6 meet"
-    return words
+
+
+def _check_plane(claim: Claim) -> None:
+    """All axes have the direction of one axis of the base, and the task has the rows of that plane.
+
+    Raises:
+        Unproven: it is not so.
+    """
+    kinds, count = [link.kind for link in claim.links], len(claim.links)
+    turning, sliding = kinds.count(TURN), kinds.count(SLIDE)
+    few = turning in (2, 3) and sliding <= 1 and turning + sliding == count
+    if not few or claim.variables != count:
+        raise Unproven("an arm of parallel axes has two or three turning joints and at most one slide, none of which "
+                       "follows another")  # fmt: skip
+    along = _normal(claim.links)
+    rows = sorted({0, 1, 2} - {along}) + [along] * sliding + [3 + along] * (turning - 2)
+    if list(claim.rows) != sorted(rows) or claim.rank != count:
+        raise Unproven(f"parallel axes need as many joints as rows, here rows {sorted(rows)}")
+    _check_frame_of_plane(claim, along)
+
+
+def _check_frame_of_plane(claim: Claim, along: int) -> None:
+    """The rows of the task are those of the plane, for a point of the tool.
+
+    Raises:
+        Unproven: they are not.
+    """
+    axes, origin, _ = claim.frame
+    tips = {-1, len(claim.links), len(claim.links) + 1}
+    if axes not in tips | {0} or origin not in tips:
+        raise Unproven("the point of the task is one of the last link or the tip, its axes are theirs or those of the "
+                       "base")  # fmt: skip
+    direction = claim.poses[axes][:3, along].tolist()
+    if [abs(x) for x in direction] != [float(k == along) for k in range(3)]:
+        raise Unproven(f"the axes of the task are not along those of the arm: {direction}")
+
+
+def _normal(links: list[Link]) -> int:
+    """The axis of the base (from 0) that all axes are parallel to, exactly.
+
+    Raises:
+        Unproven: there is none.
+    """
+    across = set()
+    for link in links:
+        direction, moment = _line(link)
+        if link.kind == SLIDE:
+            direction = moment
+        across.add(tuple(k for k in range(3) if direction[k] != 0))
+    if len(across) == 1:
+        only = across.pop()
+        if len(only) == 1:
+            return only[0]
+    raise Unproven("the axes are not all parallel to one axis of the base")
 
 
 class _Factors:
@@ -128,7 +204,7 @@ class _Factors:
         f, claim = self._f, self._claim
         n, one = claim.variables, f.arb(1)
         base = Arm(claim.links, n, 0, [f.arb(0)] * 3, one)
-        if list(claim.rows) == [0, 1, 2]:
+        if list(claim.rows) == [0, 1, 2] or self._structure == PLANAR:
             seen = Arm(claim.links, n, n, [f.arb(x) for x in self._point], one)
         else:
             seen = base
@@ -149,6 +225,8 @@ class _Factors:
         w = [column[3:] for column in columns]
         if self._structure == ORIENTATION:
             return [dot(w[0], cross(w[1], w[2]))]
+        if self._structure == PLANAR:
+            return [self._of_plane(columns, q)]
         if self._structure == THREE_PARALLEL:
             first = self._of_three_parallel(columns, w, q)
         else:
@@ -156,6 +234,15 @@ class _Factors:
         if len(w) == 6:
             first.append(dot(w[3], cross(w[4], w[5])))
         return first
+
+    def _of_plane(self, columns: list[Vector], q: list[Interval]) -> Interval:
+        kinds = [link.kind for link in self._claim.links]
+        first, second, *third = [columns[i] for i, kind in enumerate(kinds) if kind == TURN]
+        if third:
+            p = _foot(third[0])
+        else:
+            p = self._at(self._point, len(columns), q)
+        return dot(first[3:], cross(velocity(first, p), velocity(second, p)))
 
     def _of_three_parallel(self, columns: list[Vector], w: list[Vector], q: list[Interval]) -> list[Interval]:
         o, foot = self._at(self._meeting, 4, q), _foot(columns[3])

@@ -8,8 +8,10 @@ What drawings of arms are made of, for matplotlib: joints as cylinders and boxes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
+from itertools import pairwise
 from math import degrees, pi
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -40,7 +42,33 @@ _HEAD, _WIDTH, _SIDES = 0.075, 0.026, 16
 """Of an arrow head, per size."""
 
 
-def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), long: float = 0.09) -> list[Any]:
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """What a number may not stand on: all within a radius of a line from one place to another [m]."""
+
+    start: Array
+    end: Array
+    radius: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ArmMarks:
+    """Numbers of the joints of a drawn arm, and what they have to keep off.
+
+    Attributes:
+        numbers: texts in space at the ends of the axes, one for each joint.
+        others: (N, 3) the other ends of the axes [m].
+        bodies: one bar for each joint's body.
+        bars: links and axes.
+    """
+
+    numbers: list[Any]
+    others: Array
+    bodies: list[Bar]
+    bars: list[Bar]
+
+
+def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), long: float = 0.09) -> ArmMarks:
     """An arm on axes in space: its links, a body for each joint, its axis as a line with its number.
 
     Joints whose axes meet in one point are drawn apart on their axes.
@@ -53,11 +81,12 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         long: how far axes stand out of their joints, per size.
 
     Returns:
-        The numbers, as texts in space; `words_apart` moves those that stand on each other.
+        The numbers, as texts in space; `words_apart` moves those that stand on something.
     """
-    numbers = []
+    numbers, others, bodies = [], [], []
     axes.set_autoscale_on(False)  # whoever draws sets the limits
     axes.plot(*drawn.links.T, color=LINK, lw=4, solid_capstyle="round", solid_joinstyle="round")
+    bars = [Bar(start, end) for start, end in pairwise(drawn.links)]
     places = spread_out(drawn, _APART * size)
     for place, middle, axis, slides, number in zip(
         places, drawn.middles, drawn.axes, drawn.slides, drawn.numbers, strict=True
@@ -65,53 +94,93 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         tone = MARKED if number in marked else BODY
         if np.any(place != middle):
             axes.plot(*np.stack([middle, place]).T, color=LINK, lw=2.5)
+            bars.append(Bar(middle, place))
         sides = 4 if slides else _SIDES
         half = _HALF * size * axis
         _add(axes, barrel_mesh(place - half, place + half, _RADIUS * size, sides=sides), tone)
+        bodies.append(Bar(place - half, place + half, _RADIUS * size))
         reached = (_HALF + (0.12 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
-        at = place + (reached + 0.03 * size) * axis
+        bars.append(Bar(line[0], line[1]))
+        beyond = (reached + 0.03 * size) * axis
         colour = MARKED if number in marked else "black"
-        numbers.append(axes.text(*at, str(number), fontsize=7, zorder=1000, color=colour))
-    return numbers
+        numbers.append(axes.text(*(place + beyond), str(number), fontsize=7, zorder=1000, color=colour))
+        others.append(place - beyond)
+    return ArmMarks(numbers, np.array(others), bodies, bars)
 
 
-_RINGS, _AROUND, _APART_BY = (0.0, 1.0, 1.6, 2.4, 3.3), 12, 9.0
-"""Where else a number is tried: so many widths away, in so many directions; a width at 72 dots per inch."""
+_RINGS, _AROUND = (0.7, 1.1, 1.6, 2.3, 3.2), 16
+"""Where a number is tried around its joint: so many widths off the body, in so many directions."""
+_WIDE, _OFF, _DENSE = 8.0, 2.0, 40
+"""Width of a number and its distance from lines, at 72 dots per inch; places at which a bar is tried."""
 
 
-def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
-    """Numbers of joints in the plane of the picture, each as near to its axis as it may be without touching another.
+class Picture:
+    """Where things in space are in the plane of a picture [dots]."""
+
+    def __init__(self, axes: Any) -> None:
+        self.axes, self.dot = axes, axes.figure.dpi / 72
+
+    def flat(self, points: Array) -> Array:
+        """(k, 2) the places of points (k, 3)."""
+        from mpl_toolkits.mplot3d import proj3d
+
+        projected = proj3d.proj_transform(*np.atleast_2d(points).T, self.axes.get_proj())[:2]
+        return np.asarray(self.axes.transData.transform(np.stack(projected, axis=1)))
+
+    def radius(self, bar: Bar) -> float:
+        """The radius of a bar, seen in the middle of it."""
+        middle = (bar.start + bar.end) / 2
+        around = self.flat(middle + bar.radius * np.vstack([np.zeros(3), np.eye(3)]))
+        return float(np.linalg.norm(around[1:] - around[0], axis=1).max())
+
+    def edges(self) -> Array:
+        """(k, 3) places of the three edges with names, as `covered` has them; drawn before."""
+        share = np.linspace(0.0, 1.0, _DENSE)[:, None]
+        parts = []
+        for axis in (self.axes.xaxis, self.axes.yaxis, self.axes.zaxis):
+            start, end = self.axes.transData.transform(axis.line.get_xydata())
+            parts.append(np.column_stack([start + share * (end - start), np.zeros(_DENSE)]))
+        return np.vstack(parts)
+
+    def covered(self, bars: Sequence[Bar]) -> Array:
+        """(k, 3) places of bars, and how far around each of them no number stands."""
+        share = np.linspace(0.0, 1.0, _DENSE)[:, None]
+        parts = []
+        for bar in bars:
+            line = self.flat(bar.start + share * (bar.end - bar.start))
+            parts.append(np.column_stack([line, np.full(_DENSE, self.radius(bar))]))
+        return np.vstack(parts)
+
+
+def words_apart(axes: Any, marks: ArmMarks, more: Sequence[Bar] = ()) -> list[Any]:
+    """Numbers of joints in the plane of the picture, off the arm, the arrows, the words of the axes and each other.
+
+    A number is tried at both ends of its axis, then around the joint's body, farther and farther; the first free place
+    is taken.
 
     Args:
         axes: of matplotlib, its limits and view set.
-        numbers: texts of `draw_arm`; they are taken away.
+        marks: of `draw_arm`; its texts are taken away.
+        more: what else is drawn.
 
     Returns:
         The texts that stand there now.
     """
-    from mpl_toolkits.mplot3d import proj3d
-
     figure = axes.figure
-    figure.canvas.draw()
-    dot = figure.dpi / 72
-    ticks = [one for axis in (axes.xaxis, axes.yaxis, axes.zaxis) for one in axis.get_ticklabels() if one.get_text()]
-    boxes = [one.get_window_extent() for one in ticks]
-    taken = [np.array([(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]) for box in boxes]
+    figure.draw_without_rendering()  # words of the axes have their places from then on
+    picture = Picture(axes)
+    covered = np.vstack([picture.covered([*marks.bars, *marks.bodies, *more]), picture.edges()])
+    half = 0.5 * _WIDE * picture.dot
+    boxes = [_grown(box, half) for box in _words_of(axes)]
     placed = []
-    tries = [np.zeros(2)]
-    for ring in _RINGS[1:]:
-        for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False):
-            tries.append(ring * _APART_BY * dot * np.array([np.cos(turn), np.sin(turn)]))
-    half = 0.5 * _APART_BY * dot
-    for number in sorted(numbers, key=lambda one: one.get_color() != MARKED):
-        flat = proj3d.proj_transform(*number.get_position_3d(), axes.get_proj())[:2]
-        start = np.asarray(axes.transData.transform(flat))
-        free = (start + shift for shift in tries
-                if all(np.abs(start + shift - other).max() >= 2 * half for other in taken))  # fmt: skip
-        at = next(free, start)
-        taken.append(at)
+    order = sorted(range(len(marks.numbers)), key=lambda i: marks.numbers[i].get_color() != MARKED)
+    for i in order:
+        number = marks.numbers[i]
+        tries = _tries(picture, np.array(number.get_position_3d()), marks.others[i], marks.bodies[i])
+        at = next((one for one in tries if _free(one, half, picture.dot, covered, boxes)), tries[0])
+        boxes.append(np.array([at - 2 * half, at + 2 * half]))
         x, y = figure.transFigure.inverted().transform(at)
         placed.append(figure.text(
             x, y, number.get_text(), fontsize=7, color=number.get_color(), ha="center", va="center", zorder=1000,
@@ -119,6 +188,38 @@ def words_apart(axes: Any, numbers: Sequence[Any]) -> list[Any]:
         ))  # fmt: skip
         number.remove()
     return placed
+
+
+def _words_of(axes: Any) -> list[Any]:
+    """Boxes of the names of the axes and of the numbers along them."""
+    edges = (axes.xaxis, axes.yaxis, axes.zaxis)
+    words = [one for axis in edges for one in (axis.label, *axis.get_ticklabels())]
+    return [one.get_window_extent() for one in words if one.get_text()]
+
+
+def _grown(box: Any, by: float) -> Array:
+    """(2, 2) two corners of a box that is larger on every side."""
+    return np.array([[box.x0 - by, box.y0 - by], [box.x1 + by, box.y1 + by]])
+
+
+def _tries(picture: Picture, end: Array, other: Array, body: Bar) -> list[Array]:
+    """Places for a joint's number: the ends of its axis, then around its body."""
+    found = list(picture.flat(np.stack([end, other])))
+    middle = picture.flat((body.start + body.end) / 2)[0]
+    reach_of_body = np.linalg.norm(picture.flat(body.end)[0] - middle)
+    for ring in _RINGS:
+        off = picture.radius(body) + ring * _WIDE * picture.dot
+        for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False):
+            way = np.array([np.cos(turn), np.sin(turn)])
+            along = (picture.flat(body.end)[0] - middle) / max(reach_of_body, 1e-9)
+            found.append(middle + (off + abs(way @ along) * reach_of_body) * way)
+    return found
+
+
+def _free(at: Array, half: float, dot: float, covered: Array, boxes: Sequence[Array]) -> bool:
+    """Whether a number at a place stands on nothing."""
+    near = np.abs(covered[:, :2] - at).max(axis=1) < half + covered[:, 2] + _OFF * dot
+    return not near.any() and not any(((box[0] < at) & (at < box[1])).all() for box in boxes)
 
 
 def draw_arrow(axes: Any, start: Array, vector: Array, colour: str, size: float, *, dotted: bool = False,
@@ -322,16 +423,19 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     axes.view_init(elev=_ELEVATION, azim=degrees(VIEW))
     q = np.array(family.witness)
     arm, size = drawn_at(robot, q), reach(robot)
-    numbers = draw_arm(axes, arm, size, blamed)
+    marks = draw_arm(axes, arm, size, blamed)
     own = float(np.linalg.norm(np.ptp(arm.links, axis=0))) / size
     lost = arrows(family.lost_directions, link_poses(robot, q), analysis.task, size, min(_ARROW, _SHARE * own))
+    bars = []
     for arrow, tone in zip(lost, ARROWS * len(lost), strict=False):
         if len(arrow.ring):
             axes.plot(*arrow.ring.reshape(-1, 3).T, color=tone, lw=1.3, zorder=900)
+            bars += [Bar(start, end) for start, end in arrow.ring.reshape(-1, 2, 3)]
         draw_arrow(axes, arrow.start, arrow.end - arrow.start, tone, size, dotted=arrow.turns)
+        bars.append(Bar(arrow.start, arrow.end, _WIDTH * size))
     ends = spread_out(arm, _APART * size)[:, None] + _HALF * size * np.stack([-arm.axes, arm.axes], axis=1)
     _framed(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
-    words_apart(axes, numbers)
+    words_apart(axes, marks, bars)
     title = f"{family.id}: {place_name(robot, analysis.task, family)}"
     title += _OUTSIDE.get(standing(analysis, family), "")
     top = drawn.get_tightbbox().y1 / drawn.get_figheight() + 0.01

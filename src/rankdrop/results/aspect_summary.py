@@ -12,6 +12,8 @@ CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
 """Verdicts on changes of posture without a singularity: proven, impossible (proven), none found in a search."""
 NOT_ASKED = "not asked"
 """Verdict of an arm with more or fewer joints than rows: solutions of a pose are curves, or there are none."""
+POSES = 10
+"""Random poses that are solved at most for the verdict on an arm outside the catalogue, where nothing is proven."""
 FILE = "catalogue.json"
 """Name of the table of the catalogue."""
 

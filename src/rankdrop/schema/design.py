@@ -6,6 +6,7 @@ from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
+from rankdrop.results.aspect_summary import POSES
 from rankdrop.robot.numbers import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
 from rankdrop.schema.families import ASPECTS_SUMMARY
@@ -68,7 +69,9 @@ UNITS = {"families": "", "aspects": "", "near": "share", "slow": "share", "sigma
          "free": "share"}  # fmt: skip
 MEANINGS = {
     "families": "number of families of every corank",
-    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven",
+    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven; "
+    "cuspidal: the arm can change its posture without a singularity (proven); undecided: no such change was found in "
+    f"{POSES} poses",
     "near": "share of the joint space near any family",
     "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
     "sigma": "smallest, over the poses of the region, of the σ of the best posture, with proven bounds",

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from math import isnan
 from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.codec import Count, Positive, many, num, optional, plain, row, some, table, text, whole
+from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table, text, whole
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 from rankdrop.text.aspects import decision_text
 from rankdrop.text.paths import evidence_words
-from rankdrop.text.programs import why_skipped
+from rankdrop.text.programs import remedy_words, why_skipped
 from rankdrop.text.remedies import GAINS as UNITS
 from rankdrop.version import VERSION
 
@@ -481,6 +482,29 @@ PROGRAM_PARTS = table(
     path=(PATH_FILE | None, "its joint path, checked; null where its first target is out of reach",
         attrgetter("check")),
 )
+def _number(value: float) -> float | None:
+    """A number that nan stands for none of."""
+    if isnan(value):
+        return None
+    return value
+
+
+PROGRAM_REMEDIES = table(
+    "program_remedies",
+    line=(Positive, "of the program", lambda pair: pair[0].move.line),
+    text=(str, "of that line", lambda pair: pair[0].move.text),
+    advice=(Literal["turn", "joint move", "slower", "bump", "detour", "out of reach", "none"], "what to do",
+        lambda pair: str(pair[0].advice)),
+    words=(str, "the same in a sentence", lambda pair: remedy_words(*pair)),
+    turn=(TURN | None, "the internal turn that is made before the line", lambda pair: pair[0].turn),
+    speed_share=(num("1", ge=0, le=1) | None, "of its speed, that keeps the joint limits; null for other advice",
+        lambda pair: _number(pair[0].factor)),
+    goal=(many(num("joint")) | None, "configuration at the target of a joint move", lambda pair: pair[0].goal),
+    change=(CHANGES | None, "of the joint path of its part, by a bump or a detour", lambda pair: pair[0].change),
+    line_shares=(pair(num("1"), num("1")), "shares of the line between which it is changed; 0 and 1 where it is not",
+        lambda pair: pair[0].span),
+    notes=(many(str), "why no bump and no detour was found", lambda pair: pair[0].notes),
+)
 PROGRAM_FILE = file(
     "program",
     "Written by `rankdrop path --json` for a robot program: the moves that were read, the lines that were not, and the "
@@ -499,6 +523,8 @@ PROGRAM_FILE = file(
     raised=(num("m"), "height of the maker's base frame above that of the arm"),
     parts=many(PROGRAM_PARTS),
     complete=(bool, "false where it was interrupted"),
+    remedies=(optional(many(PROGRAM_REMEDIES)), "of lines that end, are too fast or cross; only from the command",
+        lambda _: UNSET),
 )
 MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=(many(many(num("joint"))), "", attrgetter("joints")))
 THROUGH_FILE = file(

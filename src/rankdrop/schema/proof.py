@@ -80,7 +80,7 @@ CLAIM = table(
     turns=optional(many(bool)),
     limits=(optional(bool), "the boxes are within the joint limits; the posture change is"),
     structure=(optional(Literal["axes 1, 2 meet", "axes 1, 2 parallel", "axes 2, 3 parallel", "axes 2, 3 meet",
-            "three parallel", "orientation"]),
+            "three parallel", "orientation", "planar"]),
         "of a sign proof: which axes meet or are parallel"),
     corank=(optional(Positive), "every configuration of this corank or more is in a box"),
 )

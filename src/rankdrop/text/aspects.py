@@ -113,8 +113,10 @@ def factor_words(count: Any, index: int) -> str:
 
 
 _NOT_WITHIN = _NOT_COUNTED | {
-    "joints": "conditions that share joints depend on more than three of them",
-    "slide": "a condition depends on a slide",
+    "joints": "conditions that share joints depend on {joints}, and cells are made of three at most. Without limits, a "
+    "joint that stands in one of them only, as A + B cos θ + C sin θ, would not count",
+    "slide": "a slide stands in two conditions, in a higher degree than the first, or has one limit. With two limits, "
+    "and in one condition as A + B q, it would not count",
 }
 
 
@@ -123,7 +125,8 @@ def within_limits_sentence(count: Any) -> str:
     if count is None:
         return ""
     if count.left is not None:
-        return f"Within the joint limits nothing was counted: {_NOT_WITHIN[count.left.value]}."
+        why = _NOT_WITHIN[count.left.value].format(joints=_numbered(count.shared))
+        return f"Within the joint limits nothing was counted: {why}."
     least, most = count.at_least, count.at_most
     if count.exact:
         return f"Within the joint limits: {least} {plural('region', least)} (proven)."
@@ -173,6 +176,24 @@ def aspects_cell(summary: Any) -> str:
     if summary.proven:
         return f"{summary.at_least} … {summary.at_most}"
     return f"≥ {summary.at_least}"
+
+
+_VERDICT_CELLS = {"cuspidal": "cuspidal", "none found": "undecided"}
+
+
+def aspects_and_verdict_cell(summary: Any) -> str:
+    """The number of aspects, with the verdict where the arm is cuspidal or that is not decided.
+
+    Example:
+        >>> from rankdrop.results.aspect_summary import CUSPIDAL, NOT_CUSPIDAL, AspectSummary
+        >>> [aspects_and_verdict_cell(AspectSummary(2, 2, True, change)) for change in (NOT_CUSPIDAL, CUSPIDAL)]
+        ['2', '2, cuspidal']
+    """
+    number = aspects_cell(summary)
+    verdict = _VERDICT_CELLS.get(summary.posture_change or "")
+    if verdict is None:
+        return number
+    return f"{number}, {verdict}"
 
 
 def _signs_of_what(count: Any, *, square: bool) -> str:
@@ -230,7 +251,7 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     counting = _counting_line(found.count)
     lines = [counting] if counting else []
     if found.within is not None and found.within.left is None:
-        lines.append("within the joint limits: " + _WITHIN_HOW.format(cells=_numbered(found.within.cells)))
+        lines.append(f"within the joint limits: {'; '.join((*_peeled_and_cells(found.within), _WITHIN_HOW))}")
     if found.robot.n != found.task.m:
         yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
         return
@@ -269,11 +290,7 @@ def _counting_line(count: Any) -> str:
     """How the aspects were counted."""
     if count.left is not None:
         return ""
-    how = []
-    if count.peeled:
-        how.append(f"{_numbered(count.peeled)} peeled off")
-    if count.cells:
-        how.append(f"cells in {_numbered(count.cells)}")
+    how = _peeled_and_cells(count)
     number = len(count.factors)
     factors = f"{number} {plural('condition', number)} with signs that separate regular configurations"
     if not number:
@@ -281,12 +298,22 @@ def _counting_line(count: Any) -> str:
     return "; ".join((f"aspects: {factors}", *how, "joint limits ignored"))
 
 
+def _peeled_and_cells(count: Any) -> list[str]:
+    """Which joints were peeled off, and which ones cells were made of."""
+    how = []
+    if count.peeled:
+        how.append(f"{_numbered(count.peeled)} peeled off")
+    if count.cells:
+        how.append(f"cells in {_numbered(count.cells)}")
+    return how
+
+
 def _numbered(joints: Sequence[int]) -> str:
     return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
 
 
 _WITHIN_HOW = (
-    "cells in {cells}; a joint with limits is a line, not a circle: θ and θ + 360° are two places; limits may cut an "
+    "a joint with limits is a line, not a circle: θ and θ + 360° are two places; limits may cut an "
     "aspect into several regions, or leave all of it out"
 )
 _WITHIN = {True: "within the joint limits", False: "joint limits ignored"}

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rankdrop.aspects.arm import count_of_arm, summary_of
+from rankdrop.aspects.verdict import judged_summary
 from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import with_exact
@@ -242,11 +242,10 @@ def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple
 
 
 def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:
-    """The number of aspects: stored for arms of the catalogue, else counted where it is asked for."""
+    """The number of aspects with the verdict: stored for arms of the catalogue, else found where it is asked for."""
     known = known_aspects(robot, task)
     if known is None and asked:
-        count, _ = count_of_arm(robot, task)
-        return summary_of(count)
+        return judged_summary(robot, task)
     return known
 
 

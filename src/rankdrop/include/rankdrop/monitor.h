@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define RANKDROP_ARM_FORMAT 2
+#define RANKDROP_ARM_FORMAT 3
 
 /* An arm, its task and its families, as Python wrote them. Angles in rad, lengths in the arm's unit. Where one thing has
  * several others, `first_x` holds where those of each begin, and the end. */
@@ -28,9 +28,10 @@ typedef struct rankdrop_arm {
     const double* point;      /* (3) in the frame of link origin */
     const int* row;           /* (rows) of (v; w) */
     const double* factor;     /* (rows) 1 over the length scale, or 1 */
-    /* the families, those first that say most */
-    int families, angles, terms, equations;
-    const char *const *ids, *const *names; /* (families) */
+    /* the families: those with conditions, those first that are preferred; `listed` counts all of Python's monitor */
+    int families, listed, angles, terms, equations;
+    const char *const *ids, *const *names; /* (listed) in the order of Python's `Monitor.families` */
+    const int* number;        /* (families) place of each in that order, by which steps name them */
     const int* corank;        /* (families) */
     const double* shift;      /* (angles) angle = sum of m q - shift */
     const int *first_turn, *turning; /* joints that turn each angle */
@@ -60,7 +61,8 @@ typedef struct rankdrop_arm {
     double bound_repeats;     /* root of the largest number of joints that one variable drives */
 } rankdrop_arm;
 
-/* What is seen at one configuration. Pointers stay valid until the monitor's next step. Numbers of families: -1 none. */
+/* What is seen at one configuration. Pointers stay valid until the monitor's next step. Numbers of families
+ * are those of Python's `Monitor.families`: -1 none. */
 typedef struct rankdrop_step {
     int rank, corank;       /* corank: generic rank less rank */
     int family;             /* the one the configuration lies on */
@@ -88,7 +90,7 @@ int rankdrop_monitor_step(rankdrop_monitor* monitor, const double* q, const doub
  * take some hundred times as long as a step, and memory. 0 where nothing is proven, q is not finite, or memory is short. */
 double rankdrop_monitor_at_least(const rankdrop_monitor* monitor, const double* q);
 /* Of one family at the last step: its distance and residual [rad], and `away` (variables), the gradient of the distance by q.
- * Returns 1, or 0 for a number that is no family's. */
+ * All are NaN for a family without conditions. Returns 1, or 0 for a number that is no family's. */
 int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* distance, double* residual, double* away);
 
 #ifdef __cplusplus

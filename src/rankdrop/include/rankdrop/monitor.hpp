@@ -42,7 +42,7 @@ namespace RANKDROP_ISA {
 
 class Monitor {
   public:
-    // Of one family at the last step; `away`: (variables) gradient of the distance by q.
+    // Of one family at the last step; `away`: (variables) gradient of the distance by q. NaN for one without conditions.
     struct Nearness {
         double distance, residual;
         const double* away;
@@ -51,7 +51,13 @@ class Monitor {
     // Throws std::invalid_argument for an arm that is not sound, std::bad_alloc.
     explicit Monitor(const rankdrop_arm& arm) : Monitor(chain_of(arm), view_of(arm), families_of(arm), settings_of(arm)) {
         name_ = arm.name;
-        for (int f = 0; f < arm.families; ++f) ids_.emplace_back(arm.ids[f]), names_.emplace_back(arm.names[f]);
+        for (int f = 0; f < arm.listed; ++f) ids_.emplace_back(arm.ids[f]), names_.emplace_back(arm.names[f]);
+        numbers_ = taken(arm.number, arm.families);
+        places_.assign(static_cast<std::size_t>(arm.listed), -1);
+        for (int f = 0; f < arm.families; ++f) {
+            check(numbers_[f] >= 0 && numbers_[f] < arm.listed, "a family has no place in the list");
+            places_[numbers_[f]] = f;
+        }
         for (int b = 0; b < arm.bounds; ++b) bounds_.push_back(bound_of(arm, b));
     }
 
@@ -70,6 +76,8 @@ class Monitor {
         if (!families_.points) RANKDROP_ISA::spread(chain_, view_, families_, settings_);
         const std::size_t n = size(), m = static_cast<std::size_t>(view_.m), count = families_.corank.size() + 1;
         const std::size_t nodes = static_cast<std::size_t>(families_.nodes());
+        for (int f = 0; f < watched(); ++f) numbers_.push_back(f), places_.push_back(f);
+        unknown_.assign(n, NAN);
         work_ = std::make_unique<Work>(chain_, view_.m, families_);
         sigma_.resize(std::min(m, n)), u_.resize(m * m), phase_.resize(2 * static_cast<std::size_t>(families_.phases()));
         sine_.resize(nodes), cosine_.resize(nodes);
@@ -81,7 +89,8 @@ class Monitor {
 
     int variables() const { return chain_.variables; }
     int rows() const { return view_.m; }
-    int families() const { return static_cast<int>(families_.corank.size()); }
+    // Families are numbered as in Python's `Monitor.families`, here and in steps.
+    int families() const { return static_cast<int>(places_.size()); }
     const std::string& name() const { return name_; }
     const std::string& id(int family) const { return ids_[static_cast<std::size_t>(family)]; }
     const std::string& name(int family) const { return names_[static_cast<std::size_t>(family)]; }
@@ -102,7 +111,9 @@ class Monitor {
     }
 
     Nearness family(int number) const noexcept {
-        const std::size_t f = static_cast<std::size_t>(number);
+        const int place = places_[static_cast<std::size_t>(number)];
+        if (place < 0) return {NAN, NAN, unknown_.data()};
+        const std::size_t f = static_cast<std::size_t>(place);
         return {each_[f].distance, each_[f].residual, slope_.data() + f * size()};
     }
 
@@ -168,7 +179,7 @@ class Monitor {
         out.corank = settings_.generic - out.rank;
         RANKDROP_ISA::waves_of_one(families_, out.corank > 0, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
-        for (int f = 0; f < families(); ++f)
+        for (int f = 0; f < watched(); ++f)
             if (families_.lengthy[f] && out.corank == 0)
                 each_[f] = RANKDROP_ISA::apart_by_set(chain_, view_, families_, settings_, f, work_->x, ws, 0, work_->far,
                                                       away_.data() + f * n);
@@ -176,7 +187,8 @@ class Monitor {
                 each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
         RANKDROP_ISA::walk_all<double>(families_, settings_.start, q, work_->walks, each_.data(), away_.data());
         const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, each_.data());
-        out.family = static_cast<int>(met.family), out.nearest = static_cast<int>(met.nearest), out.residual = met.residual;
+        out.family = listed(static_cast<int>(met.family)), out.nearest = listed(static_cast<int>(met.nearest));
+        out.residual = met.residual;
         out.distance = met.distance;
         beyond(out);
         for (int f = 0; f < count(); ++f)
@@ -188,7 +200,7 @@ class Monitor {
         if (!settings_.beyond) return;
         const double slope = RANKDROP_ISA::get(
             RANKDROP_ISA::first_order_distance(chain_, view_, families_, settings_, work_->ws, work_->scratch, work_->gradient), 0);
-        const int n = chain_.variables, f = families();
+        const int n = chain_.variables, f = watched();
         double square = 0.0;
         for (int j = 0; j < n; ++j) {
             gradient_[j] = RANKDROP_ISA::get(work_->gradient[j], 0);
@@ -200,7 +212,11 @@ class Monitor {
     }
 
     // Families whose distances count: all, and sigma's slope.
-    int count() const { return families() + settings_.beyond; }
+    int count() const { return watched() + settings_.beyond; }
+
+    // Families that the kernels know, preferred ones first; what is told of one has its number in Python's order.
+    int watched() const { return static_cast<int>(families_.corank.size()); }
+    int listed(int place) const { return place < 0 ? -1 : numbers_[static_cast<std::size_t>(place)]; }
 
     // The nearest of them, -1 for none.
     int first() const {
@@ -466,6 +482,8 @@ class Monitor {
     MonitorSettings settings_;
     std::string name_;
     std::vector<std::string> ids_, names_;
+    std::vector<int> numbers_, places_;  // place in the kernels' order -> number, and back; -1: without conditions
+    std::vector<double> unknown_;  // (variables) NaN
     std::vector<Bound> bounds_;
     std::unique_ptr<Work> work_;
     std::vector<double> sigma_, u_, phase_, sine_, cosine_;

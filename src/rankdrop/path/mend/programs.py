@@ -8,12 +8,14 @@ tool led around. A joint move that crosses needs none.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
+from rankdrop.codec import record_of
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.check import within_limits
@@ -26,7 +28,7 @@ from rankdrop.path.mend.remedies import BUMP, DETOUR, mend_path
 from rankdrop.path.read.program_record import Move
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 
 _SPARE = 1.0 - 1e-3  # of the speed that keeps the limits
 _SINGULAR = ("singular", "stuck", "limit")
@@ -90,6 +92,16 @@ def program_remedies(
         if part.ended is not None:
             found += _ended(check, part)
     return tuple(found)
+
+
+def remedies_to_dict(remedies: Sequence[LineRemedy], robot: Robot) -> list[dict[str, Any]]:
+    """Remedies of a program's lines as the entry `remedies` of its JSON file: docs/json.md.
+
+    Args:
+        remedies: of `program_remedies`.
+        robot: the arm that moves.
+    """
+    return [record_of("program_remedies", (one, robot)) for one in remedies]
 
 
 def _ended(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:

@@ -213,7 +213,7 @@ def jacobian(
 
 
 def _reference_point(text: str) -> int | None:
-    """The link whose origin a text names; None for the tip.
+    """The link at the origin of which the reference point is; None for the tip.
 
     Raises:
         OptionError: it names neither.

@@ -421,7 +421,7 @@ def _near_section(near: covers.ModelTolerance, *, proven: bool) -> Section:
 def _certificate(
     check: paths.PathCheck, near: covers.ModelTolerance | None, file: Path
 ) -> results.Record | None:
-    """What is proven of a path; None of one whose check was cut short."""
+    """The certificate of a path; None where the check was cut short."""
     if not check.complete:
         return None
     return paths.path_certificate(check, near, file=file)

@@ -109,7 +109,7 @@ def cover(
 
 
 def _check_covering_files(out: str | None, certificate: str | None) -> None:
-    """Refuse a covering on stdout, and a certificate that is not beside its covering.
+    """Refuse a covering on stdout, and a certificate in another folder than its covering.
 
     Raises:
         OptionError: either.

@@ -588,9 +588,9 @@ def _equation(
     else:
         half = np.asarray(shifts, dtype=np.float64) / 2
     terms = []
-    for (kind, harmonics, powers), value in found.items():
-        phase = float(sum(m * x for m, x in zip(harmonics, half, strict=True)))
-        terms.append(Term(value, kind, harmonics, powers, 0.0 - phase))
+    for (kind, multiples, exponents), value in found.items():
+        phase = float(sum(m * x for m, x in zip(multiples, half, strict=True)))
+        terms.append(Term(value, kind, multiples, exponents, 0.0 - phase))
     return normalised(terms)
 
 

@@ -298,7 +298,7 @@ _SAID = {
     "parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
     "square": "axes {} at right angles", "flush": "no offset along axes {}",
 }  # fmt: skip
-"""What is said of axes, in this order."""
+"""Relation of axes -> its words, in this order."""
 
 
 def _merged(facts: Sequence[_Fact], n: int) -> list[str]:

@@ -321,7 +321,7 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
 
 
 def _toolbox_joint(item: Any, name: str, pose: Array) -> Joint:
-    """The joint of an elementary transform that moves, at the pose (4, 4) of what is before it."""
+    """The joint of an elementary transform that moves, at the pose (4, 4) that the ones before it give."""
     letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
     direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
     if letters[0] == "t":

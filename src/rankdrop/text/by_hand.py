@@ -178,7 +178,7 @@ def _case(found: Suppression, case: Case) -> Iterator[str]:
 
 
 def _suppressed(found: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
-    """Which screw is a combination of which others in a case, how that is proven, and what is left without it."""
+    """Which screw is a combination of which others in a case, how that is proven, and which screws are left."""
     screw, on, proof = dependence.screw, dependence.on, dependence.proof
     for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
         column = found.columns[j - 1]

@@ -275,7 +275,7 @@ def _assumed(conditions: Any) -> Iterator[Section]:
 
 
 def _underived_lines(texts: Sequence[str], *, special: bool) -> Iterator[str]:
-    """Assumptions that hold and whose failing was not derived: the shortest, and how many more.
+    """Assumptions that hold, the failing of which was not derived: the shortest, and how many more.
 
     Args:
         texts: of the assumptions.

@@ -190,7 +190,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
 
 
 def _templates(explanation: Explanation) -> tuple[str, str, str, str]:
-    """What it is, what is lost, what to do and how sure, by the cause of the verdict, to be filled with facts."""
+    """Verdict, loss, advice and evidence as texts to be filled with facts, by the cause of the verdict."""
     summary = explanation.summary
     what, lost, way, sure = _SUMMARY[summary.cause]
     if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
@@ -387,12 +387,15 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
     """The joint values as a row of a table, and those of revolute joints in degrees as a second one."""
-    units = {joint.unit for joint in robot.variables}
-    first = ("rad, m" if "m" in units else "rad", *map(fixed, q))
-    if "rad" not in units:
+    joints = robot.variables
+    unit = "rad"
+    if any(joint.unit == "m" for joint in joints):
+        unit = "rad, m"
+    first = (unit, *map(fixed, q))
+    if not any(joint.unit == "rad" for joint in joints):
         return (first,)
     second = ["deg"]
-    for joint, value in zip(robot.variables, np.degrees(q) + 0.0, strict=True):
+    for joint, value in zip(joints, np.degrees(q) + 0.0, strict=True):
         if joint.unit == "m":
             second.append("")
         else:
@@ -462,14 +465,14 @@ def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
         yield Section("Which singularity" if met else "Axes", _focus(explanation), tuple(lines), notes=notes)
 
 
-def _family_lines(explanation: Explanation, met: Incidence, full: bool) -> tuple[str, str]:
-    """A family that is met: its title, with `full` its corank, dimension and source; and what has to hold on it."""
-    family, robot, task = met.family, explanation.robot, explanation.task
+def _family_lines(explanation: Explanation, incidence: Incidence, full: bool) -> tuple[str, str]:
+    """A family through q: its title, with `full` its corank, dimension and source; and the conditions on it."""
+    family, robot, task = incidence.family, explanation.robot, explanation.task
     title = family_title(robot, task, family)
     conditions = "; ".join(condition_sentences(robot, task, family))
     if not full:
         return title, Formula(conditions)
-    title = f"{title}  (corank {family.corank}, dimension {family.dimension}; {met.source})"
+    title = f"{title}  (corank {family.corank}, dimension {family.dimension}; {incidence.source})"
     return title, Formula(f"    {conditions}")
 
 

@@ -137,19 +137,17 @@ def _broken(check: Any) -> Iterator[str]:
 
 
 def _open(check: Any) -> Iterator[str]:
-    """What is not known of a program: undecided stretches, the distance that is kept, and what was interrupted."""
+    """The open points of a program: undecided stretches, a distance that is not kept, an interrupted check."""
     undecided = sum(one.undecided_length for one in check.checks)
-    verdicts = {stretch.verdict for stretch in check.stretches}
-    if "undecided" in verdicts:
+    if any(stretch.verdict == "undecided" for stretch in check.stretches):
         yield f"{undecided:.3g} rad of it undecided"
-    margins = {path.margin for path in check.checks}
     if check.checks:
         far = angle(check.checks[0].options.min_distance)
     else:
         far = ""
-    if "violated" in margins:
+    if any(path.margin == "violated" for path in check.checks):
         yield f"comes nearer than {far} to a singularity"
-    elif "not proven" in margins:
+    elif any(path.margin == "not proven" for path in check.checks):
         yield f"a distance of {far} could not be proven"
     if not check.complete:
         yield "interrupted"

@@ -77,12 +77,12 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
     return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
 
 
-def _spans(curve: Curve, met: Iterable[Stretch], *, square: bool) -> list[Record]:
-    """What is claimed of each part of a curve, in order: clear, a crossing, or open.
+def _spans(curve: Curve, stretches: Iterable[Stretch], *, square: bool) -> list[Record]:
+    """The claim on each part of a curve, in order: clear, a crossing, or open.
 
     Args:
         curve: the whole of it.
-        met: its stretches that are not free.
+        stretches: those that are not free.
         square: the Jacobian is, so that crossings can be claimed.
     """
 
@@ -91,7 +91,7 @@ def _spans(curve: Curve, met: Iterable[Stretch], *, square: bool) -> list[Record
 
     spans: list[Record] = []
     at, last = [0, 0.0], [len(curve.control) - 1, 1.0]
-    for one in sorted(met, key=attrgetter("start")):
+    for one in sorted(stretches, key=attrgetter("start")):
         (start, end), (low, high) = map(spot, (one.start, one.end)), map(spot, one.bracket)
         if at != start:
             spans.append({"from": at, "to": start, "kind": CLEAR})

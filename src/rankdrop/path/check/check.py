@@ -546,12 +546,11 @@ def _nearest_to_start(
         return ends[away.argmin()], float(away.min())
     if reached.complete:
         return None
-    if reached.joint:
-        why = f"joint {reached.joint} is beyond its limit there"
-    else:
-        why = "Newton's method fails"
-    raise ConfigurationError(f"pose 1 is not reached from this start: {why}", where="start",
-                             mend="a start nearer to it, or none")  # fmt: skip
+    raise ConfigurationError(
+        "pose 1 is not reached from this start: " + (
+            f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
+        ), where="start", mend="a start nearer to it, or none",
+    )  # fmt: skip
 
 
 def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:

@@ -342,7 +342,7 @@ class _Rows:
         return buffer.getvalue()
 
     def _notes(self, count: int, *, stamped: bool, dropped: int, repeated: int) -> Iterator[tuple[Any, ...]]:
-        """What is to be said of the messages, as facts.
+        """Notes on the messages, as facts.
 
         Args:
             count: of messages.

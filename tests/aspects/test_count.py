@@ -35,7 +35,11 @@ def arm(rows: list[tuple[float, float, float]], task: str) -> Robot:
     return from_dh(table, convention="standard", task=task, name="arm")
 
 
-@pytest.mark.parametrize("name", ["ur3", "ur5", "ur10", "ur5e", "ur10e", "ur16e", "puma560", "e0509"])
+UR = ("ur3", "ur5", "ur10", "ur3e", "ur5e", "ur10e", "ur16e", "ur20", "ur30")
+
+
+@pytest.mark.slow_at("ur3e", "ur10e", "ur16e", "ur20", "ur30")
+@pytest.mark.parametrize("name", [*UR, "puma560", "e0509"])
 def test_eight_aspects_one_for_each_posture(name: str) -> None:
     """As in the literature: shoulder, elbow and wrist."""
     found = counted(open_robot(name))

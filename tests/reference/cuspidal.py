@@ -52,6 +52,21 @@ def postures(robot: Robot, q: Any, *, limits: bool = False, task: str | None = N
                     change, (), True)  # fmt: skip
 
 
+PARALLEL = [[0.7249860371262926, -0.7308754819569288, 3.124062163134476, 3.0211775357715274, 1.1657946707540434,
+             0.9453635139748178],
+            [2.1589409891556253, -2.849316147518223, 1.0351022171297126, -1.6080413909161813, 3.8666926508995583,
+             -1.5127883295511233]]  # fmt: skip
+"""Between two solutions of `three_parallel`."""
+
+
+def three_parallel() -> Robot:
+    """Axes 2, 3 and 4 are parallel, and no other axes are or meet: dimensions of our own."""
+    rows = [(0.2, 0.1, np.pi / 3), (0, 0.5, 0), (0, 0.4, 0), (0.1, 0.2, np.pi / 4), (0.3, 0.15, -np.pi / 3),
+            (0.1, 0, 0)]  # fmt: skip
+    table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
+    return from_dh(table, convention="standard", task="pose", name="parallel")
+
+
 STRUCTURED = {
     "axes 1, 2 meet": [(0.3, 0, H), (0.4, 0.7, 0.4), (0.2, 0.9, 0)],
     "axes 1, 2 parallel": [(0.3, 0.8, 0), (0.4, 0.7, 0.6), (0.2, 0.9, 0)],

@@ -257,7 +257,7 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: 
         box: limits of joints; None: all turn round.
 
     Raises:
-        OutOfTime: that limit was met.
+        OutOfTime: that limit was reached.
     """
     best: Parts | None = None
     for grid in _grids(conditions, box or {}):

@@ -158,7 +158,7 @@ def count_aspects(signs: Signs, work: Work | None = None) -> AspectCount:
         work: limit of the work on cells.
 
     Raises:
-        OutOfTime: that limit was met.
+        OutOfTime: that limit was reached.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
@@ -180,7 +180,7 @@ def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
         work: limit of the work on cells.
 
     Raises:
-        OutOfTime: that limit was met.
+        OutOfTime: that limit was reached.
     """
     signed, chain = signs.factors, signs.chain
     head = head_of(signs)

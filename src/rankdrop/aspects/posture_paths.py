@@ -258,7 +258,8 @@ def aspects_of(
     complete = True
     try:
         roadmap = Roadmap(there, there_task, how.seed, how.limits)
-        for one, best in _searched(roadmap, places, how, decision, progress):
+        by_signs = count.signs_decide and not how.limits
+        for one, best in _searched(roadmap, places, how, decision, progress, by_signs=by_signs):
             named = _name_solutions(robot, one, signs)
             solved.append(_by_signs(named, count, numeric, limits=how.limits))
             change = best
@@ -279,15 +280,19 @@ def _within(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCou
 
 def _searched(
     roadmap: Roadmap, places: list[tuple[Array, bool]], how: AspectsOptions, decision: Decision,
-    progress: Callable[[int, int], None] | None,
+    progress: Callable[[int, int], None] | None, *, by_signs: bool,
 ) -> Iterator[tuple[Solved, Change | None]]:  # fmt: skip
-    """Each pose solved, with the best path until then; until a path is known, or it is proven that there is none."""
+    """Each pose solved, with the best path until then; until a path is known, or it is proven that there is none.
+
+    With `by_signs` the signs of the factors say which solutions share an aspect: one path is enough.
+    """
     change: Change | None = None
     for number, (place, near_cusp) in enumerate(places, start=1):
         decided = change is not None or decision.impossible
         if number > how.poses and decided:
             break
-        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not decision.impossible)
+        settled = decision.impossible or (by_signs and change is not None)
+        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not settled)
         for way in ways:
             if change is None or (way.own, way.clearance) > (change.own, change.clearance):
                 change = way

@@ -1,6 +1,6 @@
 """The number of aspects of any arm with the verdict on changes of posture, within a budget.
 
-What is proven without a search is tried first; where it decides nothing, the inverse is solved at `POSES` random poses.
+Proofs without a search are tried first; where they decide nothing, the inverse is solved at `POSES` random poses.
 """
 
 from __future__ import annotations

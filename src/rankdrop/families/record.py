@@ -6,7 +6,7 @@ do the coefficients of equations in which slides stand. Lost directions are in `
 
 The conditions of a family are `Pin`s and `Equation`s, and where they were derived exactly `ExactConditions`; its
 evidence says how it was found: from a sample of the whole joint space, or from the neighbourhood of one configuration.
-`Derivation` is the exact derivation that an analysis rests on; what is printed of it stands in `text/families.py`.
+`Derivation` is the exact derivation that an analysis rests on; its printed form is made in `text/families.py`.
 `families_at` says on which families a configuration lies.
 """
 

@@ -58,7 +58,7 @@ _POSE, _PLACE, _TURN = [0, 1, 2, 3, 4, 5], [0, 1, 2], [3, 4, 5]  # rows of a tas
 _TRIED = 4  # configurations at which the factors are multiplied out
 _WORDS = {
     THREE_PARALLEL: "axes 2, 3, 4 parallel; 5, 6 meet", ORIENTATION: "two values of θ2",
-    PLANAR: "all axes parallel, two values of the elbow",
+    PLANAR: "all axes parallel",
 }  # fmt: skip
 
 Vector = list[Any]

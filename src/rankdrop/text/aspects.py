@@ -114,9 +114,9 @@ def factor_words(count: Any, index: int) -> str:
 
 _NOT_WITHIN = _NOT_COUNTED | {
     "joints": "conditions that share joints depend on {joints}, and cells are made of three at most. Without limits, a "
-    "joint that stands in one of them only, as A + B cos θ + C sin θ, would not count",
+    "joint that stands in one of them only, as A + B cos θ + C sin θ, could be left out",
     "slide": "a slide stands in two conditions, in a higher degree than the first, or has one limit. With two limits, "
-    "and in one condition as A + B q, it would not count",
+    "and in one condition as A + B q, it could be left out",
 }
 
 
